@@ -14,15 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.animate import AnimateSettings, Animation, animate, clear_motion, measure_animation
-from garmentq.core.animate.settings import Pace
-from garmentq.core.export.animation import write_animation
-from garmentq.core.measure import read_packs
-from garmentq.core.motion import LeadIn, Pose, find_shipped, load_motion, retarget
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.wear import Worn, worn_of
+from garmentq.core.body.motion import LeadIn, Pose, find_shipped, load_motion, retarget
+from garmentq.core.deliver.export.animation import write_animation
+from garmentq.core.judge import read_packs
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.reuse.animate import AnimateSettings, Animation, animate, clear_motion, measure_animation
+from garmentq.core.reuse.animate.settings import Pace
+from garmentq.core.reuse.wear import Worn, worn_of
 
 
 def wear(folder: Path) -> Worn:

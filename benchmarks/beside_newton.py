@@ -33,11 +33,11 @@ FPS = 30.0
 
 def write(out: Path, template: str, seconds: float) -> None:
     """Move the garment by our own steps, and keep what Newton needs."""
-    from garmentq.core.animate import AnimateSettings, animate, measure_animation
-    from garmentq.core.animate.stage import Stage
-    from garmentq.core.motion import LeadIn, Pose, find_shipped, load_motion, retarget
-    from garmentq.core.simulate import get_fabric
-    from garmentq.core.wear import wear_template
+    from garmentq.core.body.motion import LeadIn, Pose, find_shipped, load_motion, retarget
+    from garmentq.core.cloth import get_fabric
+    from garmentq.core.reuse.animate import AnimateSettings, animate, measure_animation
+    from garmentq.core.reuse.animate.stage import Stage
+    from garmentq.core.reuse.wear import wear_template
 
     worn = wear_template(template, get_fabric("cotton_poplin"))
     motion = find_shipped("walk")
@@ -125,7 +125,7 @@ def solve(out: Path, substeps: int, iterations: int) -> None:
 def compare(out: Path) -> None:
     """Measure both by crossings and depth."""
     from garmentq.core.body import ExposedSurface, penetration_depth
-    from garmentq.core.mesh import self_intersections
+    from garmentq.core.geometry import self_intersections
 
     given, other = np.load(out / "problem.npz"), np.load(out / "newton.npz")
     faces, skins = given["faces"], given["skins"][-int(given["delivered"]) :]

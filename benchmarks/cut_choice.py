@@ -20,14 +20,14 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.drape.sizing import measure_wearer
-from garmentq.core.errors import BadInput, GarmentqError
-from garmentq.core.grade import choose_cut
-from garmentq.core.pattern import BodyMeasures, find_cut, name_cut
-from garmentq.core.pattern.parts import CUTS, Cut, draft_cut
+from garmentq.core.garment import BodyMeasures, find_cut, name_cut
+from garmentq.core.garment.parts import CUTS, Cut, draft_cut
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.recover.grade import choose_cut
+from garmentq.core.run.errors import BadInput, GarmentqError
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target, segment_garment
+from garmentq.core.scan.contours import Target, segment_garment
 
 VERTICES = 1500
 """Of a drape: edges of 25 mm."""

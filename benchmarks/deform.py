@@ -13,12 +13,12 @@ import numpy as np
 import torch
 import trimesh
 from garmentq.core.body import Body, ExposedSurface
-from garmentq.core.deform import DeformSettings, deform
-from garmentq.core.deform.poisson import PoissonSystem
-from garmentq.core.measure import measure_distance
-from garmentq.core.mesh import TriangleSurface, gradient_operator, self_intersections, vertex_normals
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
-from garmentq.core.segment import Contour, Target
+from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
+from garmentq.core.geometry import TriangleSurface, gradient_operator, self_intersections, vertex_normals
+from garmentq.core.judge import measure_distance
+from garmentq.core.recover.deform import DeformSettings, deform
+from garmentq.core.recover.deform.poisson import PoissonSystem
+from garmentq.core.scan.contours import Contour, Target
 
 RADIUS, HEIGHT, FLOOR = 0.16, 0.6, 0.4
 SIZES = {"1K": (0.0265, 3.0), "3K": (0.0153, 6.0), "8K": (0.0094, 15.0)}

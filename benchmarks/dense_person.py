@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.cli.bench_raw_target import StageClock, spent_seconds
-from garmentq.core.measure import RawFile, read_raw_file, write_raw_file
-from garmentq.core.mesh import HalfEdges, TriangleSurface, edge_lengths, vertex_normals
+from garmentq.core.geometry import HalfEdges, TriangleSurface, edge_lengths, vertex_normals
+from garmentq.core.judge import RawFile, read_raw_file, write_raw_file
 
 PERSON = Path(__file__).parents[1] / "examples" / "data" / "person.ply"
 
@@ -93,11 +93,11 @@ CASES = {
 
 def take_apart(path: Path) -> dict[str, object]:
     """Read a scan and take it apart in this process; return what that cost, and the cut that each garment shows."""
-    from garmentq.core.clock import Clock
-    from garmentq.core.person.garments import cut_garment_of, find_surface
-    from garmentq.core.person.separate import separate
-    from garmentq.core.pipeline import make_case
-    from garmentq.core.recovery import Request
+    from garmentq.core.people.garments import cut_garment_of, find_surface
+    from garmentq.core.people.separate import separate
+    from garmentq.core.recover.pipeline import make_case
+    from garmentq.core.recover.recovery import Request
+    from garmentq.core.run.clock import Clock
     from garmentq.core.scan.load_raw import load_raw
 
     start, seconds = spent_seconds(), {}

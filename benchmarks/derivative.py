@@ -10,7 +10,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from garmentq.core.simulate import (
+from garmentq.core.cloth import (
     FABRIC,
     AtRest,
     Implicit,

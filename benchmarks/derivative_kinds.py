@@ -10,8 +10,7 @@ import time
 
 import numpy as np
 from garmentq.core.body import DistanceGrid
-from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, find_symmetry, map_controls, mesh_pattern
-from garmentq.core.simulate import (
+from garmentq.core.cloth import (
     FABRIC,
     Derivative,
     Implicit,
@@ -25,6 +24,7 @@ from garmentq.core.simulate import (
     list_gathers,
     make_solver,
 )
+from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, find_symmetry, map_controls, mesh_pattern
 from sheet import Laid
 
 SIZES = {"1K": 1000, "3K": 3000, "8K": 8000}

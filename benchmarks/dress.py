@@ -18,11 +18,11 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.export.dressed import write_dressed
-from garmentq.core.ply import read_ply
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import WORN, Dressed, Worn, dress_body, is_sound, load_worn, wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.dressed import write_dressed
+from garmentq.core.deliver.ply import read_ply
+from garmentq.core.reuse.wear import WORN, Dressed, Worn, dress_body, is_sound, load_worn, wear_template
+from garmentq.core.run.clock import Clock
 from ruler import measure_lack
 
 BODIES = (

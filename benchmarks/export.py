@@ -19,12 +19,12 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import numpy as np
 import trimesh
-from garmentq.core.errors import GarmentqError
-from garmentq.core.export.meshes import write_ply
-from garmentq.core.formats import DIALECTS, FORMATS, ExportOptions, Production, write_production
-from garmentq.core.pattern import list_templates
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import WORN, load_worn, save_worn, wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.deliver.formats import DIALECTS, FORMATS, ExportOptions, Production, write_production
+from garmentq.core.garment import list_templates
+from garmentq.core.reuse.wear import WORN, load_worn, save_worn, wear_template
+from garmentq.core.run.errors import GarmentqError
 
 
 def make_result(name: str, folder: Path) -> Path:

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.grade.registration import bending_operators
-from garmentq.core.mesh import Cholesky, SuperLU, cotangent_laplacian, gradient_operator
-from garmentq.core.pattern import load_template, mesh_pattern
-from garmentq.core.simulate import Topology
+from garmentq.core.cloth import Topology
+from garmentq.core.garment import load_template, mesh_pattern
+from garmentq.core.geometry import Cholesky, SuperLU, cotangent_laplacian, gradient_operator
+from garmentq.core.recover.grade.registration import bending_operators
 
 SIZES = (1000, 3000, 8000)
 """Nodes of the mesh."""

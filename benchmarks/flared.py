@@ -2,7 +2,7 @@
 
 A skirt, a dress and wide trousers are flared from our base patterns, hung by position-based dynamics (M. Macklin et
 al., XPBD, 2016, with one iteration in each of many small steps): springs along the triangles' sides and across them,
-nothing of `core.simulate`. Their triangles are then split, and every vertex moves by 0.2 mm of noise. The recovery is
+nothing of `core.cloth`. Their triangles are then split, and every vertex moves by 0.2 mm of noise. The recovery is
 told mesh, body and the base pattern without flare; printed are which hems it trusts, and how far its outlines are from
 the flared pattern's.
 
@@ -20,14 +20,15 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import WearerGeometry, drape_template, remesh
-from garmentq.core.measure import measure_recovery, read_packs
-from garmentq.core.mesh import HalfEdges, TriangleSurface
-from garmentq.core.pattern import Pattern, edge_points, load_template, save_pattern
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
-from garmentq.core.segment import name_contours
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import Pattern, edge_points, load_template, save_pattern
+from garmentq.core.geometry import HalfEdges, TriangleSurface
+from garmentq.core.judge import read_packs
+from garmentq.core.recover.drape import WearerGeometry, drape_template, remesh
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.truth import measure_recovery
+from garmentq.core.scan.contours import name_contours
 from numba import njit
 
 BODY = "builtin:female,height=1.70"

@@ -19,7 +19,7 @@ import numpy as np
 import torch
 import trimesh
 from garmentq.core.body import Body, build_assets, register_body
-from garmentq.core.drape import measure_wearer
+from garmentq.core.recover.drape import measure_wearer
 
 HEIGHTS = (1.50, 1.95)
 """Between which a drawn wearer's height lies [m]: 95 of 100 adults."""

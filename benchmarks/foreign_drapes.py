@@ -1,6 +1,6 @@
 """Make target packs of what `foreign_draft.py` and `foreign_own.py` draft, draped by Blender's cloth.
 
-Nothing of `core.simulate` runs.
+Nothing of `core.cloth` runs.
 
     python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]... [--vertices 4000]
 
@@ -25,13 +25,13 @@ import numpy as np
 import trimesh
 from foreign_start import settle
 from garmentq.core.body import register_body
-from garmentq.core.drape import WearerGeometry, drape_template, remesh
-from garmentq.core.export.blender import sewing_threads
-from garmentq.core.export.sewn_mesh import SewnMesh
-from garmentq.core.mesh import face_areas, self_intersections
-from garmentq.core.pattern import Garment, Pattern, edge_points, load_pattern, place_points
-from garmentq.core.segment import name_contours
-from garmentq.core.simulate import get_fabric
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.blender import sewing_threads
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh
+from garmentq.core.garment import Garment, Pattern, edge_points, load_pattern, place_points
+from garmentq.core.geometry import face_areas, self_intersections
+from garmentq.core.recover.drape import WearerGeometry, drape_template, remesh
+from garmentq.core.scan.contours import name_contours
 
 VERTICES = 4000
 """Of a drape: that of the other packs."""

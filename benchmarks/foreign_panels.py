@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from garmentq.core.measure.matching import is_wide
-from garmentq.core.measure.outlines import fit_outline
-from garmentq.core.pattern import Panel, Pattern, edge_points, panel_area, panel_outline, place_points
-from garmentq.core.pattern.editing.darts import find_darts
+from garmentq.core.garment import Panel, Pattern, edge_points, panel_area, panel_outline, place_points
+from garmentq.core.garment.editing.darts import find_darts
+from garmentq.core.judge.matching import is_wide
+from garmentq.core.judge.outlines import fit_outline
 
 SEGMENTS = 24
 """Segments of each curve: the chord error on a 50 cm curve is 0.1 mm."""

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.drape.dress import flat_length
-from garmentq.core.drape.follow import FollowSettings, PbdState, follow, lay_threads
-from garmentq.core.drape.layer_contact import LayerContact
-from garmentq.core.pattern import Garment
+from garmentq.core.garment import Garment
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.recover.drape.dress import flat_length
+from garmentq.core.recover.drape.follow import FollowSettings, PbdState, follow, lay_threads
+from garmentq.core.recover.drape.layer_contact import LayerContact
 from scipy.spatial import ConvexHull
 
 CLEARANCE = 0.007

@@ -24,10 +24,10 @@ from typing import Any
 
 import numpy as np
 from foreign_panels import Piece, compare_pieces, join_halves
-from garmentq.core.measure import judge
-from garmentq.core.pattern import find_cut, load_pattern
-from garmentq.core.pattern.parts import PARTS, Cut
-from garmentq.core.verdict import Verdict, worst_verdict
+from garmentq.core.garment import find_cut, load_pattern
+from garmentq.core.garment.parts import PARTS, Cut
+from garmentq.core.judge import judge
+from garmentq.core.run.verdict import Verdict, worst_verdict
 
 ALIKE = ({"crew", "scoop"}, {"cap", "short", "elbow"})
 """Words for one part in several lengths or depths, which grading turns into each other."""

@@ -370,7 +370,7 @@ def measure_checks(_: argparse.Namespace) -> None:
                     httpx.get(url + path, headers=keys[1], timeout=10)
                 slowest[path] = max(slowest[path], time.monotonic() - begun)
             below = set(list_below(watcher.api)) - set(list_below(watcher.worker))
-            children = [pid for pid in below if b"core.limited" in read_command(pid)]
+            children = [pid for pid in below if b"core.run.sandbox" in read_command(pid)]
             most = [max(most[0], len(children)), max(most[1], sum(read_mb(pid) for pid in children))]
             time.sleep(PERIOD_SECONDS)
         print(f"answers {dict(answered)}; at most {most[0]} processes at a time with {most[1]:.0f} MB")

@@ -27,12 +27,12 @@ TEST_SECONDS, SCENE_SECONDS = 90.0, 300.0
 """Limits of the tests of one mutant and of its scenes."""
 
 SCENES = {
-    "person": ("person_two", "foreign_skirt"), "scan": ("person_two", "foreign_skirt"),
+    "people": ("person_two", "foreign_skirt"), "scan": ("person_two", "foreign_skirt"),
     "body": ("person_two", "foreign_skirt"), "animate": ("animate", "edit"), "motion": ("animate", "edit"),
     "edit": ("edit", "export"), "wear": ("dress", "edit"), "pieces": ("export", "edit"), "export": ("export", "edit"),
-    "formats": ("export", "edit"), "simulate": ("edit", "foreign_tank"), "fit": ("foreign_tank", "edit"),
+    "formats": ("export", "edit"), "cloth": ("edit", "foreign_tank"), "fit": ("foreign_tank", "edit"),
 }  # fmt: skip
-"""Scenes that run most of a room; of the others `USUAL`."""
+"""Scenes that run most of a room or of a package in one; of the others `USUAL`."""
 
 USUAL = ("foreign_skirt", "foreign_tank")
 
@@ -159,7 +159,8 @@ def try_mutant(tree: ChangedTree, constant: Constant, factor: float) -> Mutant:
         ran = tree.test(tests, TEST_SECONDS) if tests else None
         caught = "tests" if ran is not None and ran.is_caught else ""
         if not caught:
-            scenes = SCENES.get(constant.path.split("/")[1], USUAL)
+            rooms = reversed(constant.path.split("/"))
+            scenes = next((SCENES[room] for room in rooms if room in SCENES), USUAL)
             chosen = " or ".join(f"accepted and {name}" for name in scenes)
             ran = tree.test(["tests/golden", "-m", "nightly or not nightly", "-k", chosen], SCENE_SECONDS)
             caught = "golden" if ran.is_caught else ""

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.cli.bench_raw_target import spent_seconds
-from garmentq.core.errors import GarmentqError
-from garmentq.core.measure import RawFile, read_raw_file, write_raw_file
+from garmentq.core.judge import RawFile, read_raw_file, write_raw_file
+from garmentq.core.run.errors import GarmentqError
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -96,8 +96,8 @@ def list_things() -> dict[str, RawFile]:
 
 def take_apart(path: Path) -> Result:
     """Read a scan and take it apart."""
-    from garmentq.core.person.hints import Hints
-    from garmentq.core.person.separate import separate
+    from garmentq.core.people.hints import Hints
+    from garmentq.core.people.separate import separate
     from garmentq.core.scan.load_raw import load_raw
 
     start = spent_seconds()

@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.drape import WearerGeometry, drape_template, remesh
-from garmentq.core.errors import BadInput
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import load_template
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import load_template
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import WearerGeometry, drape_template, remesh
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.errors import BadInput
 
 Mesh = tuple[np.ndarray, np.ndarray]
 

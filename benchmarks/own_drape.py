@@ -21,10 +21,8 @@ from typing import Any
 import numpy as np
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, remesh
-from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
+from garmentq.core.cloth import Fabric, get_fabric
+from garmentq.core.garment import (
     BodyMeasures,
     Pattern,
     draft_template,
@@ -33,12 +31,15 @@ from garmentq.core.pattern import (
     panel_area,
     save_pattern,
 )
-from garmentq.core.pattern.editing import find_darts
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import Fabric, get_fabric
+from garmentq.core.garment.editing import find_darts
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.judge import measure_panels, read_packs, read_true_pattern
+from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.truth import measure_recovery
+from garmentq.core.scan.contours import Target
 
 BODY = "builtin:female,height=1.70"
 TEMPLATES = ("tshirt", "skirt", "tank")

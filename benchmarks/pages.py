@@ -27,14 +27,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
 from garmentq.core.body import builtin_body
-from garmentq.core.drape.stage import remesh
-from garmentq.core.export import write_recovery
-from garmentq.core.meshes import Meshes
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.recovery import Recovery
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export import write_recovery
+from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.meshes import Meshes
+from garmentq.core.recover.drape.stage import remesh
+from garmentq.core.recover.recovery import Recovery
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target
-from garmentq.core.simulate import get_fabric
+from garmentq.core.scan.contours import Target
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.local_token import make_local_token

@@ -16,19 +16,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.case import Case
-from garmentq.core.clock import Clock
-from garmentq.core.drape import redrape
-from garmentq.core.hooks import SILENT
-from garmentq.core.measure import TruePanel, measure_distance, read_packs, read_true_mesh
-from garmentq.core.measure.crossings import count_crossings
-from garmentq.core.measure.packs import Pack, read_true_pattern
-from garmentq.core.pattern import Edge, Panel, Pattern, mesh_pattern
-from garmentq.core.pattern.curves import unit_points
-from garmentq.core.pipeline import make_case
-from garmentq.core.recovery import Request
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.wear import load_worn
+from garmentq.core.garment import Edge, Panel, Pattern, mesh_pattern
+from garmentq.core.garment.curves import unit_points
+from garmentq.core.judge import TruePanel, measure_distance, read_packs, read_true_mesh
+from garmentq.core.judge.crossings import count_crossings
+from garmentq.core.judge.packs import Pack, read_true_pattern
+from garmentq.core.recover.case import Case
+from garmentq.core.recover.drape import redrape
+from garmentq.core.recover.pipeline import make_case
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.reuse.wear import load_worn
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
 
 HANDLE_SAMPLES = 64
 """Points of a true edge that its cubic curve is fitted to."""

@@ -15,12 +15,20 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.export.dressed_report import draw_wearers
-from garmentq.core.pattern import Pattern
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, dress_body, is_sound, make_to_measure, measure_ease, refit_pattern, wear_template
-from garmentq.core.wear.kept_ease import Laid
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.dressed_report import draw_wearers
+from garmentq.core.garment import Pattern
+from garmentq.core.reuse.wear import (
+    Worn,
+    dress_body,
+    is_sound,
+    make_to_measure,
+    measure_ease,
+    refit_pattern,
+    wear_template,
+)
+from garmentq.core.reuse.wear.kept_ease import Laid
+from garmentq.core.run.clock import Clock
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

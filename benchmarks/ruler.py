@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from garmentq.core.body import Tape
-from garmentq.core.pattern import edge_length
-from garmentq.core.wear import Worn
-from garmentq.core.wear.ease import carry_back
+from garmentq.core.garment import edge_length
+from garmentq.core.reuse.wear import Worn
+from garmentq.core.reuse.wear.ease import carry_back
 
 HAND = (0.0, 0.02, 0.04, 0.06)
 """Distances from a place at which a tailor lays the tape anew [m]: down, at the hips up, along the arm out."""

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import click
 import numpy as np
-from garmentq.core.drape import WearerGeometry, pin_waist
-from garmentq.core.mesh import self_intersections
-from garmentq.core.simulate import Scene, SelfContact, State, Topology, equilibrium, get_fabric, move_on
-from garmentq.core.simulate.collision.near import find_candidates, find_near
-from garmentq.core.wear import wear_template
+from garmentq.core.cloth import Scene, SelfContact, State, Topology, equilibrium, get_fabric, move_on
+from garmentq.core.cloth.collision.near import find_candidates, find_near
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import WearerGeometry, pin_waist
+from garmentq.core.reuse.wear import wear_template
 from sheet import SIDES, cpu, quickest, sheet_on_ball
 
 STEPS = 10

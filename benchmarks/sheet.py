@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from garmentq.core.body import DistanceGrid
-from garmentq.core.simulate import (
+from garmentq.core.cloth import (
     Derivative,
     Friction,
     Parameters,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.simulate import Energy, Inertia, SuperLU, Topology, make_solver, settle
+from garmentq.core.cloth import Energy, Inertia, SuperLU, Topology, make_solver, settle
 from sheet import SIDES, THESIS, quickest, sheet_on_ball
 
 GOALS = {"1K": (2.5, 50.0), "3K": (12.0, 250.0), "8K": (35.0, 1100.0)}

@@ -13,13 +13,13 @@ import argparse
 import json
 from pathlib import Path
 
-from garmentq.core.drape import measure_wearer
-from garmentq.core.export.dressed_report import draw_wearers
-from garmentq.core.formats import ExportOptions
-from garmentq.core.formats.grading import grade_sizes
-from garmentq.core.formats.size_drapes import drape_size
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import is_sound, wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.dressed_report import draw_wearers
+from garmentq.core.deliver.formats import ExportOptions
+from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.size_drapes import drape_size
+from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.reuse.wear import is_sound, wear_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

@@ -23,12 +23,12 @@ from typing import Any
 import numpy as np
 import trimesh
 from garmentq.core.body import Body, fit_person
-from garmentq.core.errors import GarmentqError
-from garmentq.core.measure import RawFile, write_raw_file
-from garmentq.core.person.colour import link_alike
-from garmentq.core.person.diffusion import link_points
-from garmentq.core.person.points import sample_person
-from garmentq.core.person.separate import fit_below_clothes, separate
+from garmentq.core.judge import RawFile, write_raw_file
+from garmentq.core.people.colour import link_alike
+from garmentq.core.people.diffusion import link_points
+from garmentq.core.people.points import sample_person
+from garmentq.core.people.separate import fit_below_clothes, separate
+from garmentq.core.run.errors import GarmentqError
 from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.open3d_library import load_open3d
 from PIL import Image

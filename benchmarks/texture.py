@@ -17,15 +17,15 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from garmentq.core.export import write_recovery
-from garmentq.core.export.sewn_mesh import SewnMesh
-from garmentq.core.export.textured import write_textured
-from garmentq.core.pattern import BodyMeasures, Garment, Pattern, draft_template, load_draped_template, save_pattern
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
+from garmentq.core.deliver.export import write_recovery
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh
+from garmentq.core.deliver.export.textured import write_textured
+from garmentq.core.deliver.texture import find_texels
+from garmentq.core.garment import BodyMeasures, Garment, Pattern, draft_template, load_draped_template, save_pattern
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.scan.coloured import load_coloured
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.texture import find_texels
 from PIL import Image
 
 BODY = "builtin:female,height=1.70"

@@ -23,7 +23,7 @@ from typing import Any
 from bench_runs import MODES, Job, find_version, run_jobs
 from changed_tree import ROOT
 from compare import add_options, compare_versions
-from garmentq.core.errors import GarmentqError
+from garmentq.core.run.errors import GarmentqError
 from unseen_draw import draw_target
 from unseen_packs import Tools, Unusable, make_pack
 from unseen_table import describe_targets, format_set

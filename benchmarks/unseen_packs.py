@@ -19,12 +19,12 @@ from foreign_own import draw_cut, draw_measures
 from foreign_start import settle
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.body.template import load_template
-from garmentq.core.drape import WearerGeometry, drape_template, measure_wearer, remesh
-from garmentq.core.mesh import self_intersections, vertex_normals
-from garmentq.core.pattern import Garment, Pattern, draft_template, find_cut, load_pattern, save_pattern
-from garmentq.core.person import Part
+from garmentq.core.garment import Garment, Pattern, draft_template, find_cut, load_pattern, save_pattern
+from garmentq.core.geometry import self_intersections, vertex_normals
+from garmentq.core.people import Part
+from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, remesh
+from garmentq.core.scan.contours import name_contours
 from garmentq.core.scan.open3d_library import load_open3d
-from garmentq.core.segment import name_contours
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field
 from garmentq.training.colours import paint

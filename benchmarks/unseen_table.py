@@ -12,8 +12,8 @@ import trimesh
 from bench_compare import list_verdicts
 from bench_runs import Job
 from foreign_panels import compare_pieces, join_halves
-from garmentq.core.mesh import TriangleSurface, face_areas
-from garmentq.core.pattern import load_pattern
+from garmentq.core.garment import load_pattern
+from garmentq.core.geometry import TriangleSurface, face_areas
 
 Line = Mapping[str, Any]
 

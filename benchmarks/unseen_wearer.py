@@ -13,7 +13,7 @@ from garmentq.core.body.builtin import named_pose
 from garmentq.core.body.measured import MeasureRange
 from garmentq.core.body.skinning import skin
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
-from garmentq.core.mesh import TriangleSurface
+from garmentq.core.geometry import TriangleSurface
 
 OFF_MODEL = 0.02
 """How far the skin of a drawn body may lie from the built-in model that was fitted to it [m]: 2.2 mm on average, 10 at

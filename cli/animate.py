@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..core.motion.shipped import SHIPPED
+from ..core.body.motion.shipped import SHIPPED
 from .derived import DerivedOptions, derived_options
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .options import OrderOptions
 
 SINGLE = ("body", "labels", "labels_key", "wearing", "keep_colour", "units", "up", "name", "free", "method", "preset")

@@ -21,7 +21,7 @@ from .options import gather, json_option, method_options
 from .output import NewFolder
 
 if TYPE_CHECKING:
-    from ..core.measure import Pack
+    from ..core.judge import Pack
 
 TIMEOUT = 1800.0
 """Seconds of one target: thirty times what a recovery should take, so that only one that hangs is stopped."""
@@ -54,9 +54,7 @@ bench_options = gather(
         click.option("--library", "shipped", is_flag=True, help="Use the shipped templates, not the packs' own."),
         click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),
         click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time."),
-        click.option(
-            "--out", type=NewFolder(), help="Keep each result in OUT/TARGET/."
-        ),
+        click.option("--out", type=NewFolder(), help="Keep each result in OUT/TARGET/."),
         click.option(
             "--timeout",
             type=click.FloatRange(min=1.0),
@@ -100,7 +98,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
       garmentq bench targets --only gc_skirt2 --damage
       garmentq bench targets --only gc_skirt2 --only gpg_tee --ablate
     """
-    from ..core.measure import read_packs, read_raw_packs
+    from ..core.judge import read_packs, read_raw_packs
     from .bench_table import print_tables
     from .terminal import note, print_json
 

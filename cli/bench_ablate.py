@@ -18,10 +18,10 @@ from .terminal import print_table
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..core.case import Case, GradedDrape
-    from ..core.deform import DeformSettings
-    from ..core.measure import Pack
-    from ..core.pattern import Garment
+    from ..core.garment import Garment
+    from ..core.judge import Pack
+    from ..core.recover.case import Case, GradedDrape
+    from ..core.recover.deform import DeformSettings
 
 SAMPLES = 10_000
 """Samples of each surface for the distances: they then scatter by about a per cent."""
@@ -109,7 +109,7 @@ def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
 
     All runs share the body, the graded drape and its mesh.
     """
-    from ..core.measure import read_packs
+    from ..core.judge import read_packs
 
     pack, line = read_packs(Path(order.pack))[0], empty_line(Path(order.pack).name)
     stage: _Stage | None = None
@@ -145,12 +145,12 @@ class _Stage:
     @classmethod
     def of(cls, pack: Pack, preset: str) -> _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
-        from ..core.clock import Clock
-        from ..core.deform import DeformSettings
-        from ..core.drape import drape_graded, drape_template, remesh
-        from ..core.pipeline import drape_to_scan, make_case
-        from ..core.recovery import Request
-        from ..core.settings import RecoverySettings
+        from ..core.recover.deform import DeformSettings
+        from ..core.recover.drape import drape_graded, drape_template, remesh
+        from ..core.recover.pipeline import drape_to_scan, make_case
+        from ..core.recover.recovery import Request
+        from ..core.recover.settings import RecoverySettings
+        from ..core.run.clock import Clock
 
         settings = RecoverySettings(method="deform", vertex_count=VERTICES)
         clock = Clock()
@@ -161,7 +161,7 @@ class _Stage:
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
-        from ..core.fit import InverseSettings, fit_inverse
+        from ..core.recover.fit import InverseSettings, fit_inverse
 
         few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
         found = fit_inverse(self.case, self.graded, replace(few, **switch.descent))
@@ -169,7 +169,7 @@ class _Stage:
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
         """Run the deformer and measure the detail mesh."""
-        from ..core.deform import deform
+        from ..core.recover.deform import deform
 
         start = self.graded.garment if switch.graded else self.ungraded
         settings = replace(self.preset, **switch.deforming)
@@ -177,14 +177,14 @@ class _Stage:
 
     def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
-        from ..core.measure import (
+        from ..core.geometry import self_intersections, vertex_normals
+        from ..core.judge import (
             VertexCloud,
             chamfer_and_normals,
             measure_distance,
             measure_seams,
             read_true_mesh,
         )
-        from ..core.mesh import self_intersections, vertex_normals
 
         truth = read_true_mesh(self.pack)
         ours = VertexCloud(nodes, vertex_normals(nodes, garment.faces))

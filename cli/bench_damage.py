@@ -20,8 +20,8 @@ from .bench_table import mean
 from .terminal import print_table
 
 if TYPE_CHECKING:
-    from ..core.hooks import Arrays
-    from ..core.measure import Damage, Pack
+    from ..core.judge import Damage, Pack
+    from ..core.run.hooks import Arrays
     from ..core.scan import Scan
 
 SHOWN = ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "normal_cosine", "flipped_faces", "self_intersecting_faces")
@@ -55,7 +55,7 @@ def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
     one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
     and is shared between presets. All else is run again.
     """
-    from ..core.measure import DAMAGES, read_packs
+    from ..core.judge import DAMAGES, read_packs
 
     pack = read_packs(Path(order.pack))[0]
     with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
@@ -105,13 +105,13 @@ class _Study:
 
     def recover(self, damage: Damage, preset: str) -> Line:
         """Return the figures of one run."""
-        from ..core.export import plain
-        from ..core.hooks import Hooks
-        from ..core.inputs import read_files
-        from ..core.measure import measure_recovery
-        from ..core.pipeline import recover
-        from ..core.recovery import Request
-        from ..core.settings import RecoverySettings
+        from ..core.deliver.export import plain
+        from ..core.recover.inputs import read_files
+        from ..core.recover.pipeline import recover
+        from ..core.recover.recovery import Request
+        from ..core.recover.settings import RecoverySettings
+        from ..core.recover.truth import measure_recovery
+        from ..core.run.hooks import Hooks
 
         garment, body = _damaged_files(self.pack, damage, self.seed, self.folder)
         settings = RecoverySettings(method="deform", preset=preset, seed=self.seed)
@@ -139,8 +139,8 @@ class _Study:
 
 def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple[Path, Path | None]:
     """Write the damaged garment, and where it moves with it the body; give both paths."""
-    from ..core.export import write_ply
-    from ..core.measure import read_true_mesh
+    from ..core.deliver.export import write_ply
+    from ..core.judge import read_true_mesh
 
     garment = folder / f"{damage.name}_garment.ply"
     vertices, faces = damage.apply(*read_true_mesh(pack), np.random.default_rng(seed))

@@ -18,12 +18,12 @@ from .bench_lines import Line, answer_order, keep_failure
 from .bench_target import peak_mb
 
 if TYPE_CHECKING:
-    from ..core.hooks import Hooks
-    from ..core.measure import RawPack, TrueGarment
-    from ..core.measure.raw_frame import TruthFrame
-    from ..core.person.garments import PersonSurface
-    from ..core.person.separation import FoundGarment, Separation
-    from ..core.recovery import Recovery
+    from ..core.judge import RawPack, TrueGarment
+    from ..core.judge.raw_frame import TruthFrame
+    from ..core.people.garments import PersonSurface
+    from ..core.people.separation import FoundGarment, Separation
+    from ..core.recover.recovery import Recovery
+    from ..core.run.hooks import Hooks
     from ..core.scan.raw import RawScan
 
 MM = 1e3
@@ -90,7 +90,7 @@ def run_pack(order: RawOrder) -> Line:
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    from ..core.export import plain
+    from ..core.deliver.export import plain
     from .compiling import time_compiling
 
     line = empty_line(Path(order.pack).name, order)
@@ -117,7 +117,7 @@ class _Run:
     """
 
     def __init__(self, order: RawOrder, line: Line) -> None:
-        from ..core.measure import read_raw_packs
+        from ..core.judge import read_raw_packs
 
         self.order, self.line = order, line
         self.pack: RawPack = read_raw_packs(Path(order.pack))[0]
@@ -126,7 +126,7 @@ class _Run:
 
     def run(self) -> None:
         """Bring the scan into its state, take it apart, and recover every garment that was found."""
-        from ..core.measure import STATES, read_raw_file, read_true_labels, worsen, write_raw_file
+        from ..core.judge import STATES, read_raw_file, read_true_labels, worsen, write_raw_file
 
         file, labels = read_raw_file(self.pack.scan), read_true_labels(self.pack)
         with tempfile.TemporaryDirectory(prefix="garmentq-raw-") as folder:
@@ -149,8 +149,8 @@ class _Run:
             self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
 
     def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, Separation]:
-        from ..core.person.hints import Hints
-        from ..core.person.separate import separate
+        from ..core.people.hints import Hints
+        from ..core.people.separate import separate
         from ..core.scan.load_raw import load_raw
 
         with self.clock.stage("load"):
@@ -164,8 +164,8 @@ class _Run:
     def _write_separation(self, separation: Separation) -> None:
         folder = self._folder()
         if folder is not None:
-            from ..core.export import write_ply
-            from ..core.person.labels import write_labels
+            from ..core.deliver.export import write_ply
+            from ..core.people.labels import write_labels
 
             write_labels(separation.label, separation.confidence, folder / "labels.npz")
             write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply")
@@ -182,7 +182,7 @@ class _Run:
     def _measure_separation(
         self, raw: RawScan, separation: Separation, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
     ) -> TruthFrame:
-        from ..core.measure import (
+        from ..core.judge import (
             find_edges,
             find_frame,
             judge_outcome,
@@ -223,7 +223,7 @@ class _Run:
         return frame
 
     def _find_surface(self, raw: RawScan, separation: Separation) -> PersonSurface:
-        from ..core.person.garments import find_surface
+        from ..core.people.garments import find_surface
 
         with self.clock.stage("surface"):
             return find_surface(raw, separation.body)
@@ -231,12 +231,12 @@ class _Run:
     def _recover(
         self, path: Path, surface: PersonSurface, separation: Separation, garment: FoundGarment, frame: TruthFrame
     ) -> None:
-        from ..core.export import write_recovery
-        from ..core.pattern import load_pattern
-        from ..core.person.garments import cut_garment_of
-        from ..core.pipeline import recover
-        from ..core.recovery import Request
-        from ..core.settings import RecoverySettings
+        from ..core.deliver.export import write_recovery
+        from ..core.garment import load_pattern
+        from ..core.people.garments import cut_garment_of
+        from ..core.recover.pipeline import recover
+        from ..core.recover.recovery import Request
+        from ..core.recover.settings import RecoverySettings
 
         truth = next((each for each in self.pack.garments if each.part == garment.part), None)
         line = next(each for each in self.line["garments"] if each["part"] == garment.part.word)
@@ -270,7 +270,7 @@ class _Run:
 
 def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, own_template: bool) -> Line:
     """Measure a recovered garment against the visible part of its truth, and its pattern."""
-    from ..core.measure import (
+    from ..core.judge import (
         is_same_cut,
         measure_panels,
         measure_pattern,
@@ -306,7 +306,7 @@ class StageClock:
         return self
 
     def __enter__(self) -> Hooks:
-        from ..core.hooks import Hooks
+        from ..core.run.hooks import Hooks
 
         self._turn_to(self._outer)
         return Hooks(on_progress=lambda stage, fraction, message: self._turn_to(f"{self._outer}.{stage}"))

@@ -67,11 +67,12 @@ def empty_line(target: str, method: str) -> Line:
 
 
 def _recover(order: TargetOrder) -> Line:
-    from ..core.export import plain, write_recovery
-    from ..core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
-    from ..core.pipeline import recover
-    from ..core.recovery import Request
-    from ..core.settings import RecoverySettings
+    from ..core.deliver.export import plain, write_recovery
+    from ..core.judge import measure_panels, read_packs, read_true_pattern
+    from ..core.recover.pipeline import recover
+    from ..core.recover.recovery import Request
+    from ..core.recover.settings import RecoverySettings
+    from ..core.recover.truth import measure_recovery
     from .compiling import time_compiling
 
     pack = read_packs(Path(order.pack))[0]

@@ -59,7 +59,7 @@ def export(spec: str, out: Path, as_json: bool) -> None:
       garmentq bodies export builtin:female,height=1.70 -o body.ply
     """
     from ..core.body import JOINTS, builtin_body, is_smpl, load_smpl
-    from ..core.export import write_ply
+    from ..core.deliver.export import write_ply
     from .terminal import note, print_json
 
     if out.suffix.lower() != ".ply":

@@ -111,7 +111,7 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.columns import RowDamaged
     from ..service.damage import tell_rows
     from ..service.database import check_integrity, open_database
@@ -148,7 +148,7 @@ def _check_home(settings: ServiceSettings) -> Iterator[Finding]:
 def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
     """Ask the service that GARMENTQ_URL names; its database, broker and store are its own matter."""
     from .. import __version__
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.health import find_troubles
     from ..service.local_token import find_local_token
     from ..service.remote import RemoteBackend
@@ -176,7 +176,7 @@ def _check_own_worker(settings: ServiceSettings) -> Iterator[Finding]:
     """Look for the sign of life that each worker of this machine gives every 5 s: a container's health check."""
     import socket
 
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.database import open_database
     from ..service.reaper import FORGET_SECONDS, list_workers
 
@@ -191,7 +191,7 @@ def _check_own_worker(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.settings import hide_password
     from ..workers.broker import broker_url, check_broker, find_server, is_broker_up
     from ..workers.embedded import is_worker_up
@@ -216,7 +216,7 @@ def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
 def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
     import shutil
 
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.settings import hide_password
     from ..service.stores import open_store
 
@@ -240,7 +240,7 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
 
 def _names_files(settings: ServiceSettings) -> bool:
     """Return whether the database names files of the store; False where it has no answer, which is told elsewhere."""
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.database import open_database
     from ..service.query import count_states
 

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from ..core.body import is_builtin
-from ..core.units import UNITS
+from ..core.run.units import UNITS
 from .derived import DerivedOptions, derived_options
 from .options import AXES, gather
 

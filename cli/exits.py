@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..core.errors import BadInput, Cancelled, GarmentqError, NotFound
-from ..core.verdict import Verdict
+from ..core.run.errors import BadInput, Cancelled, GarmentqError, NotFound
+from ..core.run.verdict import Verdict
 from ..service.records import Job
 from ..service.states import State
 

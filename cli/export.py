@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..core.formats.registry import DIALECTS, FORMATS
+from ..core.deliver.formats.registry import DIALECTS, FORMATS
 from .options import gather, json_option, known_home_option, out_option, timeout_option, workers_option
 from .output import writing
 

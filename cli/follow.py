@@ -9,8 +9,8 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from ..core.errors import keep_printable
-from ..core.recovery import STAGES
+from ..core.recover.recovery import STAGES
+from ..core.run.errors import keep_printable
 from ..service.backend import Backend
 from ..service.records import Event, JobReport
 from ..service.records import Progress as JobProgress

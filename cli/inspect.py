@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..core.units import UNITS
+from ..core.run.units import UNITS
 from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
 from .options import AXES, json_option
@@ -49,8 +49,8 @@ def command(
       garmentq inspect person.ply --labels labels.npz --keep 1
     """
     from ..core.body import is_builtin
-    from ..core.recovery import make_selection
-    from ..core.settings import RecoverySettings
+    from ..core.recover.recovery import make_selection
+    from ..core.recover.settings import RecoverySettings
     from .terminal import print_json, print_table
 
     wearer: Path | str | None = body if body is None or is_builtin(body) else Path(body)
@@ -86,9 +86,9 @@ def _understand(asked: _Asked, selection: Selection | None) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.errors import BadInput
-    from ..core.person.inspect import explain_garment, find_what, inspect_person, is_no_person
-    from ..core.person.inspect_garment import inspect_file
+    from ..core.people.inspect import explain_garment, find_what, inspect_person, is_no_person
+    from ..core.people.inspect_garment import inspect_file
+    from ..core.run.errors import BadInput
     from .terminal import note
 
     what = asked.given_as or GARMENT

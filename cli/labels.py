@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..core.settings import RecoverySettings
+from ..core.recover.settings import RecoverySettings
 from .options import Decorator, gather
 
 

@@ -48,7 +48,7 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
 
 
 def _print(event: Event, name: str, as_json: bool) -> None:
-    from ..core.errors import keep_printable
+    from ..core.run.errors import keep_printable
     from .terminal import print_json, show, show_time
 
     if as_json:

@@ -11,8 +11,8 @@ from difflib import get_close_matches
 import click
 
 from .. import __version__
-from ..core.errors import GarmentqError
-from ..core.text import TextBad, has_unkept
+from ..core.run.errors import GarmentqError
+from ..core.run.text import TextBad, has_unkept
 from . import exits
 from .output import keep_mask
 from .signals import stop_as_told

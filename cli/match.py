@@ -38,7 +38,7 @@ def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Pat
     """
     import tempfile
 
-    from ..core.errors import keep_printable
+    from ..core.run.errors import keep_printable
     from ..service.backend import open_backend
     from ..service.matching import match_files, read_pairs
     from ..service.settings import read_settings

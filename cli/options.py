@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from ..core.settings import METHODS, PRESETS, RecoverySettings
-from ..core.units import UNITS
+from ..core.recover.settings import METHODS, PRESETS, RecoverySettings
+from ..core.run.units import UNITS
 from ..service.order import GIVEN_AS
 from .output import NewFolder, keep_private
 
@@ -38,9 +38,7 @@ verbose_option = click.option("--verbose", is_flag=True, help="Show every metric
 workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
 )
-out_option = click.option(
-    "--out", "-o", type=NewFolder(), default=Path("."), help="Folder.  [default: here]"
-)
+out_option = click.option("--out", "-o", type=NewFolder(), default=Path("."), help="Folder.  [default: here]")
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..core.body import is_builtin
-from ..core.person import GARMENTS
-from ..core.settings import RecoverySettings, SettingsBad
+from ..core.people import GARMENTS
+from ..core.recover.settings import RecoverySettings, SettingsBad
 from ..service.backend import Backend
 from ..service.order import Order, PartOrder, is_person
 from .options import OrderOptions

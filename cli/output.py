@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from ..service.private import MASK
 
 OWN_MASK = "garmentq.own_mask"

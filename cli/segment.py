@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..core.units import UNITS
+from ..core.run.units import UNITS
 from .options import Decorator, gather, json_option
 from .output import NewFolder, writing
 
@@ -58,13 +58,13 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
       garmentq segment person.ply --out parts --wearing one-piece
     """
     from ..core.body import is_builtin
-    from ..core.export.person import write_person
-    from ..core.hooks import SILENT
-    from ..core.person.describe import describe_person
-    from ..core.person.given import PersonFiles, read_given
-    from ..core.person.hints import Hints, parse_mark, parse_wearing
-    from ..core.person.separate import separate
-    from ..core.person_pipeline import find_wearer
+    from ..core.deliver.export.person import write_person
+    from ..core.people.describe import describe_person
+    from ..core.people.given import PersonFiles, read_given
+    from ..core.people.hints import Hints, parse_mark, parse_wearing
+    from ..core.people.pipeline import find_wearer
+    from ..core.people.separate import separate
+    from ..core.run.hooks import SILENT
     from .terminal import note, print_json, print_table
 
     wearing = None if options.wearing is None else parse_wearing(options.wearing)

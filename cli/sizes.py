@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ..core.text import read_json
+from ..core.run.text import read_json
 from .export import ProductionOptions, production_options, read_options, read_table, write_production
 
 

@@ -56,7 +56,7 @@ def command(
       garmentq submit batch.csv
       garmentq submit person.ply --keep upper --keep lower
     """
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
     from .batch import find_scans
@@ -103,7 +103,7 @@ def name_file(file: str, message: str) -> str:
 
 def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
     """Return the jobs whose files are refused within a moment, and the exit status; the jobs are queued in any case."""
-    from ..core.errors import GarmentqError
+    from ..core.run.errors import GarmentqError
     from .checked import wait_checked
     from .terminal import note, print_error
 

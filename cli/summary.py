@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ..core.errors import keep_printable
+from ..core.run.errors import keep_printable
 from ..service.order import PERSON
 from ..service.records import Gate, JobReport
 from .person_summary import describe_person

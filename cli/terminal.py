@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..core.errors import keep_printable
+from ..core.run.errors import keep_printable
 
 if TYPE_CHECKING:
     from ..service.records import Job

@@ -22,9 +22,9 @@ import warp as wp
 from garmentq.core.body import Body, ExposedSurface, builtin_body, project_outside, skin, untangle_outside
 from garmentq.core.body.builtin import ARM_DROPS, arm_pose
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.pattern import Garment, Pattern, mesh_pattern, resample, save_pattern
-from garmentq.core.pattern.outline import Outline, Stroke, mirror, place_panel, sew_by_label, unfold
+from garmentq.core.garment import Garment, Pattern, mesh_pattern, resample, save_pattern
+from garmentq.core.garment.outline import Outline, Stroke, mirror, place_panel, sew_by_label, unfold
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
 
 DATA = Path(__file__).parent / "data"
 

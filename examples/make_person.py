@@ -18,8 +18,8 @@ import numpy as np
 import open3d
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.pattern import BodyMeasures, draft_template
+from garmentq.core.garment import BodyMeasures, draft_template
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
 from scipy.ndimage import binary_dilation, generate_binary_structure
 
 DATA = Path(__file__).parent / "data"

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .settings import ServiceSettings
 from .states import State
 
 if TYPE_CHECKING:
-    from ..core.simulate import Fabric
+    from ..core.cloth import Fabric
     from .catalogue import ImportedTemplate, Template
     from .derived import DerivedOrder
     from .query import JobQuery

@@ -17,7 +17,7 @@ from typing import IO
 from sqlalchemy.engine import make_url
 
 from .. import __version__
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .damage import DamagedRow
 from .database import Database, reachable
 from .garbage import find_all_references

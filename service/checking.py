@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput
-from ..core.limited import Bounds, IsStopped, call_limited
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import Bounds, IsStopped, call_limited
 from .order import GARMENT, PERSON
 
 STAGE = "check"
@@ -53,9 +53,9 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where a file cannot be used.
     """
-    from ..core.inputs import read_request
-    from ..core.person.labels import has_names
-    from ..core.reading import describe_reading, save_reading
+    from ..core.garment.reading import describe_reading, save_reading
+    from ..core.people.labels import has_names
+    from ..core.recover.inputs import read_request
     from ..core.scan import Limits
     from ..core.scan.refusal import NoFaces
     from .kinds import read_request as parse_request
@@ -97,8 +97,8 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where a file cannot be used.
     """
-    from ..core.person.given import PersonFiles, describe_given, read_given, save_given
-    from ..core.person.inspect import explain_garment, is_no_person
+    from ..core.people.given import PersonFiles, describe_given, read_given, save_given
+    from ..core.people.inspect import explain_garment, is_no_person
     from ..core.scan import Limits
     from .kinds import FileRef
     from .kinds import read_request as parse_request
@@ -137,9 +137,9 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.record_file import write_record
+    from ..core.reuse.wear import describe_body_file, read_body_file
+    from ..core.run.records import write_record
     from ..core.scan import Limits
-    from ..core.wear import describe_body_file, read_body_file
     from .kinds.dress_request import BODY
 
     folder = Path(files)
@@ -162,8 +162,8 @@ def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.motion import load_motion
-    from ..core.record_file import write_record
+    from ..core.body.motion import load_motion
+    from ..core.run.records import write_record
     from .kinds.animate_request import MOTION
 
     folder = Path(files)
@@ -193,8 +193,8 @@ def check_edit(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.pattern import load_pattern
-    from ..core.reading import describe_pattern, save_given_pattern
+    from ..core.garment import load_pattern
+    from ..core.garment.reading import describe_pattern, save_given_pattern
     from .kinds.edit_request import PATTERN
 
     folder = Path(files)

@@ -18,7 +18,7 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 from sqlalchemy.types import TypeDecorator, TypeEngine
 
-from ..core.errors import GarmentqError
+from ..core.run.errors import GarmentqError
 
 SQLITE = "sqlite"
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import httpx
 
-from ..core.errors import BadInput, GarmentqError, NotFound
+from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .settings import hide_password
 from .store import BLOCK
 

@@ -35,8 +35,8 @@ from sqlalchemy.orm import Session
 from sqlalchemy.pool import NullPool
 from sqlalchemy.sql.functions import FunctionElement
 
-from ..core.errors import GarmentqError, Unavailable
-from ..core.text import TextBad, has_unkept
+from ..core.run.errors import GarmentqError, Unavailable
+from ..core.run.text import TextBad, has_unkept
 from .columns import RowDamaged, add_functions
 from .damage import DamagedRow, SoundSession, find_damaged, tell_rows
 from .lock import hold_lock

@@ -9,7 +9,7 @@ from time import time
 
 from sqlalchemy import delete, exists, or_, select
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .damage import tell_rows
 from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from ..core.errors import BadInput
-from ..core.limited import IsStopped, never_stopped
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import IsStopped, never_stopped
 from .jobs import find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .materials import resolve_fabric
@@ -157,7 +157,7 @@ def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:
     """
     known = set(session.scalars(select(ArtifactRow.name).where(ArtifactRow.job == job, ArtifactRow.kind == RESULT)))
     if known and not known.issuperset(names):
-        from ..core.wear import ResultOld
+        from ..core.reuse.wear import ResultOld
 
         raise ResultOld()
 

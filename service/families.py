@@ -14,7 +14,7 @@ from sqlalchemy import ColumnElement, exists, select
 from sqlalchemy import delete as delete_rows
 from sqlalchemy.orm import Session, aliased
 
-from ..core.errors import BadInput, GarmentqError
+from ..core.run.errors import BadInput, GarmentqError
 from .database import Database, pass_damage
 from .jobs import IDS_AT_ONCE, JobUnknown, create, move, record
 from .keys import check_quota, own

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from ..core.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError, Unavailable
 from .clocks import find_silence
 from .database import Database
 from .outage import list_outages

@@ -7,7 +7,7 @@ import shutil
 from contextlib import suppress
 from time import time
 
-from ..core.errors import GarmentqError
+from ..core.run.errors import GarmentqError
 from .lock import share_lock, take_lock
 from .private import MASK, make_private_all
 from .settings import ServiceSettings

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput
-from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 
-INSPECTOR = "garmentq.core.person.inspect:inspect_order"
+INSPECTOR = "garmentq.core.people.inspect:inspect_order"
 
 BOUNDS = Bounds(memory_bytes=4 * 1024**3, cpu_seconds=60, wall_seconds=100.0)
 """What looking at a scan may cost: reading takes 2 s, finding the wearer of 30 000 points 6 s."""
@@ -22,7 +22,7 @@ class BodyNotBuiltin(BadInput):
 
 
 def inspect_scan(path: Path, options: Mapping[str, Any], is_stopped: IsStopped = never_stopped) -> dict[str, Any]:
-    """Return what `core.person.inspect.inspect_order` understands of a file.
+    """Return what `core.people.inspect.inspect_order` understands of a file.
 
     Args:
         path: The file.

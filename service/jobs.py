@@ -15,8 +15,8 @@ from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.errors import BadInput, GarmentqError, NotFound, Unavailable
-from ..core.verdict import Verdict, worst_verdict
+from ..core.run.errors import BadInput, GarmentqError, NotFound, Unavailable
+from ..core.run.verdict import Verdict, worst_verdict
 from .database import Database, begins, change_rows, clock, pass_damage
 from .fairness import choose_job
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from sqlalchemy import ColumnElement, exists, func, select, update
 from sqlalchemy.orm import Session
 
-from ..core.errors import BadInput, GarmentqError, NotFound
+from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock, pass_damage
 from .models import ApiKeyRow, JobRow, OwnerRow
 from .states import OPEN

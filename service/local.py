@@ -34,7 +34,7 @@ from .webhook_records import Receipt, Webhook
 from .webhook_trial import try_webhook
 
 if TYPE_CHECKING:
-    from ..core.simulate import Fabric
+    from ..core.cloth import Fabric
 
 POLL_SECONDS = 0.2
 """How often the database is asked for news [s]; a person sees no difference below."""

@@ -8,7 +8,7 @@ import sys
 import time
 from contextvars import ContextVar
 
-from ..core.errors import keep_printable
+from ..core.run.errors import keep_printable
 
 REQUEST: ContextVar[str] = ContextVar("request", default="")
 """Id of the HTTP request that is being answered, as its answer tells it; empty elsewhere."""

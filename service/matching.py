@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput
-from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
-from ..core.text import read_json
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
+from ..core.run.text import read_json
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
 """What a comparison may cost: two patterns of ten panels take 3 s."""
@@ -50,7 +50,7 @@ def match_files(
     """
     arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
     arguments |= {"only_given": only_given, "outlines": outlines}
-    return call_limited("garmentq.core.measure.comparison:compare_files", arguments, BOUNDS, is_stopped).result
+    return call_limited("garmentq.core.judge.comparison:compare_files", arguments, BOUNDS, is_stopped).result
 
 
 def read_pairs(path: Path) -> dict[str, str]:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import select
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .catalogue import read_fabric, show_fabric
 from .database import Database, clock, pass_damage
 from .models import FabricRow
 
 if TYPE_CHECKING:
-    from ..core.simulate import Fabric
+    from ..core.cloth import Fabric
 
 
 class FabricShipped(BadInput):
@@ -30,7 +30,7 @@ def import_materials(database: Database, path: Path) -> list[Fabric]:
         FabricNameBad, FabricSourceBad, FabricOutOfRange: as `check_fabric` says.
         FabricShipped: where one has a shipped fabric's name.
     """
-    from ..core.simulate import read_fabrics
+    from ..core.cloth import read_fabrics
 
     fabrics = read_fabrics(path)
     keep_materials(database, fabrics)
@@ -53,7 +53,7 @@ def keep_materials(database: Database, fabrics: list[Fabric]) -> None:
 @pass_damage
 def list_materials(database: Database) -> list[Fabric]:
     """Return shipped and imported fabrics, each kind by name."""
-    from ..core.simulate import load_fabrics
+    from ..core.cloth import load_fabrics
 
     with database.read() as session:
         rows = session.scalars(select(FabricRow).order_by(FabricRow.name)).all()
@@ -66,7 +66,7 @@ def read_material(database: Database, name: str) -> Fabric:
     Raises:
         FabricUnknown: where there is none of that name; the message lists those there are.
     """
-    from ..core.simulate import FabricUnknown
+    from ..core.cloth import FabricUnknown
 
     fabrics = list_materials(database)
     for fabric in fabrics:
@@ -107,7 +107,7 @@ def delete_material(database: Database, name: str) -> Fabric:
 
 def is_shipped(name: str) -> bool:
     """Return whether a shipped fabric has the name."""
-    from ..core.simulate import load_fabrics
+    from ..core.cloth import load_fabrics
 
     return name in [fabric.name for fabric in load_fabrics()]
 

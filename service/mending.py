@@ -48,7 +48,7 @@ def submit_mended(services: Services, row: JobRow, wanted: Mended) -> Submitted:
         LabelsUnreadable, LabelsMismatch, LabelsOld: where the labels are none for its scan.
         QueueFull: where the key has as many open jobs as it may.
     """
-    from ..core.person.mend import mend_labels, read_mended
+    from ..core.people.mend import mend_labels, read_mended
 
     if row.kind != PERSON_KIND:
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job '{PERSON_KIND}'.")

@@ -15,7 +15,7 @@ from .local_token import find_local_token
 from .settings import ServiceSettings, read_settings
 
 if TYPE_CHECKING:
-    from ..core.export.stored_result import StoredResult
+    from ..core.deliver.export.stored_result import StoredResult
 
 PLACE = re.compile(
     r"^(?P<base>https?://[^/?#]+(?:/[^?#]*?)??)/(?:v1/jobs|jobs|results)/(?P<job>[0-9a-f]{4,16})(?:[/?#]|$)"
@@ -43,7 +43,7 @@ def open_result(source: str | Path, *, key: str | None = None, home: str | Path 
         ResultOld: where it was stored by another version.
         ServiceUnreachable: where the service does not answer.
     """
-    from ..core.export.stored_result import load_result
+    from ..core.deliver.export.stored_result import load_result
 
     text, settings = str(source), read_settings(home=home)
     if isinstance(source, Path) or Path(text).is_dir():
@@ -67,8 +67,8 @@ def _find_key(url: str, settings: ServiceSettings) -> str:
 
 def _read(backend: Backend, job: str) -> StoredResult:
     """Read the result of a job, of which only the files that are read are copied."""
-    from ..core.export.stored_result import FILES, load_result
-    from ..core.wear import WORN
+    from ..core.deliver.export.stored_result import FILES, load_result
+    from ..core.reuse.wear import WORN
 
     try:
         report = backend.find_job(job)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..core.settings import RecoverySettings, SettingsBad
-from ..core.simulate import Fabric
+from ..core.cloth import Fabric
+from ..core.recover.settings import RecoverySettings, SettingsBad
 from .states import QUEUES
 
 PERSON, GARMENT = "person", "garment"

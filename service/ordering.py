@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..core.body import is_builtin
-from ..core.errors import BadInput
-from ..core.settings import RecoverySettings, SettingsBad
+from ..core.recover.settings import RecoverySettings, SettingsBad
+from ..core.run.errors import BadInput
 from .materials import resolve_fabric
 from .order import Order, is_person
 from .services import Services
@@ -67,7 +67,7 @@ def check_typed(order: Order) -> Order:
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
-    from ..core.recovery import make_selection
+    from ..core.recover.recovery import make_selection
     from ..core.scan import FileMissing, LabelsUnreadable, check_extension
 
     _check_names(order.settings)
@@ -89,8 +89,8 @@ def check_typed(order: Order) -> Order:
 
 def _check_person(order: Order) -> None:
     """Check what is said of a person and of the single garments."""
-    from ..core.person import GARMENTS
-    from ..core.person.hints import parse_mark, parse_wearing
+    from ..core.people import GARMENTS
+    from ..core.people.hints import parse_mark, parse_wearing
 
     if order.wearing is not None:
         parse_wearing(order.wearing)
@@ -123,7 +123,7 @@ def _check_file(path: Path, missing: BadInput) -> None:
 
 def _check_names(chosen: RecoverySettings) -> None:
     if chosen.garment is not None:
-        from ..core.segment import CATEGORIES
+        from ..core.scan.contours import CATEGORIES
 
         if chosen.garment not in CATEGORIES:
             raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")

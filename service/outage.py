@@ -11,7 +11,7 @@ import errno
 from sqlalchemy import delete, exists, select, update
 from sqlalchemy.exc import IntegrityError
 
-from ..core.errors import Unavailable
+from ..core.run.errors import Unavailable
 from .database import Database, change_rows, clock, pass_damage
 from .models import OutageRow
 from .queue_records import Outage

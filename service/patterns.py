@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput
-from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 from .store import Store
 
-EXAMINER = "garmentq.core.pattern.examine:examine_file"
+EXAMINER = "garmentq.core.garment.examine:examine_file"
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
 """What examining a document may cost: a pattern of six panels takes 1 s, most of it to start."""
@@ -32,7 +32,7 @@ def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[s
     """Check a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
 
     Returns:
-        JSON values as `core.pattern.examine_file` gives them.
+        JSON values as `core.garment.examine_file` gives them.
     """
     given = {"source": str(path.absolute())}
     return call_limited(EXAMINER, given, BOUNDS, is_stopped).result
@@ -54,7 +54,7 @@ def edit_pattern(
         for path, value in zip(paths.values(), (document, operations), strict=True):
             path.write_text(json.dumps(value), encoding="utf-8")
         given = {name: str(path.absolute()) for name, path in paths.items()}
-        found = call_limited("garmentq.core.pattern.editing.operations:edit_file", given, BOUNDS, is_stopped).result
+        found = call_limited("garmentq.core.garment.editing.operations:edit_file", given, BOUNDS, is_stopped).result
     if "refused" in found:
         refused = PatternUnsound(found["refused"]["message"], [found["refused"]])
         refused.code = found["refused"]["code"]

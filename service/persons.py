@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session
 
-from ..core.errors import NotFound
+from ..core.run.errors import NotFound
 from .database import Database, begins
 from .deletion import Deleted, delete_jobs, find_doomed, forget_upload, remove_files
 from .garbage import find_hashes

@@ -12,7 +12,7 @@ from typing import Any, cast
 from sqlalchemy import ColumnElement, Select, Text, exists, func, select
 from sqlalchemy.orm import Session, aliased
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .columns import json_or_null
 from .database import Database, pass_damage
 from .models import BodyRow, JobRow, JobTagRow, MaterialRow, MetricRow, OwnerRow, PatternRow

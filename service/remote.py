@@ -26,7 +26,7 @@ from urllib.parse import quote
 import httpx
 
 from ..core.body import is_builtin
-from ..core.errors import NotFound
+from ..core.run.errors import NotFound
 from .connection import TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
 from .jobs import pick_known

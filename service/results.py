@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
-from ..core.errors import NotFound
+from ..core.run.errors import NotFound
 from .database import Database, clock, pass_damage
 from .families import make_children
 from .jobs import Claim, refuse, succeed, write_fenced

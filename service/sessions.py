@@ -8,7 +8,7 @@ import secrets
 
 from sqlalchemy import delete, select
 
-from ..core.errors import GarmentqError
+from ..core.run.errors import GarmentqError
 from .database import Database, clock
 from .keys import LOCAL, TOKEN_BYTES, Caller, KeyBad, admit_key, has_keys, hash_token
 from .models import SessionRow

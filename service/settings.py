@@ -10,12 +10,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 
-PIPELINE = "garmentq.core.pipeline:recover"
+PIPELINE = "garmentq.core.recover.pipeline:recover"
 """What a job runs. Tests of the queue put a quick stand-in here."""
 
-WRITER = "garmentq.core.export:write_recovery"
+WRITER = "garmentq.core.deliver.export:write_recovery"
 """What turns a recovery into files."""
 
 CHECKER = "garmentq.service.checking:check_recovery"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..core.errors import GarmentqError, keep_printable
-from ..core.limited import LONGEST_MESSAGE
+from ..core.run.errors import GarmentqError, keep_printable
+from ..core.run.sandbox import LONGEST_MESSAGE
 
 OURS = ("service.", "store.")
 """How codes begin of what is wrong with the service itself: their messages name hosts, folders and users."""

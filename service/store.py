@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from ..core.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError, Unavailable
 from .private import make_private
 
 BLOCK = 1 << 18

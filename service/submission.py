@@ -17,8 +17,8 @@ from sqlalchemy.orm import Session
 
 from .. import __version__
 from ..core.body import is_builtin
-from ..core.errors import BadInput
-from ..core.person.hints import parse_wearing
+from ..core.people.hints import parse_wearing
+from ..core.run.errors import BadInput
 from .database import Database, clock, serialise
 from .families import share, try_again
 from .jobs import JobUnknown, create
@@ -201,7 +201,7 @@ def clean_name(name: str) -> str:
 
 def _check_dressed(order: Order) -> None:
     from ..core.body import BodyMissing
-    from ..core.recovery import make_selection
+    from ..core.recover.recovery import make_selection
 
     if make_selection(order.labels, order.settings) is None:
         raise BodyMissing()

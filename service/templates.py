@@ -8,8 +8,8 @@ from pathlib import Path
 
 from sqlalchemy import select
 
-from ..core.errors import BadInput
-from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
+from ..core.run.errors import BadInput
+from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 from .catalogue import ImportedTemplate, Template
 from .database import Database, clock, pass_damage
 from .models import TemplateRow
@@ -42,10 +42,10 @@ def import_template(
         TemplateNameBad: where the name is none, or a shipped template's.
         PatternBad: where the file cannot be read.
     """
-    from ..core.pattern import list_templates
+    from ..core.garment import list_templates
 
     given = {"source": str(path.absolute())}
-    found = call_limited("garmentq.core.reading:check_pattern", given, BOUNDS, is_stopped).result
+    found = call_limited("garmentq.core.garment.reading:check_pattern", given, BOUNDS, is_stopped).result
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
     keep_template(services.database, services.store, name, path, found["category"], found["panels"])
@@ -71,7 +71,7 @@ def delete_template(database: Database, name: str) -> Template:
     Raises:
         TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
     """
-    from ..core.pattern import TemplateUnknown, list_templates
+    from ..core.garment import TemplateUnknown, list_templates
 
     with database.write() as session:
         row = session.get(TemplateRow, name)
@@ -89,7 +89,7 @@ def find_template(services: Services, name: str) -> Path | None:
     Raises:
         TemplateUnknown: where there is neither.
     """
-    from ..core.pattern import load_template
+    from ..core.garment import load_template
 
     kept = _find_imported(services.database, name)
     if kept is None:
@@ -104,7 +104,7 @@ def read_template(services: Services, name: str) -> bytes:
     Raises:
         TemplateUnknown: where there is none of that name.
     """
-    from ..core.pattern import load_template, write_pattern
+    from ..core.garment import load_template, write_pattern
 
     kept = _find_imported(services.database, name)
     if kept is not None:
@@ -115,9 +115,9 @@ def read_template(services: Services, name: str) -> bytes:
 @pass_damage
 def list_templates(database: Database) -> list[Template]:
     """Return shipped and imported templates, each kind by name."""
-    from ..core import pattern
+    from ..core import garment
 
-    found = [Template(info.name, info.category, "shipped", info.title) for info in pattern.list_templates()]
+    found = [Template(info.name, info.category, "shipped", info.title) for info in garment.list_templates()]
     with database.read() as session:
         rows = session.scalars(select(TemplateRow).order_by(TemplateRow.name)).all()
     return found + [_show_imported(row) for row in rows]

@@ -9,7 +9,7 @@ from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from ..core.errors import BadInput, GarmentqError, NotFound
+from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
 from .keys import lock_key
 from .models import IdempotencyRow, UploadRow

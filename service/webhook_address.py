@@ -9,7 +9,7 @@ import socket
 from collections.abc import Sequence
 from urllib.parse import SplitResult, urlsplit
 
-from ..core.errors import BadInput
+from ..core.run.errors import BadInput
 from .settings import ServiceSettingBad
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address

@@ -16,7 +16,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, delete, exists, func, select
 from sqlalchemy.orm import Session
 
-from ..core.errors import BadInput, NotFound
+from ..core.run.errors import BadInput, NotFound
 from .clocks import AHEAD_SECONDS
 from .database import Database, change_rows, clock, pass_damage
 from .keys import lock_key

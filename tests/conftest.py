@@ -8,12 +8,12 @@ import functools
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body
-from garmentq.core.meshes import Meshes
-from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
-from garmentq.core.recovery import Recovery
+from garmentq.core.cloth import Fabric
+from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
+from garmentq.core.garment.meshes import Meshes
+from garmentq.core.recover.recovery import Recovery
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Contour, Target
-from garmentq.core.simulate import Fabric
+from garmentq.core.scan.contours import Contour, Target
 
 RADIUS, HEIGHT = 0.15, 0.30
 
@@ -21,7 +21,7 @@ RADIUS, HEIGHT = 0.15, 0.30
 SERVED = ("service", "chaos", "workers", "cli", "api", "pages")
 """Folders whose tests start servers and mostly wait for them, in the order in which they run."""
 
-LAST = ("pattern", "measure", "pieces", "segment", "mesh", "motion", "training", "texture", "scan")
+LAST = ("garment", "judge", "pieces", "contours", "geometry", "motion", "training", "texture", "scan")
 """Folders that compile little of the simulator, with a third of all tests, as `SERVED` has."""
 
 
@@ -95,7 +95,7 @@ def tube_recovery():
     """Return the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
     from garmentq.core.body import ExposedSurface
-    from garmentq.core.measure import Reference, judge, measure_fit, measure_seams
+    from garmentq.core.judge import Reference, judge, measure_fit, measure_seams
 
     @functools.cache
     def base(names: tuple[str, str]) -> Recovery:

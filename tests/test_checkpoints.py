@@ -9,12 +9,12 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
-from garmentq.core import pipeline
-from garmentq.core.animate import animation
 from garmentq.core.body import Body
-from garmentq.core.checkpoints import FORMAT, fingerprint, load, pack, save, unpack
-from garmentq.core.fit import Descent, material, shape
-from garmentq.core.hooks import Arrays, Hooks
+from garmentq.core.recover import pipeline
+from garmentq.core.recover.fit import Descent, material, shape
+from garmentq.core.reuse.animate import animation
+from garmentq.core.run.checkpoints import FORMAT, fingerprint, load, pack, save, unpack
+from garmentq.core.run.hooks import Arrays, Hooks
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.pattern import Pattern, load_template, panel_area
-from garmentq.core.pipeline import recover
-from garmentq.core.reading import Reading
-from garmentq.core.recovery import Recovery, Request
+from garmentq.core.garment import Pattern, load_template, panel_area
+from garmentq.core.garment.reading import Reading
+from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Recovery, Request
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.scan import Pieces, Scan
-from garmentq.core.segment import find_loops
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.scan.contours import find_loops
 from wearers import find_wearer
 
 WEARER = "builtin:female,height=1.68,pose=A"

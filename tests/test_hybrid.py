@@ -8,14 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core import pipeline
-from garmentq.core.clock import Clock
-from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.errors import Cancelled, GarmentqError
-from garmentq.core.export import write_recovery
-from garmentq.core.fit import METHODS, Fit, LockUnknown, methods
-from garmentq.core.meshes import Meshes
-from garmentq.core.pattern import (
+from garmentq.core.deliver.export import write_recovery
+from garmentq.core.garment import (
     load_draped_template,
     load_pattern,
     load_template,
@@ -23,9 +17,15 @@ from garmentq.core.pattern import (
     panel_area,
     seam_mismatch,
 )
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import STAGES, Recovery, Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment.meshes import Meshes
+from garmentq.core.recover import pipeline
+from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.recover.fit import METHODS, Fit, LockUnknown, methods
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import STAGES, Recovery, Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.errors import Cancelled, GarmentqError
 from wearers import WOMAN, find_wearer
 
 WEARER = WOMAN

@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
-from garmentq.core.errors import BadInput, Cancelled
-from garmentq.core.limited import (
+from garmentq.core.run.errors import BadInput, Cancelled
+from garmentq.core.run.sandbox import (
     Bounds,
     InputTookTooLong,
     InputTooLarge,

@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core import settings
 from garmentq.core.body import Body, BodyMissing, builtin_body
-from garmentq.core.checkpoints import load, save
-from garmentq.core.clock import Clock
-from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.fit import METHODS, Graded, Hybrid, Inverse, InverseSettings, ShapeSettings
-from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.pattern import load_template, panel_area
-from garmentq.core.pipeline import drape_to_scan, make_case, recover
-from garmentq.core.recovery import STAGES, Recovery, Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import load_template, panel_area
+from garmentq.core.recover import settings
+from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.recover.fit import METHODS, Graded, Hybrid, Inverse, InverseSettings, ShapeSettings
+from garmentq.core.recover.pipeline import drape_to_scan, make_case, recover
+from garmentq.core.recover.recovery import STAGES, Recovery, Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.checkpoints import load, save
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import Arrays, Hooks
 from wearers import find_wearer
 
 WEARER = "builtin:female,height=1.68,pose=A"
@@ -76,10 +76,10 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import numpy as np
-from garmentq.core.hooks import Hooks
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.run.hooks import Hooks
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
 
 scan, wearer, vertices, folder = sys.argv[1:]
 

@@ -23,8 +23,8 @@ MARKS = (b"tetgenio", b"CGAL::", b"triangledeinit")
 USES = """
 import igl, numpy as np, trimesh, sys
 from garmentq.core.body.solid import Solid
-from garmentq.core.measure import raw_states
-from garmentq.core.mesh.surface import TriangleSurface
+from garmentq.core.judge import raw_states
+from garmentq.core.geometry.surface import TriangleSurface
 import garmentq.core.body.build_assets
 ball = trimesh.creation.icosphere(subdivisions=4)
 points, faces = np.array(ball.vertices), np.array(ball.faces)

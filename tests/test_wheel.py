@@ -85,7 +85,7 @@ with Client("http://127.0.0.1:8080", key="x") as service:
 """A user's script."""
 
 TYPES = (
-    "garmentq.core.export.stored_result.StoredResult", "str", "numpy.ndarray", "garmentq.service.states.State",
+    "garmentq.core.deliver.export.stored_result.StoredResult", "str", "numpy.ndarray", "garmentq.service.states.State",
     "garmentq.service.submission.Submitted",
 )  # fmt: skip
 """What is revealed in it, line by line."""
@@ -109,7 +109,7 @@ def test_an_installed_package_has_types(wheel, tmp_path):
         assert wanted in line and '"Any"' not in line, line
 
 
-@pytest.mark.parametrize("name", ["garmentq", "garmentq.core.deform"])
+@pytest.mark.parametrize("name", ["garmentq", "garmentq.core.recover.deform"])
 def test_what_is_loaded_late_is_listed(name):
     """Broken where Tab in a notebook does not offer `open_result`, which `from garmentq import *` gives."""
     module = importlib.import_module(name)

@@ -11,8 +11,8 @@ from scipy.spatial import ConvexHull
 
 from ..core.body import JOINTS, Body, skin
 from ..core.body.template import Template
-from ..core.mesh import HalfEdges, vertex_normals
-from ..core.person import Part
+from ..core.geometry import HalfEdges, vertex_normals
+from ..core.people import Part
 from .base_mesh import surface_values
 from .build_accessories import ASSET, STEP
 from .cloth import Mesh, clip, refine, wave_field

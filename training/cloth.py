@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body import SignedDistance
-from ..core.mesh import HalfEdges, vertex_normals
+from ..core.geometry import HalfEdges, vertex_normals
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Vertices [m], shape [n, 3], and faces, shape [m, 3]."""

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..core.body import JOINTS
 from ..core.body.template import load_template
-from ..core.person import GARMENTS, Part
+from ..core.people import GARMENTS, Part
 from .cloth import wave_field
 from .shards import Shard
 

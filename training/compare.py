@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.person.coat import Coat, find_coat
-from ..core.person.colour import link_alike
-from ..core.person.crumbs import give_crumbs
-from ..core.person.diffusion import Links, link_points
-from ..core.person.features import Features, describe_points
-from ..core.person.learnt import (
+from ..core.people.coat import Coat, find_coat
+from ..core.people.colour import link_alike
+from ..core.people.crumbs import give_crumbs
+from ..core.people.diffusion import Links, link_points
+from ..core.people.features import Features, describe_points
+from ..core.people.learnt import (
     Committee,
     Network,
     cells_of,
@@ -30,12 +30,12 @@ from ..core.person.learnt import (
     soften,
     sum_kinds,
 )
-from ..core.person.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
-from ..core.person.part import GARMENTS, Part
-from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import tell_by_rules
-from ..core.person.separate import smooth_parts
-from ..core.person.tone import skin_evidence
+from ..core.people.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
+from ..core.people.part import GARMENTS, Part
+from ..core.people.points import PersonPoints, sample_person
+from ..core.people.rules import tell_by_rules
+from ..core.people.separate import smooth_parts
+from ..core.people.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit
 from .judge import NUMBERS, judge_labels
@@ -194,7 +194,7 @@ def main() -> None:
     parser.add_argument("--persons", type=Path, required=True, help="folder of scans")
     parser.add_argument("--samples", type=Path, required=True, help="folder of their described samples")
     parser.add_argument("--weights", type=Path, help="folder that a training wrote; none: the rules alone")
-    parser.add_argument("--kinds", type=Path, help="file of networks of kinds; the one that ships lies in core/person")
+    parser.add_argument("--kinds", type=Path, help="file of networks of kinds; the one that ships lies in core/people")
     options = parser.parse_args()
     learners = Learners.load(options.weights, options.kinds)
     print(json.dumps(compare(options.persons, options.samples, learners), indent=1))

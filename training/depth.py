@@ -1,6 +1,6 @@
 """Measure by how much a body fitted below cloth is too thick: `python -m garmentq.training.depth --samples DIR`.
 
-The figures of `core/person/depth.py` are rounded from what it prints.
+The figures of `core/people/depth.py` are rounded from what it prints.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.person import GARMENTS, Part
-from ..core.person.depth import ARM, HANGING, HELD, LEG, OVER, Excess, find_looseness
-from ..core.person.features import LENGTH, NAMES
-from ..core.person.limbs import Limb
+from ..core.people import GARMENTS, Part
+from ..core.people.depth import ARM, HANGING, HELD, LEG, OVER, Excess, find_looseness
+from ..core.people.features import LENGTH, NAMES
+from ..core.people.limbs import Limb
 from .describe import Described
 from .train import load_set
 

@@ -22,14 +22,14 @@ from ..core.body.fit import State
 from ..core.body.person import PersonFit, fit_person
 from ..core.body.registration import body_of_state
 from ..core.body.template import load_template, rotations_of
-from ..core.errors import GarmentqError
-from ..core.person.diffusion import link_points
-from ..core.person.features import VERSION, describe_points
-from ..core.person.learnt import network_inputs, sum_kinds
-from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import tell_by_rules
-from ..core.person.separate import fit_below_clothes
-from ..core.person.tone import skin_evidence
+from ..core.people.diffusion import link_points
+from ..core.people.features import VERSION, describe_points
+from ..core.people.learnt import network_inputs, sum_kinds
+from ..core.people.points import PersonPoints, sample_person
+from ..core.people.rules import tell_by_rules
+from ..core.people.separate import fit_below_clothes
+from ..core.people.tone import skin_evidence
+from ..core.run.errors import GarmentqError
 from ..core.scan.raw import RawScan
 from .colours import paint
 from .shards import Shard, load_shard

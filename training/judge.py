@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.measure import measure_calibration
-from ..core.measure.raw_labels import SURE
-from ..core.person import CLOTH, PARTS
+from ..core.judge import measure_calibration
+from ..core.judge.raw_labels import SURE
+from ..core.people import CLOTH, PARTS
 
 NUMBERS = np.array([int(part) for part in PARTS])
 """Label of each column of a posterior."""

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.person.features import VERSION
-from ..core.person.learnt import Cells, Committee, Network, save_committee, share_kinds, sum_kinds
+from ..core.people.features import VERSION
+from ..core.people.learnt import Cells, Committee, Network, save_committee, share_kinds, sum_kinds
 from .describe import Described
 from .judge import Judged, judge
 from .network import PersonNetwork

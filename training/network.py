@@ -1,4 +1,4 @@
-"""The network of `core/person/learnt.py` in torch, to be trained, and its weights as a file."""
+"""The network of `core/people/learnt.py` in torch, to be trained, and its weights as a file."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 import torch
 from torch import nn
 
-from ..core.person import GARMENTS, PARTS
-from ..core.person.features import VERSION
-from ..core.person.learnt import (
+from ..core.people import GARMENTS, PARTS
+from ..core.people.features import VERSION
+from ..core.people.learnt import (
     CELLS,
     DILATIONS,
     GROUPS,
@@ -26,7 +26,7 @@ from ..core.person.learnt import (
     STATIONS,
     Cells,
 )
-from ..core.person.limbs import Limb
+from ..core.people.limbs import Limb
 
 WIDTH = 48
 """Numbers that a sample and a cell keep: 120,000 parameters in all, 0.25 MB in half precision."""

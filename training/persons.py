@@ -17,7 +17,7 @@ import numpy as np
 
 from ..core.body import Body, DistanceGrid
 from ..core.body.template import Template, load_template
-from ..core.person import Part
+from ..core.people import Part
 from .accessories import bare_skin, draw_accessories
 from .outfits import Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person

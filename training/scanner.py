@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body import Body
-from ..core.mesh import face_areas, face_normals
-from ..core.person import Part
+from ..core.geometry import face_areas, face_normals
+from ..core.people import Part
 from ..core.scan.open3d_library import load_open3d
 from .cloth import wave_field
 from .shards import Shard

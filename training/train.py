@@ -17,10 +17,10 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from ..core.person import GARMENTS, PARTS, learnt
-from ..core.person.features import LENGTH, NAMES, VERSION
-from ..core.person.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
-from ..core.person.limbs import Limb
+from ..core.people import GARMENTS, PARTS, learnt
+from ..core.people.features import LENGTH, NAMES, VERSION
+from ..core.people.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
+from ..core.people.limbs import Limb
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
 from .judge import NUMBERS, Judged, find_temperature, judge

@@ -1,6 +1,6 @@
 """Measure what the ring between upper and lower says of one piece and of two: `python -m garmentq.training.waists`.
 
-Each described scan is asked with colours, drawn for every one, and without. The constants of `core/person/rules.py` are
+Each described scan is asked with colours, drawn for every one, and without. The constants of `core/people/rules.py` are
 rounded from those that make what is worn on the given persons most probable.
 """
 
@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-from ..core.person import Part
-from ..core.person.evidence import find_rings
-from ..core.person.features import describe_points
-from ..core.person.points import sample_person
-from ..core.person.rules import WaistModel, WaistShown, waist_evidence
+from ..core.people import Part
+from ..core.people.evidence import find_rings
+from ..core.people.features import describe_points
+from ..core.people.points import sample_person
+from ..core.people.rules import WaistModel, WaistShown, waist_evidence
 from .colours import paint
 from .describe import load_described, unpack_fit
 from .shards import load_shard

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body import Body, DistanceGrid, skin, weights_at
-from ..core.drape import PbdState, follow, lay_threads, measure_wearer
-from ..core.drape.dress import DressSettings, dress, waist_loop
-from ..core.drape.follow import Threads
-from ..core.errors import GarmentqError
-from ..core.mesh import HalfEdges
-from ..core.pattern import BodyMeasures, Garment, draft_template, mesh_pattern
-from ..core.person import Part
+from ..core.garment import BodyMeasures, Garment, draft_template, mesh_pattern
+from ..core.geometry import HalfEdges
+from ..core.people import Part
+from ..core.recover.drape import PbdState, follow, lay_threads, measure_wearer
+from ..core.recover.drape.dress import DressSettings, dress, waist_loop
+from ..core.recover.drape.follow import Threads
+from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
 
 NODES = 1000

@@ -12,7 +12,7 @@ from ..core.body import JOINTS, Body
 from ..core.body.builtin import arm_pose, named_pose, pose_template
 from ..core.body.fit import SPREADS
 from ..core.body.template import Template
-from ..core.mesh import vertex_normals
+from ..core.geometry import vertex_normals
 
 JITTER = 0.3
 """Standard deviation of the joints' turns about a named pose as a share of everyday poses' spread: a person who was

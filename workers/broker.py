@@ -17,7 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
 from ..service.private import make_private
 from ..service.settings import ServiceSettingBad, ServiceSettings

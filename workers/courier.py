@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
 
-from ..core.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError, Unavailable
 from ..service.database import Database, open_database
 from ..service.home import use_home
 from ..service.logs import set_up_logs

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
-from ..core.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError, Unavailable
 from ..service.database import Database, DatabaseUnreachable
 from ..service.outage import LONGEST_SECONDS, end_outages, find_outage, find_pause, note_outage
 from ..service.settings import ServiceSettings

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.errors import BadInput, GarmentqError, Unavailable
-from ..core.hooks import Arrays, Hooks
-from ..core.limited import is_memory_short
+from ..core.run.errors import BadInput, GarmentqError, Unavailable
+from ..core.run.hooks import Arrays, Hooks
+from ..core.run.sandbox import is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.columns import RowDamaged
 from ..service.database import Database, DatabaseUnreachable

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from ..core.errors import GarmentqError
+from ..core.run.errors import GarmentqError
 from ..service.database import Database
 from ..service.jobs import Claim, Pulse, look, renew
 

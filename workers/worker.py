@@ -22,7 +22,7 @@ from billiard.exceptions import TimeLimitExceeded, WorkerLostError
 from celery import Celery, bootsteps, signals
 from celery.platforms import SecurityWarning
 
-from ..core.errors import GarmentqError
+from ..core.run.errors import GarmentqError
 from ..service.audit import forget_accesses
 from ..service.clocks import Leaps, read_clock, set_right
 from ..service.database import Database, DatabaseUnreachable, open_database

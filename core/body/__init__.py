@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..lazy import import_lazily
+from ..run.lazy import import_lazily
 from .body import JOINTS, PARENTS, Body
 from .spec import BUILTIN, is_builtin
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import BadInput
+from ..run.errors import BadInput
 from .body import JOINTS, Body
 from .girths import GIRTHS
 from .measured import DENSITY, Wanted, shape_for, volume_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import face_boxes, self_intersections, undo_crossings
+from ..geometry import face_boxes, self_intersections, undo_crossings
 from .signed_distance import SignedDistance
 
 STEP = 2e-3

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..errors import BadInput
-from ..mesh import HalfEdges, TriangleSurface
+from ..geometry import HalfEdges, TriangleSurface
+from ..run.errors import BadInput
 from .solid import Solid
 
 BAND = 4

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh import Closest, TriangleSurface, face_normals
+from ..geometry import Closest, TriangleSurface, face_normals
 from .body import Body
 from .solid import Solid
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
-from ..mesh import vertex_normals
+from ..geometry import vertex_normals
 from .body import JOINTS, PARENTS
 from .template import Template, articulate, cross_matrices, rotations_of
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..mesh import vertex_normals
+from ..geometry import vertex_normals
 from .body import JOINTS, PARENTS, Body
 
 HANGING = math.radians(30.0)

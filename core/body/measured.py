@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import BadInput
+from ..run.errors import BadInput
 from .body import Body
 from .girths import Tape
 from .template import Template

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..errors import BadInput
-from ..text import read_json
+from ..run.errors import BadInput
+from ..run.text import read_json
 from .spec import BUILTIN
 
 LARGEST = 65_536

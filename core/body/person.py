@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..hooks import SILENT, Hooks
-from ..mesh import vertex_normals
-from ..mesh.point_normals import smooth_normals
+from ..geometry import vertex_normals
+from ..geometry.point_normals import smooth_normals
+from ..run.hooks import SILENT, Hooks
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
@@ -328,7 +328,7 @@ def orient_by(template: Template, surface: OrientedPoints, state: State) -> Orie
 
 def _skin_rms(model: np.ndarray, faces: np.ndarray, surface: OrientedPoints) -> float:
     """Compute the RMS distance [m] of what is more skin than cloth to the model."""
-    from ..mesh import TriangleSurface
+    from ..geometry import TriangleSurface
 
     skin = np.ones(len(surface.points), bool) if surface.cloth is None else surface.cloth < 0.5
     if not skin.any():

@@ -7,8 +7,8 @@ from math import pi
 
 import numpy as np
 
-from ..hooks import Hooks
-from ..mesh import vertex_areas
+from ..geometry import vertex_areas
+from ..run.hooks import Hooks
 from .body import JOINTS
 from .fit import Fitter, OrientedPoints, Stage, State
 from .registration import HEADINGS, POSES, STAGE, Start, find_other_fits

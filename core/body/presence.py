@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..errors import BadInput
+from ..run.errors import BadInput
 from .body import JOINTS
 from .fit import OrientedPoints, State
 from .registration import NotHuman, pose_model

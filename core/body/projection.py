@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import self_intersections
+from ..geometry import self_intersections
 from .current import carry_outside
 from .exposed import ExposedSurface
 

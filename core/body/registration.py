@@ -7,9 +7,9 @@ from math import pi
 
 import numpy as np
 
-from ..errors import BadInput
-from ..hooks import SILENT, Hooks
-from ..mesh import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
+from ..geometry import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
+from ..run.errors import BadInput
+from ..run.hooks import SILENT, Hooks
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin

@@ -14,8 +14,8 @@ from typing import IO
 
 import numpy as np
 
-from ..errors import BadInput
-from ..npy import read_array
+from ..run.errors import BadInput
+from ..run.npy import read_array
 from .body import PARENTS, Body
 from .skinning import skin
 from .template import articulate, rotations_of, transforms_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import signed_volume
+from ..geometry import signed_volume
 
 INSIDE = 0.5
 """Winding number above which a point is inside; holes and parts that overlap do no more than bend it near them."""

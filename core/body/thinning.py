@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh.point_normals import estimate_normals, smooth_normals
+from ..geometry.point_normals import estimate_normals, smooth_normals
 from .fit import OrientedPoints
 
 CELL = 0.012

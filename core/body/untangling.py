@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import move_towards, self_intersections, untangle
-from ..mesh.untangling import STEP
+from ..geometry import move_towards, self_intersections, untangle
+from ..geometry.untangling import STEP
 from .exposed import ExposedSurface, penetration_depth
 from .projection import project_outside, raise_to_depth
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import HalfEdges, TriangleSurface, adjacency_matrix, factor_symmetric, vertex_normals
+from ..geometry import HalfEdges, TriangleSurface, adjacency_matrix, factor_symmetric, vertex_normals
 
 AGREEING = 0.5
 """Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs

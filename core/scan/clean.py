@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import HalfEdges, face_areas, face_normals, find_components
-from ..mesh.point_normals import find_normals, thin_points
+from ..geometry import HalfEdges, face_areas, face_normals, find_components
+from ..geometry.point_normals import find_normals, thin_points
 from .planes import find_planes
 from .upright import Profile, Upright, find_upright, turn_upright
 

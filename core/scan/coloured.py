@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import BadInput
-from ..limited import ReaderCrashed, call_limited, is_memory_short
-from ..record_file import read_record, write_record
-from ..units import UNITS
+from ..run.errors import BadInput
+from ..run.records import read_record, write_record
+from ..run.sandbox import ReaderCrashed, call_limited, is_memory_short
+from ..run.units import UNITS
 from . import refusal
 from .columns import as_bytes
 from .header import check_header

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import HalfEdges, adjacency_matrix
+from ..geometry import HalfEdges, adjacency_matrix
 from . import refusal
 from .repair import RepairedMesh, clean_cut
 from .scan import Scan

@@ -8,8 +8,8 @@ from typing import IO, Any
 
 import numpy as np
 
-from ..npy import read_array
-from ..text import has_unkept, read_json
+from ..run.npy import read_array
+from ..run.text import has_unkept, read_json
 from . import refusal
 from .columns import LABELS
 from .limits import Limits

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..limited import Bounds
+from ..run.sandbox import Bounds
 
 
 @dataclass(frozen=True)

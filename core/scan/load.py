@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..body import is_smpl, load_smpl
-from ..mesh import HalfEdges, vertex_normals
+from ..geometry import HalfEdges, vertex_normals
 from . import refusal
 from .counts import check_counts
 from .header import Declared, check_header

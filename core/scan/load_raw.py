@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..mesh import unit, vertex_normals
-from ..mesh.point_normals import faces_outward, find_normals
-from ..units import METRIC, UNITS
+from ..geometry import unit, vertex_normals
+from ..geometry.point_normals import faces_outward, find_normals
+from ..run.units import METRIC, UNITS
 from . import refusal
 from .clean import Cleaned, clean_person
 from .counts import check_counts

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import HalfEdges
+from ..geometry import HalfEdges
 from .repair import MERGE, RepairedMesh, boundary_pieces, mend_surface
 
 

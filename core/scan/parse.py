@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import BadInput
-from ..limited import call_limited, is_memory_short
+from ..run.errors import BadInput
+from ..run.sandbox import call_limited, is_memory_short
 from . import refusal
 from .cloud import parse_pcd, parse_xyz
 from .columns import as_bytes, find_labels, read_fields

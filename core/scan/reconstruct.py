@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import GarmentqError
-from ..limited import Bounds, call_limited, is_memory_short
-from ..mesh import HalfEdges, face_areas, face_normals, find_components, unit
+from ..geometry import HalfEdges, face_areas, face_normals, find_components, unit
+from ..run.errors import GarmentqError
+from ..run.sandbox import Bounds, call_limited, is_memory_short
 from .mend import mend_mesh
 from .open3d_library import load_open3d
 

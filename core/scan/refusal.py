@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..errors import BadInput
+from ..run.errors import BadInput
 
 
 class FileMissing(BadInput):

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..mesh import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
+from ..geometry import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
 from .refusal import PiecesTooMany
 
 MERGE = 1e-7

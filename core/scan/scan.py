@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mesh import face_areas
+from ..geometry import face_areas
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import HalfEdges, face_normals
-from ..units import METRIC, UNITS
+from ..geometry import HalfEdges, face_normals
+from ..run.units import METRIC, UNITS
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
 AXES = ("y", "z")

@@ -14,8 +14,8 @@ import numpy as np
 from ..body.body import JOINTS
 from ..body.skinning import skin
 from ..body.template import articulate, load_template, rotations_of, transforms_of
-from ..mesh import vertex_areas
-from ..units import METRIC, UNITS
+from ..geometry import vertex_areas
+from ..run.units import METRIC, UNITS
 from .refusal import UnitsUnknown
 from .units import BODY_LONGEST
 

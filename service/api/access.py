@@ -10,7 +10,7 @@ from fastapi.dependencies.models import Dependant
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
-from ...core.text import TextBad, has_unkept
+from ...core.run.text import TextBad, has_unkept
 from ..database import begins
 from ..jobs import JobUnknown, find_job
 from ..keys import Caller

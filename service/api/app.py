@@ -12,7 +12,7 @@ from fastapi.middleware.cors import CORSMiddleware
 from fastapi.responses import HTMLResponse
 
 from ... import __version__
-from ...core.errors import Unavailable
+from ...core.run.errors import Unavailable
 from ..database import open_database
 from ..local_token import make_local_token
 from ..pages import routes as pages

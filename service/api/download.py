@@ -18,7 +18,7 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.types import Receive, Scope, Send
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..keys import Caller
 from ..records import Artifact
 from ..store import BLOCK, ArtifactDamaged, Store

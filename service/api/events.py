@@ -14,7 +14,7 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.types import Receive, Scope, Send
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..jobs import find_job, read_events
 from ..keys import Caller
 from ..records import Event, News

@@ -14,8 +14,8 @@ from urllib.parse import unquote_to_bytes, urlsplit
 
 from starlette.concurrency import run_in_threadpool
 
-from ...core.errors import GarmentqError, Unavailable
-from ...core.text import TextBad, has_unkept
+from ...core.run.errors import GarmentqError, Unavailable
+from ...core.run.text import TextBad, has_unkept
 from ..audit import is_recorded, record_access
 from ..keys import Caller, admit
 from ..logs import REQUEST

@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ... import __version__
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..health import find_troubles, hide_places, read_queue
 from ..shown_errors import show_message
 from .access import Rooms, RoomsOf, Watcher

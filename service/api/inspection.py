@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Request
 
-from ...core.limited import IsStopped
-from ...core.units import UnitName
+from ...core.run.sandbox import IsStopped
+from ...core.run.units import UnitName
 from ..inspection import inspect_scan
 from ..submission import clean_name
 from ..uploads import find_upload

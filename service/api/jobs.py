@@ -13,8 +13,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from ...core.body import is_builtin
-from ...core.limited import IsStopped, never_stopped
-from ...core.settings import RecoverySettings
+from ...core.recover.settings import RecoverySettings
+from ...core.run.sandbox import IsStopped, never_stopped
 from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry

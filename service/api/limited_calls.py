@@ -14,8 +14,8 @@ from typing import Any, TypeVar
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
-from ...core.errors import Cancelled, GarmentqError
-from ...core.limited import IsStopped
+from ...core.run.errors import Cancelled, GarmentqError
+from ...core.run.sandbox import IsStopped
 from .limits import ApiLimits
 from .meter import LimitedFull, LimitedOpen, Meter
 from .problems import refuse

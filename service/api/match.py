@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 
-from ...core.errors import NotFound
-from ...core.limited import IsStopped
+from ...core.run.errors import NotFound
+from ...core.run.sandbox import IsStopped
 from ..matching import match_files
 from ..results import export_files
 from ..templates import read_template

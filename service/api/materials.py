@@ -41,7 +41,7 @@ def show_material(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
 )
 def import_material(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
-    from ...core.simulate import check_fabric
+    from ...core.cloth import check_fabric
 
     if wanted.name != name:
         raise RequestBad("the fabric's name is not the address's.")

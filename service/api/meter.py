@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ...core.errors import GarmentqError, Unavailable
+from ...core.run.errors import GarmentqError, Unavailable
 from .limits import ApiLimits
 
 FORGIVEN_SECONDS = 10.0

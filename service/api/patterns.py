@@ -10,7 +10,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 
-from ...core.limited import IsStopped
+from ...core.run.sandbox import IsStopped
 from ..patterns import edit_pattern, examine_pattern
 from .access import Reader, RoomsOf
 from .answers import PatternCheck, PatternEdited

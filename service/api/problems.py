@@ -13,8 +13,8 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
-from ...core.errors import BadInput, GarmentqError, NotFound, keep_printable
-from ...core.limited import LONGEST_MESSAGE
+from ...core.run.errors import BadInput, GarmentqError, NotFound, keep_printable
+from ...core.run.sandbox import LONGEST_MESSAGE
 from ..shown_errors import is_ours, show_message
 from .nulls import hide_nulls
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ...core.errors import BadInput
+from ...core.run.errors import BadInput
 
 MOST_RANGES = 100
 """Ranges of one request; where more are asked for the whole file is sent."""

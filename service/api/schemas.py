@@ -9,9 +9,9 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, JsonValue, Str
 from pydantic import Tag as Choice
 
 from ...core.body import BUILTIN
-from ...core.person import GARMENTS
-from ...core.settings import METHODS, PRESETS, RecoverySettings
-from ...core.units import UNITS
+from ...core.people import GARMENTS
+from ...core.recover.settings import METHODS, PRESETS, RecoverySettings
+from ...core.run.units import UNITS
 from ..order import GIVEN_AS
 from ..states import QUEUES
 

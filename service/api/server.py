@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import BadInput
+from ...core.run.errors import BadInput
 from ..database import open_database
 from ..home import use_home
 from ..keys import list_keys

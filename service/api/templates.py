@@ -9,7 +9,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from ...core.limited import IsStopped
+from ...core.run.sandbox import IsStopped
 from ..catalogue import ImportedTemplate, Template
 from ..templates import delete_template, import_template, list_templates, read_template
 from .access import Admin, Reader, Rooms, RoomsOf

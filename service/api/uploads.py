@@ -14,7 +14,7 @@ from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
-from ...core.errors import BadInput
+from ...core.run.errors import BadInput
 from ..deletion import Deleted, delete_upload
 from ..private import make_private
 from ..store import StorageFull

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..settings import ServiceSettings
 from .kind import PARENT, ChildRequest, Kind, Outcome, Turned, Work
 from .request import FileRef, RequestBad, find_files, pack_request, read_request

@@ -16,8 +16,8 @@ from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.animate import AnimateSettings, Moved
-    from ...core.hooks import Hooks
+    from ...core.reuse.animate import AnimateSettings, Moved
+    from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
 MOTION_CHECKER = "garmentq.service.checking:check_motion"
@@ -42,12 +42,12 @@ class Animate(Kind):
 
     def run(self, request: AnimateRequest, work: Work, hooks: Hooks) -> Moved:
         """Move the garment and write the files."""
-        from ...core.animate import move_worn
-        from ...core.clock import Clock
-        from ...core.export.animation import tell_left_out, write_moved
-        from ...core.motion import Recording, find_shipped, load_motion
-        from ...core.record_file import read_record
-        from ...core.wear import load_worn
+        from ...core.body.motion import Recording, find_shipped, load_motion
+        from ...core.deliver.export.animation import tell_left_out, write_moved
+        from ...core.reuse.animate import move_worn
+        from ...core.reuse.wear import load_worn
+        from ...core.run.clock import Clock
+        from ...core.run.records import read_record
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         if isinstance(request.motion, str):
@@ -74,8 +74,8 @@ class Animate(Kind):
 
 
 def _choose(request: AnimateRequest) -> AnimateSettings:
-    from ...core.animate import AnimateSettings
-    from ...core.simulate.motion_step import StepSettings
+    from ...core.cloth.motion_step import StepSettings
+    from ...core.reuse.animate import AnimateSettings
 
     step = StepSettings() if request.damping is None else StepSettings(damping=request.damping)
     return AnimateSettings(

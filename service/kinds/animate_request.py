@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.motion.shipped import SHIPPED
+from ...core.body.motion.shipped import SHIPPED
 from .request import FileRef, RequestBad
 
 MOTION = "motion.npz"
@@ -39,7 +39,7 @@ class AnimateRequest:
             RequestBad: where the motion is neither a file nor shipped.
             AnimateBad: where the frames make no animation.
         """
-        from ...core.animate.settings import AnimateBad, AnimateSettings
+        from ...core.reuse.animate.settings import AnimateBad, AnimateSettings
 
         if isinstance(self.motion, str) and self.motion not in SHIPPED:
             raise RequestBad(f"no motion '{self.motion[:40]}' is shipped; there are {', '.join(SHIPPED)}, and files.")

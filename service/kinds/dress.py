@@ -15,10 +15,10 @@ from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garm
 
 if TYPE_CHECKING:
     from ...core.body import Body
-    from ...core.clock import Clock
-    from ...core.hooks import Hooks
-    from ...core.simulate import Fabric
-    from ...core.wear import Dressed, Worn
+    from ...core.cloth import Fabric
+    from ...core.reuse.wear import Dressed, Worn
+    from ...core.run.clock import Clock
+    from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
 
@@ -26,7 +26,7 @@ GARMENTS = ("recover", "dress", "refit", "edit")
 """Kinds of job whose result is a worn garment."""
 
 GARMENT_FILES = ("worn.npz",)
-"""What is read of such a result: `core.wear.WORN`, which nobody need import to ask for a file."""
+"""What is read of such a result: `core.reuse.wear.WORN`, which nobody need import to ask for a file."""
 
 BODY_CHECKER = "garmentq.service.checking:check_body"
 """What reads a body's file first, in a limited process."""
@@ -52,11 +52,11 @@ class Dress(Kind):
 
     def run(self, request: DressRequest, work: Work, hooks: Hooks) -> Dressed:
         """Dress the body and write the files."""
-        from ...core.clock import Clock
-        from ...core.export.dressed import write_dressed
-        from ...core.record_file import read_record
-        from ...core.simulate import get_fabric
-        from ...core.wear import BodyFile, dress_over, find_wearer, load_worn
+        from ...core.cloth import get_fabric
+        from ...core.deliver.export.dressed import write_dressed
+        from ...core.reuse.wear import BodyFile, dress_over, find_wearer, load_worn
+        from ...core.run.clock import Clock
+        from ...core.run.records import read_record
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
@@ -72,7 +72,7 @@ class Dress(Kind):
 
     def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
         """Return the garment on the body."""
-        from ...core.wear import dress_body
+        from ...core.reuse.wear import dress_body
 
         return dress_body(worn, body, fabric, clock)
 
@@ -95,7 +95,7 @@ class Refit(Dress):
 
     def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
         """Return the garment made to measure on the body."""
-        from ...core.wear import make_to_measure
+        from ...core.reuse.wear import make_to_measure
 
         return make_to_measure(worn, body, fabric, clock)
 

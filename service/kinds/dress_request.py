@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.simulate import Fabric
+from ...core.cloth import Fabric
 from .request import FileRef, RequestBad
 
 RESULT = "result"
@@ -44,7 +44,7 @@ class DressRequest:
             RequestBad: where unit or axis of a file are given without one.
         """
         from ...core.body import check_wearer
-        from ...core.simulate import get_fabric
+        from ...core.cloth import get_fabric
 
         check_wearer(self.body if isinstance(self.body, str) else None, self.pose)
         if isinstance(self.fabric, str):

@@ -17,9 +17,9 @@ from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.edit import Edited
-    from ...core.hooks import Hooks
-    from ...core.limited import IsStopped
+    from ...core.reuse.edit import Edited
+    from ...core.run.hooks import Hooks
+    from ...core.run.sandbox import IsStopped
     from ..settings import ServiceSettings
     from ..store import Store
 
@@ -53,12 +53,12 @@ class Edit(Kind):
 
     def run(self, request: EditRequest, work: Work, hooks: Hooks) -> Edited:
         """Drape the pattern and write the files."""
-        from ...core.clock import Clock
-        from ...core.edit import drape_edit
-        from ...core.export.edited import write_edited
-        from ...core.pattern import load_pattern
-        from ...core.reading import load_given_pattern
-        from ...core.wear import load_worn
+        from ...core.deliver.export.edited import write_edited
+        from ...core.garment import load_pattern
+        from ...core.garment.reading import load_given_pattern
+        from ...core.reuse.edit import drape_edit
+        from ...core.reuse.wear import load_worn
+        from ...core.run.clock import Clock
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         pattern = load_given_pattern(work.files / PATTERN)

@@ -17,9 +17,9 @@ from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pieces
 
 if TYPE_CHECKING:
-    from ...core.clock import Clock
-    from ...core.hooks import Hooks
-    from ...core.pieces import PieceSet
+    from ...core.garment.pieces import PieceSet
+    from ...core.run.clock import Clock
+    from ...core.run.hooks import Hooks
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class Export(Kind):
 
     def run(self, request: ExportRequest, work: Work, hooks: Hooks) -> Exported:
         """Write the files."""
-        from ...core.clock import Clock
-        from ...core.formats import Production, write_production
-        from ...core.wear import load_worn
+        from ...core.deliver.formats import Production, write_production
+        from ...core.reuse.wear import load_worn
+        from ...core.run.clock import Clock
 
         clock = Clock(hooks)
         with clock.stage("write", f"writing {request.format}") as told:
@@ -58,8 +58,8 @@ class Export(Kind):
 
     def store(self, session: Session, claim: Claim, result: Exported) -> Outcome:
         """Add the rows of the pieces and of their numbers."""
-        from ...core.clock import peak_mb
-        from ...core.pieces import describe_pieces
+        from ...core.garment.pieces import describe_pieces
+        from ...core.run.clock import peak_mb
 
         measured, lay = describe_pieces(result.pieces)
         add_pieces(session, claim.job, measured)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from ...core.errors import GarmentqError
-    from ...core.hooks import Hooks
-    from ...core.limited import IsStopped
+    from ...core.run.errors import GarmentqError
+    from ...core.run.hooks import Hooks
+    from ...core.run.sandbox import IsStopped
     from ..jobs import Claim
     from ..models import JobRow
     from ..settings import ServiceSettings

@@ -20,8 +20,8 @@ from .request import RequestBad, read_request
 from .rows import add_metrics, describe_body, summarise
 
 if TYPE_CHECKING:
-    from ...core.hooks import Hooks
-    from ...core.wear import DressedOutfit
+    from ...core.reuse.wear import DressedOutfit
+    from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
 
@@ -43,7 +43,7 @@ class Outfit(Kind):
         Raises:
             RequestBad: where the order that is asked for names other garments than are worn.
         """
-        from ...core.person.layering import order_garments
+        from ...core.people.layering import order_garments
 
         person = (row.result or {}).get("person")
         if person is None:  # it has not ended, which the caller refuses
@@ -73,10 +73,10 @@ class Outfit(Kind):
 
     def run(self, request: OutfitRequest, work: Work, hooks: Hooks) -> DressedOutfit:
         """Dress the body and write the files."""
-        from ...core.clock import Clock
-        from ...core.export.outfit import write_outfit
-        from ...core.record_file import read_record
-        from ...core.wear import BodyFile, dress_outfit, find_wearer, load_worn
+        from ...core.deliver.export.outfit import write_outfit
+        from ...core.reuse.wear import BodyFile, dress_outfit, find_wearer, load_worn
+        from ...core.run.clock import Clock
+        from ...core.run.records import read_record
 
         outfit = {word: load_worn(work.inputs[word]) for word in request.words}
         first, clock = next(iter(outfit.values())), Clock(hooks)

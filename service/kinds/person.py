@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..jobs import Claim
 from .kind import PARENT, ChildRequest, Kind, Outcome, Work
 from .person_request import PersonRequest
@@ -16,7 +16,7 @@ from .rows import add_metrics, describe_body
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
-    from ...core.hooks import Hooks
+    from ...core.run.hooks import Hooks
     from ..models import JobRow
     from ..settings import ServiceSettings
     from .person_found import PersonFound

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 
 if TYPE_CHECKING:
     from ...core.body import Body

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ...core.errors import BadInput
-from ...core.person import GARMENTS
-from ...core.settings import RecoverySettings
-from ...core.simulate import Fabric
+from ...core.cloth import Fabric
+from ...core.people import GARMENTS
+from ...core.recover.settings import RecoverySettings
+from ...core.run.errors import BadInput
 from .recover_request import RecoverRequest
 from .request import FileRef, RequestBad
 

@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...core.body import is_builtin
-from ...core.errors import BadInput
+from ...core.run.errors import BadInput
 from .kind import Work
 from .person_found import PersonFound
 from .person_request import GIVEN, PersonRequest
 from .recover_request import READING, TOLD
 
 if TYPE_CHECKING:
-    from ...core.hooks import Hooks
-    from ...core.person.given import Given
-    from ...core.person_pipeline import Apart
+    from ...core.people.given import Given
+    from ...core.people.pipeline import Apart
+    from ...core.run.hooks import Hooks
 
 
 def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
@@ -26,11 +26,11 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     Raises:
         BadInput: where the scan is no person, or shows no clothes.
     """
-    from ...core.person.describe import describe_person
-    from ...core.person.given import load_given
-    from ...core.person.inspect import explain_garment, is_no_person
-    from ...core.person_pipeline import Wanted
-    from ...core.person_pipeline import take_apart as run
+    from ...core.people.describe import describe_person
+    from ...core.people.given import load_given
+    from ...core.people.inspect import explain_garment, is_no_person
+    from ...core.people.pipeline import Wanted
+    from ...core.people.pipeline import take_apart as run
 
     given = load_given(work.files / GIVEN)
     builtin = str(request.body) if is_builtin(request.body) else None
@@ -78,9 +78,9 @@ def _find_unused(request: PersonRequest, words: tuple[str, ...]) -> list[str]:
 
 
 def _write(apart: Apart, given: Given, found: PersonFound, folder: Path) -> None:
-    from ...core.export.person import write_person
-    from ...core.export.person_report import report_person
-    from ...core.reading import save_reading
+    from ...core.deliver.export.person import write_person
+    from ...core.deliver.export.person_report import report_person
+    from ...core.garment.reading import save_reading
 
     write_person(apart.raw, apart.separation, folder)
     report = report_person(apart.raw, apart.separation, found.warnings, (folder / "picture.png").read_bytes())

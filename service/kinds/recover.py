@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy.orm import Session
 
-from ...core.recovery import STAGES
+from ...core.recover.recovery import STAGES
 from ..jobs import Claim
 from ..models import JobRow, ScanRow
 from .kind import Kind, Outcome, Turned, Work
@@ -18,8 +18,8 @@ from .request import pack_request
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.hooks import Hooks
-    from ...core.recovery import Recovery, Request
+    from ...core.recover.recovery import Recovery, Request
+    from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
 
@@ -80,8 +80,8 @@ def _is_person(request: Request, hooks: Hooks) -> bool:
     reading = request.reading
     if reading is None or request.body is None or request.labels is not None:
         return False
-    from ...core.person.whole import shows_person, stands_tall
-    from ...core.wearer import find_body
+    from ...core.people.whole import shows_person, stands_tall
+    from ...core.recover.wearer import find_body
 
     if not stands_tall(reading.pieces.garment, reading.pieces.wearer):
         return False

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...core.person import GARMENTS
-from ...core.recovery import Request
-from ...core.settings import RecoverySettings
+from ...core.people import GARMENTS
+from ...core.recover.recovery import Request
+from ...core.recover.settings import RecoverySettings
 from .request import FileRef, RequestBad
 
 READING = "reading.npz"
@@ -79,7 +79,7 @@ class RecoverRequest:
 
         reading = None
         if (files / READING).is_file():
-            from ...core.reading import load_reading
+            from ...core.garment.reading import load_reading
 
             reading = load_reading(files / READING)
         return Request(
@@ -93,7 +93,7 @@ class RecoverRequest:
 
     def _take(self, folder: Path) -> Request:
         """Return the pipeline's request of a garment whose reading was stored in a folder."""
-        from ...core.reading import load_reading
+        from ...core.garment.reading import load_reading
 
         reading, base = load_reading(folder / READING), self.settings.template
         template = None if reading.pattern is None else Path(f"{base or reading.pattern.name}.json")

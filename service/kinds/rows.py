@@ -17,10 +17,10 @@ from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow, Piec
 
 if TYPE_CHECKING:
     from ...core.body import Body
-    from ...core.pattern import Pattern
-    from ...core.pieces import PieceNumbers
-    from ...core.simulate import Fabric
-    from ...core.verdict import Gate
+    from ...core.cloth import Fabric
+    from ...core.garment import Pattern
+    from ...core.garment.pieces import PieceNumbers
+    from ...core.run.verdict import Gate
 
 
 class Judged(Protocol):
@@ -69,7 +69,7 @@ def add_pattern(session: Session, job: str, pattern: Pattern, fabric: Fabric, na
         fabric: The cloth.
         names: The garment's category, and the name of its base pattern.
     """
-    from ...core.pattern import polygon_area
+    from ...core.garment import polygon_area
 
     category, template = names
     material = _add_material(session, fabric)

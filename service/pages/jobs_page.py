@@ -10,8 +10,8 @@ from urllib.parse import urlencode
 from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
-from ...core.settings import METHODS
-from ...core.units import UNITS
+from ...core.recover.settings import METHODS
+from ...core.run.units import UNITS
 from ..api.access import Rooms, RoomsOf
 from ..families import find_below
 from ..materials import list_materials

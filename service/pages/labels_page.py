@@ -6,8 +6,8 @@ import json
 
 from fastapi import Response
 
-from ...core.person import PARTS
-from ...core.person.colours import COLOURS, SURE, UNSURE
+from ...core.people import PARTS
+from ...core.people.colours import COLOURS, SURE, UNSURE
 from ..api.access import RoomsOf, find_own
 from ..derived import InputWrong
 from ..submission import PERSON_KIND

@@ -11,7 +11,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import RedirectResponse
 from fastapi.routing import APIRoute
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..api.problems import RETRY_SECONDS, RequestBad, error_status, tell_message, tell_retry
 from .markup import html
 from .session import SignInNeeded

@@ -161,7 +161,7 @@ def _draw_files(rooms: Rooms, job: JobReport, files: Sequence[Artifact], visitor
 def _draw_exports(rooms: Rooms, job: JobReport, visitor: Visitor) -> Html:
     if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
         return Html()
-    from ...core.formats import DESCRIPTIONS  # patterns bring scipy: not at every start
+    from ...core.deliver.formats import DESCRIPTIONS  # patterns bring scipy: not at every start
 
     made = [
         html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import RedirectResponse
 from starlette.concurrency import run_in_threadpool
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..api.access import Rooms, RoomsOf
 from ..api.guard import find_session, name_cookie
 from ..api.problems import RETRY_SECONDS, error_status, tell_message, tell_retry

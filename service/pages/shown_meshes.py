@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.ply import PlyBad, PlyMesh, read_ply
+from ...core.deliver.ply import PlyBad, PlyMesh, read_ply
 
 MESHES = {
     "detail": "Detail",

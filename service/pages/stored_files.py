@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ...core.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 from ..records import Artifact
 from ..results import list_files
 from ..services import Services

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from garmentq.core.body import DistanceGrid, builtin_body, project_outside
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.drape import pin_waist, remesh
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
-from garmentq.core.wear import Worn
+from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.garment import load_draped_template
+from garmentq.core.recover.drape import pin_waist, remesh
+from garmentq.core.reuse.wear import Worn
 
 
 @pytest.fixture(scope="session")

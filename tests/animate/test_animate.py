@@ -7,7 +7,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.animate import (
+from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
+from garmentq.core.body.motion import LeadIn, Pose, Recording, Track
+from garmentq.core.cloth import Scene, SelfContact, State, Topology, get_fabric
+from garmentq.core.cloth.bending_friction import measure_angles
+from garmentq.core.cloth.carry_step import carry_free
+from garmentq.core.cloth.collision.barrier import find_shut
+from garmentq.core.cloth.collision.near import find_near
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.motion_step import StepSettings
+from garmentq.core.geometry import self_intersections
+from garmentq.core.reuse.animate import (
     AnimateBad,
     AnimateSettings,
     animate,
@@ -16,21 +26,11 @@ from garmentq.core.animate import (
     list_times,
     measure_animation,
 )
-from garmentq.core.animate.moving_skin import MovingSkin
-from garmentq.core.animate.settings import Pace
-from garmentq.core.animate.stage import Cloth, Stage
-from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
-from garmentq.core.errors import Cancelled
-from garmentq.core.hooks import Hooks
-from garmentq.core.mesh import self_intersections
-from garmentq.core.motion import LeadIn, Pose, Recording, Track
-from garmentq.core.simulate import Scene, SelfContact, State, Topology, get_fabric
-from garmentq.core.simulate.bending_friction import measure_angles
-from garmentq.core.simulate.carry_step import carry_free
-from garmentq.core.simulate.collision.barrier import find_shut
-from garmentq.core.simulate.collision.near import find_near
-from garmentq.core.simulate.energy import Energy
-from garmentq.core.simulate.motion_step import StepSettings
+from garmentq.core.reuse.animate.moving_skin import MovingSkin
+from garmentq.core.reuse.animate.settings import Pace
+from garmentq.core.reuse.animate.stage import Cloth, Stage
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Hooks
 from scipy.spatial.transform import Rotation
 
 

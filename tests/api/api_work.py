@@ -39,7 +39,7 @@ def ask(client, mark: float = 0.0, headers=None, **wanted):
 
 def finish(settings, database, store, job: str, folder) -> None:
     """End a queued job well, with two files."""
-    from garmentq.core.recovery import Request
+    from garmentq.core.recover.recovery import Request
     from garmentq_standin import make_recovery
 
     held = claim(database, job, "test", 60.0)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from api_client import carrying, serving
 from api_work import make_ply
-from garmentq.core.errors import GarmentqError
-from garmentq.core.pattern import load_template, save_pattern
-from garmentq.core.simulate import get_fabric, write_fabrics
+from garmentq.core.cloth import get_fabric, write_fabrics
+from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.client import Client
 from garmentq.service.derived import DerivedOrder, InputWrong
 from garmentq.service.families import make_children
@@ -47,8 +47,8 @@ def service(settings):
 @pytest.fixture(scope="module")
 def made(tube_recovery, tmp_path_factory) -> Path:
     """Return a folder with the files of a recovery that are read, and a picture of its pattern."""
-    from garmentq.core.export import plain, write_ply, write_svg
-    from garmentq.core.wear import save_worn, worn_of
+    from garmentq.core.deliver.export import plain, write_ply, write_svg
+    from garmentq.core.reuse.wear import save_worn, worn_of
 
     folder, recovery = tmp_path_factory.mktemp("made"), tube_recovery()
     for name, nodes in recovery.meshes:

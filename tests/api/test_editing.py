@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from api_work import code_of
-from garmentq.core.pattern import load_template, write_pattern
+from garmentq.core.garment import load_template, write_pattern
 
 
 def test_document_is_examined(client):

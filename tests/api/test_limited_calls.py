@@ -13,7 +13,7 @@ import httpx
 import pytest
 from api_client import LIMITS, serving
 from api_work import ask, code_of, make_key, upload
-from garmentq.core.pattern import load_template, write_pattern
+from garmentq.core.garment import load_template, write_pattern
 from garmentq.service import patterns
 from garmentq_home import wait_for
 

@@ -10,7 +10,7 @@ import httpx
 import pytest
 from api_client import LIMITS, serving
 from api_work import ask, code_of, finish, make_key, make_ply, upload
-from garmentq.core.errors import GarmentqError
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.api.limits import ApiLimits, read_limits
 from garmentq.service.api.meter import Meter, TooManyRequests
 from garmentq.service.jobs import claim, end_cancelled

@@ -9,8 +9,8 @@ from api_client import serving
 from api_work import finish, make_ply
 from garmentq.cli.live import follow_batch
 from garmentq.cli.main import COMMANDS, LOCAL
-from garmentq.core.errors import NotFound
-from garmentq.core.pattern import list_templates
+from garmentq.core.garment import list_templates
+from garmentq.core.run.errors import NotFound
 from garmentq.service.connection import Connection
 from garmentq.service.jobs import claim, fail
 from garmentq.service.keys import create_key

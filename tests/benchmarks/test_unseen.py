@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.measure import read_packs, read_raw_packs
-from garmentq.core.measure.raw_file import read_raw_file
-from garmentq.core.measure.raw_packs import read_cover, read_true_labels, read_visible
-from garmentq.core.pattern import save_pattern
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import save_pattern
+from garmentq.core.judge import read_packs, read_raw_packs
+from garmentq.core.judge.raw_file import read_raw_file
+from garmentq.core.judge.raw_packs import read_cover, read_true_labels, read_visible
+from garmentq.core.reuse.wear import wear_template
 from unseen_draw import Draft, draw_targets
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels

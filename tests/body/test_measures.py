@@ -12,7 +12,7 @@ from garmentq.core.body.girths import Section
 from garmentq.core.body.measured import Wanted, rest_of, shape_for
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.body.template import load_template
-from garmentq.core.mesh import HalfEdges
+from garmentq.core.geometry import HalfEdges
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

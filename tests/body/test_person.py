@@ -23,8 +23,8 @@ from garmentq.core.body.presence import (
 from garmentq.core.body.registration import body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.body.thinning import average_points
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.mesh.point_normals import smooth_normals
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.geometry.point_normals import smooth_normals
 from no_person import CUTS, cut_person, make_chair, make_quadruped, make_room, pair_persons
 
 TEMPLATE = load_template()

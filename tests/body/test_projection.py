@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface, penetration_depth, pinched_depth, project_outside
-from garmentq.core.mesh import self_intersections
+from garmentq.core.geometry import self_intersections
 from nearest_skin import signed_distance
 
 

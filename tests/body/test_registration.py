@@ -9,9 +9,9 @@ from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_bo
 from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State
 from garmentq.core.body.registration import RegistrationSettings
 from garmentq.core.body.template import load_template, rotations_of
-from garmentq.core.errors import Cancelled
-from garmentq.core.hooks import Hooks
-from garmentq.core.mesh import vertex_normals
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Hooks
 
 TEMPLATE = load_template()
 

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS, PARENTS, SmplBad, load_smpl
 from garmentq.core.body.template import load_template
-from garmentq.core.inputs import read_files
-from garmentq.core.recovery import Request
-from garmentq.core.wearer import find_body
+from garmentq.core.recover.inputs import read_files
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.wearer import find_body
 from scipy.spatial.transform import Rotation
 
 TEMPLATE = load_template()

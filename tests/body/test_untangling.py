@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside, untangling
 from garmentq.core.body.projection import raise_to_depth
-from garmentq.core.mesh import self_intersections, untangle
+from garmentq.core.geometry import self_intersections, untangle
 
 
 def lay_on_ball() -> tuple[np.ndarray, np.ndarray, ExposedSurface]:

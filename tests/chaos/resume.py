@@ -26,10 +26,10 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 
 from garmentq.core.body import builtin_body
-from garmentq.core.hooks import Hooks
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Recovery, Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Recovery, Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.hooks import Hooks
 from garmentq.service.database import Database, open_database
 from garmentq.service.jobs import find_job
 from garmentq.service.reaper import reap, report_loss

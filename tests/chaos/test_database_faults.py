@@ -135,7 +135,7 @@ def test_r11_cancel_in_each_state(database, store, queue_job, tmp_path):
 
 def make_recovery_of(folder):
     """Make the stand-in's recovery."""
-    from garmentq.core.recovery import Request
+    from garmentq.core.recover.recovery import Request
 
     return make_recovery(Request(folder / "shirt.ply"), 1.0)
 

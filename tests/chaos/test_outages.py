@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from garmentq.core.errors import BadInput, GarmentqError
+from garmentq.core.run.errors import BadInput, GarmentqError
 from garmentq.service.clocks import Leaps, set_right
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, find_job, read_events

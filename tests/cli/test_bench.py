@@ -11,10 +11,10 @@ import pytest
 from click.testing import CliRunner
 from garmentq.cli import bench, bench_process, bench_target
 from garmentq.cli.bench_table import mean, print_tables
-from garmentq.core.errors import BadInput
-from garmentq.core.export import write_ply
-from garmentq.core.pattern import edge_points, save_pattern
-from garmentq.core.simulate import FabricEstimate
+from garmentq.core.cloth import FabricEstimate
+from garmentq.core.deliver.export import write_ply
+from garmentq.core.garment import edge_points, save_pattern
+from garmentq.core.run.errors import BadInput
 
 KEYS = {
     "target", "category", "template", "cut", "method", "ok", "error", "metrics", "cpu_seconds", "stage_seconds",
@@ -56,7 +56,7 @@ def requests(monkeypatch: pytest.MonkeyPatch, tube_recovery) -> list:
             raise BadInput("the scan is a teapot.")
         return tube_recovery(estimates=(FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),))
 
-    monkeypatch.setitem(sys.modules, "garmentq.core.pipeline", SimpleNamespace(recover=recover))
+    monkeypatch.setitem(sys.modules, "garmentq.core.recover.pipeline", SimpleNamespace(recover=recover))
     monkeypatch.setattr(bench, "run_target", lambda pack, order, timeout: bench_target.recover_target(order))
     return seen
 

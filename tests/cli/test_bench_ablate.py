@@ -20,9 +20,9 @@ from garmentq.cli.bench_ablate import (
     judge_rows,
     print_ablation,
 )
-from garmentq.core.deform import DeformSettings
-from garmentq.core.errors import BadInput
-from garmentq.core.fit import InverseSettings
+from garmentq.core.recover.deform import DeformSettings
+from garmentq.core.recover.fit import InverseSettings
+from garmentq.core.run.errors import BadInput
 
 
 def count_changes(before: object, after: object) -> int:

@@ -13,12 +13,12 @@ import pytest
 from click.testing import CliRunner
 from garmentq.cli import bench, bench_raw, bench_raw_target
 from garmentq.cli.bench_raw import OUTCOMES, STATE_NAMES
-from garmentq.core.errors import BadInput
-from garmentq.core.measure import STATES, Outcome, read_mesh_file, read_raw_file
-from garmentq.core.pattern import save_pattern
-from garmentq.core.person import Part
-from garmentq.core.person.separation import FoundContour, FoundGarment, Outfit, Separation
-from garmentq.core.reading import Reading
+from garmentq.core.garment import save_pattern
+from garmentq.core.garment.reading import Reading
+from garmentq.core.judge import STATES, Outcome, read_mesh_file, read_raw_file
+from garmentq.core.people import Part
+from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit, Separation
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Pieces, Scan
 from garmentq.core.scan.raw import RawScan
 from garmentq_raw_pack import dress, make_raw_pack

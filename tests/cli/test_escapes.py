@@ -9,7 +9,7 @@ import sys
 
 import pytest
 from garmentq.cli.terminal import print_csv, print_table
-from garmentq.core.errors import GarmentqError
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.connection import Connection
 from garmentq.service.logs import PlainLines
 from garmentq.service.records import Artifact

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from garmentq.cli.match import command
-from garmentq.core.pattern import load_template, write_pattern
+from garmentq.core.garment import load_template, write_pattern
 
 
 def test_a_known_change_gives_its_number_and_equal_panels_give_nothing(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from garmentq.cli.order import split_choice, split_lists
 from garmentq.core.body import builtin_body
-from garmentq.core.settings import SettingsBad
+from garmentq.core.recover.settings import SettingsBad
 from garmentq.service.jobs import find_job
 from garmentq_family_home import pieces, work_off
 from garmentq_home import put_file
@@ -90,7 +90,7 @@ def test_what_cannot_be_meant_of_a_person(cli, tmp_path):
 
 def test_all_garments_of_a_person(ask, work, database, tmp_path):
     """Breaks where a choice is lost on its way, a garment's files lie elsewhere, or a wait ends with the parent."""
-    (tmp_path / "base.json").write_text((Path(__file__).parents[2] / "core/pattern/library/skirt.json").read_text())
+    (tmp_path / "base.json").write_text((Path(__file__).parents[2] / "core/garment/library/skirt.json").read_text())
     words = ("--fabric", "upper:denim", "--template", f"lower:{tmp_path / 'base.json'}", "--garment", "lower:skirt")
     words += ("--template", "upper:tshirt", "--lock", "fabric", "--lock", "upper:panel:front", "--mark", "upper=0,1,0")
     words += ("--part", "neckline=crew,sleeve=cap", "--part", "upper:neckline=v")
@@ -158,7 +158,7 @@ def test_parts_in_front(tmp_path):
 )
 def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch, name, said, what):
     """Breaks where a whole person on a body is shown as a garment, or a suit from neck to ankles as a person."""
-    monkeypatch.setattr("garmentq.core.person.inspect.inspect_person", lambda *_: {"as": "person"})
+    monkeypatch.setattr("garmentq.core.people.inspect.inspect_person", lambda *_: {"as": "person"})
     wearer = "builtin:female,height=1.70"
     body = builtin_body(wearer)
     corners = body.vertices[body.faces]

@@ -74,7 +74,7 @@ def type_in(cli, settings, database, tmp_path, monkeypatch):
     put_file(tmp_path / "parts", "labels.npz")
     for name in ("a.ply", "b.ply", "body.obj"):
         put_file(tmp_path / "scans", name)
-    shutil.copy(ROOT / "core/pattern/library/skirt.json", tmp_path / "mine.json")
+    shutil.copy(ROOT / "core/garment/library/skirt.json", tmp_path / "mine.json")
     monkeypatch.chdir(tmp_path)
     chosen = replace(settings, **PERSONS)
 

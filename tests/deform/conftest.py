@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface
-from garmentq.core.measure import measure_distance
-from garmentq.core.segment import Target
+from garmentq.core.judge import measure_distance
+from garmentq.core.scan.contours import Target
 
 
 def swell(points: np.ndarray) -> np.ndarray:
@@ -58,6 +58,6 @@ def rms():
 @pytest.fixture(scope="session")
 def fitted(scene):
     """Return the default result on the scene."""
-    from garmentq.core.deform import deform
+    from garmentq.core.recover.deform import deform
 
     return deform(*scene)

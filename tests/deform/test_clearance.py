@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface
-from garmentq.core.deform.clearance import Watch, clear_body
-from garmentq.core.deform.easing import LOWEST
-from garmentq.core.mesh import gradient_operator
+from garmentq.core.geometry import gradient_operator
+from garmentq.core.recover.deform.clearance import Watch, clear_body
+from garmentq.core.recover.deform.easing import LOWEST
 
 MARGIN = 1e-3
 

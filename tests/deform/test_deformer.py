@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import ExposedSurface, penetration_depth
-from garmentq.core.deform import DeformSettings, deform
-from garmentq.core.errors import Cancelled
-from garmentq.core.hooks import Hooks
+from garmentq.core.recover.deform import DeformSettings, deform
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Hooks
 
 QUICK = DeformSettings(iterations=40, polish_iterations=5)
 
@@ -184,5 +184,5 @@ def test_thesis_setting_does_not_snap_back(scene, rms):
 
 def test_the_room_is_light_to_import():
     """Breaks if the command line would load torch for its help."""
-    code = "import sys, garmentq.core.deform; assert not {'torch', 'igl', 'numba'} & set(sys.modules)"
+    code = "import sys, garmentq.core.recover.deform; assert not {'torch', 'igl', 'numba'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

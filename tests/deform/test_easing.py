@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
-from garmentq.core.mesh import gradient_operator, self_intersections
+from garmentq.core.geometry import gradient_operator, self_intersections
+from garmentq.core.recover.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
 
 
 @pytest.fixture(scope="module")

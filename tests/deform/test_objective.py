@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from garmentq.core.deform import DeformSettings, DeformSettingsBad
-from garmentq.core.deform.objective import Objective, thin_out
-from garmentq.core.deform.rest_metric import RestMetric
-from garmentq.core.deform.target_repair import prepare_target
-from garmentq.core.mesh import gradient_operator, shape_gradients
+from garmentq.core.geometry import gradient_operator, shape_gradients
+from garmentq.core.recover.deform import DeformSettings, DeformSettingsBad
+from garmentq.core.recover.deform.objective import Objective, thin_out
+from garmentq.core.recover.deform.rest_metric import RestMetric
+from garmentq.core.recover.deform.target_repair import prepare_target
 
 
 def build(scene, settings, nodes, scale=0.0):

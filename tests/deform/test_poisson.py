@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from garmentq.core.deform.jacobian_stage import FaceAdam
-from garmentq.core.deform.poisson import PoissonSystem, solve_poisson
-from garmentq.core.mesh import gradient_operator
+from garmentq.core.geometry import gradient_operator
+from garmentq.core.recover.deform.jacobian_stage import FaceAdam
+from garmentq.core.recover.deform.poisson import PoissonSystem, solve_poisson
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.deform.contour_match import sample_curve
-from garmentq.core.deform.target_repair import flatten_spikes, match_contours, prepare_target
-from garmentq.core.mesh import ClosedCurve
+from garmentq.core.geometry import ClosedCurve
+from garmentq.core.recover.deform.contour_match import sample_curve
+from garmentq.core.recover.deform.target_repair import flatten_spikes, match_contours, prepare_target
 
 
 def test_curve_samples_are_even():

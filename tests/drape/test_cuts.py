@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 from garmentq.core.body import Body, DistanceGrid, ExposedSurface, armpit_height, builtin_body, project_outside
-from garmentq.core.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
-from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import find_cut, load_template, mesh_pattern, name_cut
-from garmentq.core.pattern.parts import CUTS, PARTS, PartsConflict, differing_parts
+from garmentq.core.garment import find_cut, load_template, mesh_pattern, name_cut
+from garmentq.core.garment.parts import CUTS, PARTS, PartsConflict, differing_parts
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

@@ -7,8 +7,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, place, waist_loop
-from garmentq.core.pattern import list_templates, load_template, mesh_pattern
+from garmentq.core.garment import list_templates, load_template, mesh_pattern
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template, place, waist_loop
 from wearers import find_wearer
 
 CONTOURS = {

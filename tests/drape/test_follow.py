@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.drape import FollowSettings, PbdState, follow, lay_threads
-from garmentq.core.pattern import Edge, Garment, Panel, Pattern, mesh_pattern
+from garmentq.core.garment import Edge, Garment, Panel, Pattern, mesh_pattern
+from garmentq.core.recover.drape import FollowSettings, PbdState, follow, lay_threads
 
 
 def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garment:

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.drape.gores import fan_out, find_sides
-from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
+from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.recover.drape.gores import fan_out, find_sides
 from wearers import find_wearer
 
 TOP, BOTTOM, LENGTH, WAIST = 0.11, 0.36, 0.5, 1.0

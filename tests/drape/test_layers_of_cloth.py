@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import LayerContact, PbdState, follow, lay_threads, measure_wearer, size_template
-from garmentq.core.drape.layers import find_layers
-from garmentq.core.drape.shell import THICKNESS, Shell
-from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import BodyMeasures, Edge, Garment, Panel, Pattern, load_template, mesh_pattern, panel_area
+from garmentq.core.garment import BodyMeasures, Edge, Garment, Panel, Pattern, load_template, mesh_pattern, panel_area
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import LayerContact, PbdState, follow, lay_threads, measure_wearer, size_template
+from garmentq.core.recover.drape.layers import find_layers
+from garmentq.core.recover.drape.shell import THICKNESS, Shell
 from scipy.spatial import cKDTree
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body, carry_outside
-from garmentq.core.drape.follow import FollowSettings, Threads
-from garmentq.core.drape.ironing import iron_crossings
-from garmentq.core.drape.layers import find_layers
-from garmentq.core.drape.stance import spread_legs
-from garmentq.core.mesh import self_intersections, undo_crossings
+from garmentq.core.geometry import self_intersections, undo_crossings
+from garmentq.core.recover.drape.follow import FollowSettings, Threads
+from garmentq.core.recover.drape.ironing import iron_crossings
+from garmentq.core.recover.drape.layers import find_layers
+from garmentq.core.recover.drape.stance import spread_legs
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.drape import (
+from garmentq.core.cloth import Energy, Scene, SteadyRotation, Topology, get_fabric
+from garmentq.core.garment import equalise_seams, load_template
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import (
     DrapeSettings,
     drape_as_scanned,
     drape_graded,
     drape_template,
     remesh,
 )
-from garmentq.core.drape.motion import miss, rotation_of
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import equalise_seams, load_template
-from garmentq.core.segment import Target
-from garmentq.core.simulate import Energy, Scene, SteadyRotation, Topology, get_fabric
+from garmentq.core.recover.drape.motion import miss, rotation_of
+from garmentq.core.scan.contours import Target
 from wearers import find_wearer
 
 COUNT = 250

@@ -9,7 +9,9 @@ from itertools import product
 import numpy as np
 import pytest
 from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body, project_outside
-from garmentq.core.drape import (
+from garmentq.core.garment import Garment, list_templates, load_template, mesh_pattern
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import (
     LayerContact,
     PbdState,
     Threads,
@@ -20,9 +22,7 @@ from garmentq.core.drape import (
     take_pose,
     waist_loop,
 )
-from garmentq.core.drape.follow import follow
-from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import Garment, list_templates, load_template, mesh_pattern
+from garmentq.core.recover.drape.follow import follow
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import DistanceGrid, ExposedSurface, SignedDistance
-from garmentq.core.drape.shell import Shell, ShellBeside
+from garmentq.core.recover.drape.shell import Shell, ShellBeside
 
 RADIUS = 0.1
 

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
-from garmentq.core.grade import flat_contours
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import load_template
-from garmentq.core.pipeline import find_template
-from garmentq.core.recovery import Request
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import flat_contours, load_template
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
+from garmentq.core.recover.pipeline import find_template
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.scan.contours import Target
 
 
 @pytest.fixture(scope="module")

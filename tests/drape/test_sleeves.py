@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, drape_template, hangs_in_sleeves
-from garmentq.core.drape.dress import LIFT
-from garmentq.core.drape.sleeves import turn_sleeves
-from garmentq.core.pattern import Pattern, list_templates, load_template, mesh_pattern
+from garmentq.core.garment import Pattern, list_templates, load_template, mesh_pattern
+from garmentq.core.recover.drape import DrapeSettings, drape_template, hangs_in_sleeves
+from garmentq.core.recover.drape.dress import LIFT
+from garmentq.core.recover.drape.sleeves import turn_sleeves
 from wearers import find_wearer
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.mesh import deformation_gradients, principal_stretches
-from garmentq.core.pattern import Garment, load_template
+from garmentq.core.garment import Garment, load_template
+from garmentq.core.geometry import deformation_gradients, principal_stretches
+from garmentq.core.recover.drape import DrapeSettings, drape_template
 from wearers import find_wearer
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.pattern import load_template
-from garmentq.core.segment import name_contours
+from garmentq.core.garment import load_template
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.scan.contours import name_contours
 
 
 def test_legs_that_crumple_about_the_feet_keep_their_names() -> None:

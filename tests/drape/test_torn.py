@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import WearerGeometry, redrape, stage
-from garmentq.core.pattern import Garment, load_draped_template
-from garmentq.core.segment import Target
-from garmentq.core.simulate import get_fabric
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import Garment, load_draped_template
+from garmentq.core.recover.drape import WearerGeometry, redrape, stage
+from garmentq.core.scan.contours import Target
 
 
 @pytest.fixture(scope="module")

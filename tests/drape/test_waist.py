@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import Tape, builtin_body, rest_body
-from garmentq.core.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
-from garmentq.core.drape.dress import natural_height
-from garmentq.core.drape.tie import place_waist
-from garmentq.core.drape.waist import flat_lengths
-from garmentq.core.mesh import ClosedCurve, vertex_normals
-from garmentq.core.pattern import Edge, Panel, Pattern, load_template, mesh_pattern
-from garmentq.core.segment import Contour, Target, find_loops
+from garmentq.core.garment import Edge, Panel, Pattern, load_template, mesh_pattern
+from garmentq.core.geometry import ClosedCurve, vertex_normals
+from garmentq.core.recover.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
+from garmentq.core.recover.drape.dress import natural_height
+from garmentq.core.recover.drape.tie import place_waist
+from garmentq.core.recover.drape.waist import flat_lengths
+from garmentq.core.scan.contours import Contour, Target, find_loops
 from wearers import find_wearer
 
 

@@ -8,23 +8,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.clock import Clock
-from garmentq.core.drape import redrape
-from garmentq.core.edit import Edited, compare_versions, drape_edit, worn_length
-from garmentq.core.hooks import SILENT
-from garmentq.core.mesh import ClosedCurve
-from garmentq.core.pattern import (
+from garmentq.core.cloth import Scene, SelfContact, Topology, equilibrium, get_fabric
+from garmentq.core.garment import (
     load_template,
     mesh_pattern,
     read_pattern,
     seam_mismatch,
     write_pattern,
 )
-from garmentq.core.pattern.editing import apply_operations, cut_panel
-from garmentq.core.segment import name_contours
-from garmentq.core.simulate import Scene, SelfContact, Topology, equilibrium, get_fabric
-from garmentq.core.wear import Worn, wear_template
-from garmentq.core.wear.worn import hang_from
+from garmentq.core.garment.editing import apply_operations, cut_panel
+from garmentq.core.geometry import ClosedCurve
+from garmentq.core.recover.drape import redrape
+from garmentq.core.reuse.edit import Edited, compare_versions, drape_edit, worn_length
+from garmentq.core.reuse.wear import Worn, wear_template
+from garmentq.core.reuse.wear.worn import hang_from
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
+from garmentq.core.scan.contours import name_contours
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 

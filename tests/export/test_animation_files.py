@@ -8,12 +8,12 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.animate import Animation, Moved, Verdict
 from garmentq.core.body import builtin_body
-from garmentq.core.export.animation import write_animation
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.animation import write_animation
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.animate import Animation, Moved, Verdict
+from garmentq.core.reuse.wear import Worn
 from PIL import Image
 
 FRAMES = 5
@@ -120,7 +120,7 @@ def test_usd_holds_every_frame(animation, folder):
 
 def test_without_the_extra_there_is_no_usd_and_that_is_told(animation, tmp_path, monkeypatch):
     """Broken where an animation fails, or silently lacks a file, where the library is not installed."""
-    from garmentq.core.export import animation as room
+    from garmentq.core.deliver.export import animation as room
 
     monkeypatch.setattr(room, "can_write_usd", lambda: False)
     moved = Moved(animation, "walk", {}, ())

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.export.blender import sewing_threads, write_blender
-from garmentq.core.export.sewn_mesh import SewnMesh
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import get_fabric
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.blender import sewing_threads, write_blender
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh
+from garmentq.core.garment import load_draped_template
 
 RUN = """
 import json, sys, runpy

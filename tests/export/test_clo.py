@@ -11,8 +11,9 @@ import jsonschema
 import numpy as np
 import pytest
 from clo_program import DialogOpened, PatternWindow, run_program
-from garmentq.core.export.clo import SeamUnsewable, edge_cubics, write_clo
-from garmentq.core.pattern import (
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.clo import SeamUnsewable, edge_cubics, write_clo
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Panel,
@@ -24,7 +25,6 @@ from garmentq.core.pattern import (
     list_templates,
     load_template,
 )
-from garmentq.core.simulate import get_fabric
 
 FABRIC = get_fabric("denim")
 SCHEMA = json.loads((Path(__file__).parent / "clo_pattern.schema.json").read_text())

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.animate import Animation, Verdict
 from garmentq.core.body import builtin_body
-from garmentq.core.export.animation import write_animation
-from garmentq.core.export.meshes import write_meshes
-from garmentq.core.export.sewn_files import write_sewn_glb
-from garmentq.core.export.sewn_mesh import SewnMesh, seams_of_uv
-from garmentq.core.export.textured import write_textured
-from garmentq.core.pattern import load_draped_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.animation import write_animation
+from garmentq.core.deliver.export.meshes import write_meshes
+from garmentq.core.deliver.export.sewn_files import write_sewn_glb
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh, seams_of_uv
+from garmentq.core.deliver.export.textured import write_textured
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.animate import Animation, Verdict
+from garmentq.core.reuse.wear import Worn
 from garmentq.core.scan import Scan
 from garmentq.core.scan.coloured import coloured_of
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn
 
 IMPORT = """
 import json, sys

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from garmentq.core.export.judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
-from garmentq.core.verdict import Gate, Verdict
+from garmentq.core.deliver.export.judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
+from garmentq.core.run.verdict import Gate, Verdict
 
 BAD = "<script>alert(1)</script>"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.export import uv_layout, write_meshes
-from garmentq.core.pieces import lay_out
+from garmentq.core.deliver.export import uv_layout, write_meshes
+from garmentq.core.garment.pieces import lay_out
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.export import write_svg
-from garmentq.core.pattern import Edge, Panel, Pattern, edge_points, reverse_edge
+from garmentq.core.deliver.export import write_svg
+from garmentq.core.garment import Edge, Panel, Pattern, edge_points, reverse_edge
 
 SVG = "{http://www.w3.org/2000/svg}"
 

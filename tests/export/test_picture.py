@@ -8,8 +8,8 @@ import io
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.export.picture import ColouredMesh, aim, draw, png_base64
-from garmentq.core.export.views import STOPS, colour_of
+from garmentq.core.deliver.export.picture import ColouredMesh, aim, draw, png_base64
+from garmentq.core.deliver.export.views import STOPS, colour_of
 from PIL import Image
 
 FRONT = np.eye(3)

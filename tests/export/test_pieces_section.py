@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.export import pieces_section
-from garmentq.core.export.pieces_section import pieces_html
-from garmentq.core.pattern import Edge, Panel, Pattern, load_template
-from garmentq.core.pieces import PieceBad, describe_pieces, make_pieces
+from garmentq.core.deliver.export import pieces_section
+from garmentq.core.deliver.export.pieces_section import pieces_html
+from garmentq.core.garment import Edge, Panel, Pattern, load_template
+from garmentq.core.garment.pieces import PieceBad, describe_pieces, make_pieces
 
 
 def test_pieces_sheets_and_cloth_are_told() -> None:

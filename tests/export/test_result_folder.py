@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import JOINTS
-from garmentq.core.export import pattern_svg, plain, report_html, write_recovery
-from garmentq.core.measure import judge
-from garmentq.core.mesh import TriangleSurface
-from garmentq.core.pattern import load_pattern
-from garmentq.core.recovery import Recovery
+from garmentq.core.cloth import FabricEstimate
+from garmentq.core.deliver.export import pattern_svg, plain, report_html, write_recovery
+from garmentq.core.garment import load_pattern
+from garmentq.core.geometry import TriangleSurface
+from garmentq.core.judge import judge
+from garmentq.core.recover.recovery import Recovery
+from garmentq.core.reuse.wear import load_worn, worn_of
+from garmentq.core.run.verdict import Gate, Verdict
 from garmentq.core.scan import Scan
-from garmentq.core.simulate import FabricEstimate
-from garmentq.core.verdict import Gate, Verdict
-from garmentq.core.wear import load_worn, worn_of
 from PIL import Image
 from scipy.spatial import cKDTree
 

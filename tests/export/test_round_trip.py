@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape, remesh
-from garmentq.core.export import save_pattern
-from garmentq.core.measure import measure_distance
-from garmentq.core.mesh import ClosedCurve
-from garmentq.core.pattern import Garment, equalise_seams, load_pattern, load_template
-from garmentq.core.segment import Target
-from garmentq.core.simulate import SolveSettings, get_fabric
+from garmentq.core.cloth import SolveSettings, get_fabric
+from garmentq.core.deliver.export import save_pattern
+from garmentq.core.garment import Garment, equalise_seams, load_pattern, load_template
+from garmentq.core.geometry import ClosedCurve
+from garmentq.core.judge import measure_distance
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape, remesh
+from garmentq.core.scan.contours import Target
 from scipy.spatial import cKDTree
 from wearers import find_wearer
 

@@ -13,10 +13,10 @@ import garmentq
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.errors import GarmentqError
-from garmentq.core.export import write_recovery
-from garmentq.core.export.stored_result import FILES
-from garmentq.core.pattern import write_pattern
+from garmentq.core.deliver.export import write_recovery
+from garmentq.core.deliver.export.stored_result import FILES
+from garmentq.core.garment import write_pattern
+from garmentq.core.run.errors import GarmentqError
 from PIL import Image
 
 PAGE = Path(__file__).parents[2] / "docs" / "tutorials" / "notebook.md"

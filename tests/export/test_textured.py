@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.errors import BadInput
-from garmentq.core.export import write_ply
-from garmentq.core.export.prints import BLEED, PrintPlace, draw_print, list_prints
-from garmentq.core.export.sewn_mesh import SewnMesh
-from garmentq.core.export.stored import garment_stem, read_nodes
-from garmentq.core.export.textured import write_textured
-from garmentq.core.pattern import load_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export import write_ply
+from garmentq.core.deliver.export.prints import BLEED, PrintPlace, draw_print, list_prints
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh
+from garmentq.core.deliver.export.stored import garment_stem, read_nodes
+from garmentq.core.deliver.export.textured import write_textured
+from garmentq.core.deliver.texture import BakedTexture
+from garmentq.core.garment import load_template
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Scan
 from garmentq.core.scan.coloured import ColoursMissing, coloured_of
-from garmentq.core.simulate import get_fabric
-from garmentq.core.texture import BakedTexture
 from gltf_validator import validate_glb
 from PIL import Image
 

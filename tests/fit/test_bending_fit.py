@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from garmentq.core.drape import waist_loop
-from garmentq.core.fit import MaterialSettings, fit_bending, nearest_fabrics, posterior
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import mesh_pattern, resample
-from garmentq.core.simulate import Pins
+from garmentq.core.cloth import Pins
+from garmentq.core.garment import mesh_pattern, resample
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import waist_loop
+from garmentq.core.recover.fit import MaterialSettings, fit_bending, nearest_fabrics, posterior
 from worn_skirt import Worn, bring_to_rest, pose, state
 
 

@@ -6,11 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, body_offset, estimate_body_offset, is_estimated
-from garmentq.core.fit.body_offset import _spread
-from garmentq.core.pattern import Garment, load_template
-from garmentq.core.simulate import Fabric, Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.cloth import Fabric, Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.garment import Garment, load_template
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.recover.fit import (
+    FitScene,
+    ShapeProblem,
+    ShapeSettings,
+    body_offset,
+    estimate_body_offset,
+    is_estimated,
+)
+from garmentq.core.recover.fit.body_offset import _spread
 from wearers import find_wearer
 
 

@@ -8,14 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.case import Case
-from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, measure_wearer, remesh
-from garmentq.core.fit import DartedGarment, add_bust_darts
-from garmentq.core.fit.bust_darts import plan_bust_darts
-from garmentq.core.fit.dart_cutting import cut_darts
-from garmentq.core.grade import BustPoints, SlideSettings, grade_pattern, slide_seams
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import (
     Garment,
     Pattern,
     Severity,
@@ -26,12 +20,18 @@ from garmentq.core.pattern import (
     resample,
     seam_mismatch,
 )
-from garmentq.core.pattern.editing.darts import find_darts
-from garmentq.core.recovery import Request
+from garmentq.core.garment.editing.darts import find_darts
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.case import Case
+from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, measure_wearer, remesh
+from garmentq.core.recover.fit import DartedGarment, add_bust_darts
+from garmentq.core.recover.fit.bust_darts import plan_bust_darts
+from garmentq.core.recover.fit.dart_cutting import cut_darts
+from garmentq.core.recover.grade import BustPoints, SlideSettings, grade_pattern, slide_seams
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import get_fabric
+from garmentq.core.scan.contours import Target
 
 ANGLE = 0.65
 """Of the darts that are sewn [rad]."""

@@ -7,10 +7,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.case import Case, GradedDrape
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.errors import Cancelled
-from garmentq.core.fit import (
+from garmentq.core.cloth import (
+    Implicit,
+    Scene,
+    SteadyRotation,
+    Topology,
+    equilibrium,
+    get_fabric,
+    lag_friction,
+)
+from garmentq.core.garment import (
+    Pattern,
+    equalise_seams,
+    find_symmetry,
+    load_template,
+    mesh_pattern,
+    seam_mismatch,
+)
+from garmentq.core.geometry import TriangleSurface
+from garmentq.core.recover.case import Case, GradedDrape
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.recover.fit import (
     FitScene,
     IsometrySettings,
     LockUnknown,
@@ -25,29 +42,12 @@ from garmentq.core.fit import (
     keep_seams,
     move_pattern,
 )
-from garmentq.core.grade import find_proportions, mean_width
-from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.mesh import TriangleSurface
-from garmentq.core.pattern import (
-    Pattern,
-    equalise_seams,
-    find_symmetry,
-    load_template,
-    mesh_pattern,
-    seam_mismatch,
-)
-from garmentq.core.recovery import Request
+from garmentq.core.recover.grade import find_proportions, mean_width
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Arrays, Hooks
 from garmentq.core.scan import Scan
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import (
-    Implicit,
-    Scene,
-    SteadyRotation,
-    Topology,
-    equilibrium,
-    get_fabric,
-    lag_friction,
-)
 from worn_skirt import FINE, UNMEASURED, Worn, area_errors, bring_to_rest, pose, state
 
 

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.case import Case, GradedDrape
-from garmentq.core.checkpoints import save
-from garmentq.core.drape import DrapeSettings, drape_template, waist_loop
-from garmentq.core.errors import Cancelled
-from garmentq.core.fit import (
+from garmentq.core.cloth import Fabric, Implicit, Pins, Scene, SolveSettings, Topology, equilibrium, get_fabric
+from garmentq.core.garment import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
+from garmentq.core.geometry import TriangleSurface, vertex_normals
+from garmentq.core.recover.case import Case, GradedDrape
+from garmentq.core.recover.drape import DrapeSettings, drape_template, waist_loop
+from garmentq.core.recover.fit import (
     Descent,
     DescentProblem,
     FitScene,
@@ -21,18 +22,17 @@ from garmentq.core.fit import (
     fit_inverse,
     move_pattern,
 )
-from garmentq.core.fit.adam import Adam
-from garmentq.core.fit.losses.range import STIFFNESSES
-from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.mesh import TriangleSurface, vertex_normals
-from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
-from garmentq.core.recovery import Request
+from garmentq.core.recover.fit.adam import Adam
+from garmentq.core.recover.fit.losses.range import STIFFNESSES
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.checkpoints import save
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Arrays, Hooks
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target, name_contours
-from garmentq.core.segment.loop import find_loops
-from garmentq.core.segment.target import Contour
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import Fabric, Implicit, Pins, Scene, SolveSettings, Topology, equilibrium, get_fabric
+from garmentq.core.scan.contours import Target, name_contours
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour
 from wearers import find_wearer
 
 SHORT = InverseSettings(iterations=4, fabric_iterations=3, patience=100, keep_every=3)

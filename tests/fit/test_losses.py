@@ -7,10 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
-from garmentq.core.fit.losses.range import logarithms
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
+from garmentq.core.cloth import get_fabric, load_fabrics
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Garment,
@@ -21,10 +19,12 @@ from garmentq.core.pattern import (
     load_template,
     mesh_pattern,
 )
-from garmentq.core.segment import Target
-from garmentq.core.segment.loop import find_loops
-from garmentq.core.segment.target import Contour
-from garmentq.core.simulate import get_fabric, load_fabrics
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
+from garmentq.core.recover.fit.losses.range import logarithms
+from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour
 
 Evaluate = Callable[[np.ndarray], tuple[float, np.ndarray]]
 

@@ -6,14 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.case import GradedDrape
-from garmentq.core.clock import Clock
-from garmentq.core.deform import DeformSettings
-from garmentq.core.fit import METHODS, methods, second_registration
-from garmentq.core.hooks import SILENT
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import load_draped_template
+from garmentq.core.recover.case import GradedDrape
+from garmentq.core.recover.deform import DeformSettings
+from garmentq.core.recover.fit import METHODS, methods, second_registration
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
+from garmentq.core.scan.contours import Target
 
 
 @pytest.mark.parametrize(

@@ -8,17 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, remesh
-from garmentq.core.fit import METHODS, fit_isometry
-from garmentq.core.fit.dart_closing import asked_width, close_darts
-from garmentq.core.fit.dart_cutting import cut_darts
-from garmentq.core.fit.dart_search import is_image, propose_dart, relax_panel, rms_strain
-from garmentq.core.fit.panel_change import FittedPanels, change_panels
-from garmentq.core.fit.wedge import wanted_strain
-from garmentq.core.hooks import SILENT
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Garment,
@@ -34,12 +25,21 @@ from garmentq.core.pattern import (
     save_pattern,
     seam_mismatch,
 )
-from garmentq.core.pattern.editing.darts import close_dart, find_darts, insert_dart
-from garmentq.core.pipeline import complete_case, drape_to_scan, make_case
-from garmentq.core.recovery import Request
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import get_fabric
+from garmentq.core.garment.editing.darts import close_dart, find_darts, insert_dart
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
+from garmentq.core.recover.fit import METHODS, fit_isometry
+from garmentq.core.recover.fit.dart_closing import asked_width, close_darts
+from garmentq.core.recover.fit.dart_cutting import cut_darts
+from garmentq.core.recover.fit.dart_search import is_image, propose_dart, relax_panel, rms_strain
+from garmentq.core.recover.fit.panel_change import FittedPanels, change_panels
+from garmentq.core.recover.fit.wedge import wanted_strain
+from garmentq.core.recover.pipeline import complete_case, drape_to_scan, make_case
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
+from garmentq.core.scan.contours import Target
 
 ANGLE = np.radians(12.0)
 """Of the dart whose cone is laid on a panel without one."""

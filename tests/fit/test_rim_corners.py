@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.fit.fairness import fair_garment
-from garmentq.core.fit.locks import find_held
-from garmentq.core.fit.rim_corners import prove_corners
-from garmentq.core.measure import measure_fairness
-from garmentq.core.mesh import HalfEdges, vertex_normals
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, unplanned_corners
-from garmentq.core.segment import Contour, Target
+from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, unplanned_corners
+from garmentq.core.geometry import HalfEdges, vertex_normals
+from garmentq.core.judge import measure_fairness
+from garmentq.core.recover.fit.fairness import fair_garment
+from garmentq.core.recover.fit.locks import find_held
+from garmentq.core.recover.fit.rim_corners import prove_corners
+from garmentq.core.scan.contours import Contour, Target
 
 HALF = np.radians(10.0)
 """Half of the angle at which a panel's side seams meet: a straight hem turns by twice that at each side seam."""

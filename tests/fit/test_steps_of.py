@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.case import Case
-from garmentq.core.fit.isometry import steps_of
-from garmentq.core.recovery import Request
-from garmentq.core.segment import Target
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.recover.case import Case
+from garmentq.core.recover.fit.isometry import steps_of
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.scan.contours import Target
 
 FILE = Path("maker.json")
 

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.case import Case
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.drape.shipped import WEARER
-from garmentq.core.fit import uncross
-from garmentq.core.hooks import SILENT
-from garmentq.core.mesh import self_intersections, vertex_normals
-from garmentq.core.pattern import Garment, load_draped_template, mesh_pattern, resample
-from garmentq.core.recovery import Request
+from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.garment import Garment, load_draped_template, mesh_pattern, resample
+from garmentq.core.geometry import self_intersections, vertex_normals
+from garmentq.core.recover.case import Case
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.recover.drape.shipped import WEARER
+from garmentq.core.recover.fit import uncross
+from garmentq.core.recover.recovery import Request
+from garmentq.core.run.hooks import SILENT
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target
-from garmentq.core.simulate import Drape, Outcome, get_fabric
+from garmentq.core.scan.contours import Target
 
 module = sys.modules[uncross.__module__]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from garmentq.core.body import Body
-from garmentq.core.drape import measure_wearer
-from garmentq.core.pattern import Garment, Pattern, edge_points, panel_area
-from garmentq.core.person.separation import Separation
-from garmentq.core.recovery import Recovery
-from garmentq.core.simulate import Fabric
-from garmentq.core.verdict import Gate
+from garmentq.core.cloth import Fabric
+from garmentq.core.garment import Garment, Pattern, edge_points, panel_area
+from garmentq.core.people.separation import Separation
+from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.recover.recovery import Recovery
+from garmentq.core.run.verdict import Gate
 
 CM = 100.0
 
@@ -156,8 +156,8 @@ def measure_separation(separation: Separation, truth: np.ndarray, true_body: np.
         truth: True part of each point, shape [n].
         true_body: Vertices of the true body, in the built-in body's topology [m], shape [m, 3].
     """
-    from garmentq.core.measure import measure_calibration, measure_labels
-    from garmentq.core.mesh import TriangleSurface
+    from garmentq.core.geometry import TriangleSurface
+    from garmentq.core.judge import measure_calibration, measure_labels
 
     score = measure_labels(truth, separation.label)
     calibration = measure_calibration(truth, separation.label, separation.confidence)

@@ -11,35 +11,35 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from garmentq.core.animate import AnimateSettings, move_worn
 from garmentq.core.body import ExposedSurface, builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.drape import measure_wearer
-from garmentq.core.edit import drape_edit
-from garmentq.core.formats.grading import grade_sizes
-from garmentq.core.formats.options import ExportOptions
-from garmentq.core.hooks import SILENT
-from garmentq.core.measure import measure_pattern as measure_beside_true_pattern
-from garmentq.core.measure import measure_recovery as measure_beside_truth
-from garmentq.core.measure import read_packs, read_true_pattern
-from garmentq.core.measure.patterns import PATTERN_METRICS
-from garmentq.core.measure.penetration import measure_penetration
-from garmentq.core.measure.true_pattern import TruePattern
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.motion import find_shipped, load_motion
-from garmentq.core.pattern import Pattern, draft_template, list_templates, load_pattern
-from garmentq.core.person.garments import cut_garment_of, find_surface
-from garmentq.core.person.hints import Hints
-from garmentq.core.person.part import Part
-from garmentq.core.person.separate import separate
-from garmentq.core.pieces import describe_pieces, make_pieces
-from garmentq.core.pipeline import recover
-from garmentq.core.recovery import Request
+from garmentq.core.body.motion import find_shipped, load_motion
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.options import ExportOptions
+from garmentq.core.garment import Pattern, draft_template, list_templates, load_pattern
+from garmentq.core.garment.pieces import describe_pieces, make_pieces
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.judge import measure_pattern as measure_beside_true_pattern
+from garmentq.core.judge import read_packs, read_true_pattern
+from garmentq.core.judge.patterns import PATTERN_METRICS
+from garmentq.core.judge.penetration import measure_penetration
+from garmentq.core.judge.true_pattern import TruePattern
+from garmentq.core.people.garments import cut_garment_of, find_surface
+from garmentq.core.people.hints import Hints
+from garmentq.core.people.part import Part
+from garmentq.core.people.separate import separate
+from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.recover.pipeline import recover
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.truth import measure_recovery as measure_beside_truth
+from garmentq.core.reuse.animate import AnimateSettings, move_worn
+from garmentq.core.reuse.edit import drape_edit
+from garmentq.core.reuse.wear import Worn, dress_body, make_to_measure, wear_template
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.scan.raw import RawScan
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, dress_body, make_to_measure, wear_template
 from golden_numbers import (
     CM,
     Measured,

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body, lies_under_arm, skin, weights_at
-from garmentq.core.fit.isometry import STEPS, fit_isometry
-from garmentq.core.grade import grade_pattern, register_coarsely
-from garmentq.core.grade.armpits import Armpits
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.segment import Target, name_contours
+from garmentq.core.garment import load_draped_template
+from garmentq.core.recover.fit.isometry import STEPS, fit_isometry
+from garmentq.core.recover.grade import grade_pattern, register_coarsely
+from garmentq.core.recover.grade.armpits import Armpits
+from garmentq.core.scan.contours import Target, name_contours
 
 SLEEVES = 1.5
 """How much longer the sleeves of the scanned T-shirt are than those of its base pattern."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body, rest_body
-from garmentq.core.drape import measure_wearer
-from garmentq.core.grade import TrunkCurvature, find_bust_points
-from garmentq.core.segment import Target
+from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.recover.grade import TrunkCurvature, find_bust_points
+from garmentq.core.scan.contours import Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

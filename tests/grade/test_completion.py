@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface
-from garmentq.core.grade import complete_target
-from garmentq.core.grade.completion import KEPT
-from garmentq.core.grade.registration import HiddenCloth
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.segment import Contour, Target, find_loops, mark_hidden_border
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.grade import complete_target
+from garmentq.core.recover.grade.completion import KEPT
+from garmentq.core.recover.grade.registration import HiddenCloth
+from garmentq.core.scan.contours import Contour, Target, find_loops, mark_hidden_border
 
 from .test_grading import HEIGHT, TOP, WIDTH, roll
 

@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.grade import choose_cut, name_recovered, tell_cut
-from garmentq.core.grade.cut_search import CutFit, compare_girths, rank_fits
-from garmentq.core.grade.distances import limb_chain
-from garmentq.core.grade.girth_profile import GirthProfile, measure_girths, profile_pattern
-from garmentq.core.grade.sleeve_length import fit_sleeve
-from garmentq.core.pattern import BodyMeasures, find_cut, mesh_pattern
-from garmentq.core.pattern.parts import CUTS, draft_cut
-from garmentq.core.segment import Contour, Target
+from garmentq.core.garment import BodyMeasures, find_cut, mesh_pattern
+from garmentq.core.garment.parts import CUTS, draft_cut
+from garmentq.core.recover.grade import choose_cut, name_recovered, tell_cut
+from garmentq.core.recover.grade.cut_search import CutFit, compare_girths, rank_fits
+from garmentq.core.recover.grade.distances import limb_chain
+from garmentq.core.recover.grade.girth_profile import GirthProfile, measure_girths, profile_pattern
+from garmentq.core.recover.grade.sleeve_length import fit_sleeve
+from garmentq.core.scan.contours import Contour, Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

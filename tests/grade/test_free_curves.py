@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.grade import SlideSettings, find_proportions, freedom, slide_seams
-from garmentq.core.grade.freedom import Freedom
-from garmentq.core.pattern import (
+from garmentq.core.garment import (
     EdgeRef,
     Garment,
     Pattern,
@@ -19,8 +17,10 @@ from garmentq.core.pattern import (
     seam_lengths,
     seam_mismatch,
 )
-from garmentq.core.pattern.handles import handles_of, list_curves, with_handles
-from garmentq.core.segment import Target
+from garmentq.core.garment.handles import handles_of, list_curves, with_handles
+from garmentq.core.recover.grade import SlideSettings, find_proportions, freedom, slide_seams
+from garmentq.core.recover.grade.freedom import Freedom
+from garmentq.core.scan.contours import Target
 
 
 @pytest.fixture(scope="module")

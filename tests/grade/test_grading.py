@@ -7,10 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body
-from garmentq.core.errors import Cancelled
-from garmentq.core.grade import TemplateMissing, choose_template, grade_pattern, register_coarsely
-from garmentq.core.hooks import Hooks
-from garmentq.core.pattern import (
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Panel,
@@ -22,7 +19,10 @@ from garmentq.core.pattern import (
     panel_area,
     seam_mismatch,
 )
-from garmentq.core.segment import Contour, Target, find_loops
+from garmentq.core.recover.grade import TemplateMissing, choose_template, grade_pattern, register_coarsely
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Hooks
+from garmentq.core.scan.contours import Contour, Target, find_loops
 
 WIDTH, HEIGHT, TOP = 0.4, 0.5, 1.0
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.grade import share_by_hems
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import load_draped_template, load_template, panel_area
-from garmentq.core.segment import Target
+from garmentq.core.garment import load_draped_template, load_template, panel_area
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.recover.grade import share_by_hems
+from garmentq.core.scan.contours import Target
 
 FLARE = 1.25
 """By how much the hem is made wider: its side seams then slant by 9 degrees, so that it turns by 18 at their ends."""

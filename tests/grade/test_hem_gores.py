@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.grade.hem_gores import HemGores, find_gores
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import mesh_pattern
-from garmentq.core.pattern.parts import CUTS, Cut, Gores, Skirt, draft_cut
-from garmentq.core.segment import Contour, Target
-from garmentq.core.segment.loop import find_loops
+from garmentq.core.garment import mesh_pattern
+from garmentq.core.garment.parts import CUTS, Cut, Gores, Skirt, draft_cut
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.grade.hem_gores import HemGores, find_gores
+from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.scan.contours.loop import find_loops
 from standing_gores import stand_gores
 
 

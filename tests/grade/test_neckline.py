@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.grade import choose_cut, find_proportions
-from garmentq.core.grade.neckline import CLEAR, CORNER, _curvature_beside, _rank, _Turns, fit_necklines
-from garmentq.core.mesh import rim_turns
-from garmentq.core.pattern import edge_points, load_template
-from garmentq.core.pattern.parts import Neckline, Throat, corner_turn, neckline_points
-from garmentq.core.segment import Contour, Target, unroll_neck
+from garmentq.core.garment import edge_points, load_template
+from garmentq.core.garment.neckline_fit import CLEAR, CORNER, _curvature_beside, _rank, _Turns, fit_necklines
+from garmentq.core.garment.parts import Neckline, Throat, corner_turn, neckline_points
+from garmentq.core.geometry import rim_turns
+from garmentq.core.recover.grade import choose_cut, find_proportions
+from garmentq.core.scan.contours import Contour, Target, unroll_neck
 
 BODY = builtin_body("builtin:female,height=1.70")
 

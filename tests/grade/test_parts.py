@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.fit import keep_seams
-from garmentq.core.grade import area_growth, find_proportions
-from garmentq.core.grade.compared_area import ComparedArea
-from garmentq.core.grade.flattening import fit_control_points
-from garmentq.core.grade.parts import across_armholes, find_parts
-from garmentq.core.grade.registration import bending_operators
-from garmentq.core.pattern import (
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Garment,
@@ -23,7 +17,13 @@ from garmentq.core.pattern import (
     panel_area,
     seam_mismatch,
 )
-from garmentq.core.pattern.handles import handles_of, list_curves, with_handles
+from garmentq.core.garment.handles import handles_of, list_curves, with_handles
+from garmentq.core.recover.fit import keep_seams
+from garmentq.core.recover.grade import area_growth, find_proportions
+from garmentq.core.recover.grade.compared_area import ComparedArea
+from garmentq.core.recover.grade.flattening import fit_control_points
+from garmentq.core.recover.grade.parts import across_armholes, find_parts
+from garmentq.core.recover.grade.registration import bending_operators
 
 SIDE = 0.3
 """Side of each square panel [m]."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.grade import TrunkCurvature, seen_seams
-from garmentq.core.grade.seen_seams import find_seen_seams
-from garmentq.core.grade.shoulder_points import find_shoulder_points
-from garmentq.core.grade.waist_seam import WaistLine
-from garmentq.core.pattern import EdgeRef, load_draped_template, load_template, mesh_pattern
-from garmentq.core.segment import Target
+from garmentq.core.garment import EdgeRef, load_draped_template, load_template, mesh_pattern
+from garmentq.core.recover.grade import TrunkCurvature, seen_seams
+from garmentq.core.recover.grade.seen_seams import find_seen_seams
+from garmentq.core.recover.grade.shoulder_points import find_shoulder_points
+from garmentq.core.recover.grade.waist_seam import WaistLine
+from garmentq.core.scan.contours import Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

@@ -7,12 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.errors import Cancelled
-from garmentq.core.grade import SlideSettings, slide_seams, sliding
-from garmentq.core.grade.strain import hidden_folds
-from garmentq.core.hooks import Hooks
-from garmentq.core.mesh import face_areas, vertex_normals
-from garmentq.core.pattern import (
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Garment,
@@ -24,7 +19,12 @@ from garmentq.core.pattern import (
     resample,
     seam_mismatch,
 )
-from garmentq.core.segment import Contour, Target, find_loops
+from garmentq.core.geometry import face_areas, vertex_normals
+from garmentq.core.recover.grade import SlideSettings, slide_seams, sliding
+from garmentq.core.recover.grade.strain import hidden_folds
+from garmentq.core.run.errors import Cancelled
+from garmentq.core.run.hooks import Hooks
+from garmentq.core.scan.contours import Contour, Target, find_loops
 
 SIDE, FLARE, TOP, SKIRT, HEIGHT = 0.22, 0.34, 0.2, 0.3, 1.0
 """Side of the box, side of the hem, heights of box and slope, height of the waist over the floor [m]."""

@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.motion import MotionBad, MotionForeign, MotionTooLarge, MovingBody, Pose, load_motion, retarget
-from garmentq.core.motion.bvh import pose_skeleton
-from garmentq.core.motion.bvh_text import parse_bvh
+from garmentq.core.body.motion import MotionBad, MotionForeign, MotionTooLarge, MovingBody, Pose, load_motion, retarget
+from garmentq.core.body.motion.bvh import pose_skeleton
+from garmentq.core.body.motion.bvh_text import parse_bvh
 from scipy.spatial.transform import Rotation
 
 LEG = "OFFSET {x} 0 0\nCHANNELS 3 {order}\nJOINT {side}{knee} {{\nOFFSET 0 -40 0\nCHANNELS 3 {order}\n" \
@@ -111,7 +111,7 @@ def test_feet_are_looked_at_in_blocks(tmp_path, monkeypatch):
     rows = np.random.default_rng(2).uniform(-40, 40, (10, 18))
     body, recording = builtin_body("builtin:female,height=1.70"), load_motion(write(tmp_path, make_bvh(rows)))
     whole = retarget(recording, body)
-    monkeypatch.setattr(sys.modules["garmentq.core.motion.retarget"], "BLOCK", 4)
+    monkeypatch.setattr(sys.modules["garmentq.core.body.motion.retarget"], "BLOCK", 4)
     np.testing.assert_allclose(retarget(recording, body).pelvis, whole.pelvis, atol=1e-12)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.motion import GROUPS, LIMIT, MovingBody, Pose, Track, clear_limbs
-from garmentq.core.motion.clear_limbs import spread
+from garmentq.core.body.motion import GROUPS, LIMIT, MovingBody, Pose, Track, clear_limbs
+from garmentq.core.body.motion.clear_limbs import spread
 from scipy.spatial.transform import Rotation
 
 ARM = list(GROUPS).index("left arm")

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.motion import MovingBody, load_motion, retarget
+from garmentq.core.body.motion import MovingBody, load_motion, retarget
 
 from .foreign import (
     FRAMES,

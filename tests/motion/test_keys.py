@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.body.builtin import named_pose
-from garmentq.core.body.template import rotations_of
-from garmentq.core.motion import (
+from garmentq.core.body.motion import (
     SHIPPED,
     LeadIn,
     MotionBad,
@@ -19,6 +18,7 @@ from garmentq.core.motion import (
     load_motion,
     retarget,
 )  # fmt: skip
+from garmentq.core.body.template import rotations_of
 from scipy.spatial.transform import Rotation
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.motion import MotionBad, MotionForeign, load_motion, retarget
-from garmentq.core.motion.joint_words import Part, name_part, split_name
+from garmentq.core.body.motion import MotionBad, MotionForeign, load_motion, retarget
+from garmentq.core.body.motion.joint_words import Part, name_part, split_name
 from scipy.spatial.transform import Rotation
 
 from .foreign import FRAMES, TO_Z_UP, make_reference, still, turn_axes, write_bvh

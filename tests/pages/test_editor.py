@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 from editor_page import Editor, lengths, moved
-from garmentq.core.pattern import find_symmetry, read_pattern, seam_mismatch
-from garmentq.core.pattern.templates import load_template
+from garmentq.core.garment import find_symmetry, read_pattern, seam_mismatch
+from garmentq.core.garment.templates import load_template
 
 MM = 1e-3
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.pattern import load_draped_template, read_pattern, seam_mismatch
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import load_draped_template, read_pattern, seam_mismatch
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.jobs import find_job
 from garmentq.service.keys import create_key, own
 from garmentq.service.models import JobRow
@@ -28,7 +28,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "data"
 def quick(monkeypatch):
     """Make draping take no time; the post that a tube hangs on has no girths to compare it with."""
     drape_at_once(monkeypatch)
-    monkeypatch.setattr("garmentq.core.edit.redraping.measure_ease", lambda garment, body: ())
+    monkeypatch.setattr("garmentq.core.reuse.edit.redraping.measure_ease", lambda garment, body: ())
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The editor's modules compute what `core/pattern` computes: compared in the browser that runs them."""
+"""The editor's modules compute what `core/garment` computes: compared in the browser that runs them."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.pattern import Edge, find_symmetry, load_pattern, read_pattern, seam_mismatch
-from garmentq.core.pattern.curves import split_edge, unit_length, unit_points
-from garmentq.core.pattern.templates import LIBRARY
+from garmentq.core.garment import Edge, find_symmetry, load_pattern, read_pattern, seam_mismatch
+from garmentq.core.garment.curves import split_edge, unit_length, unit_points
+from garmentq.core.garment.templates import LIBRARY
 
 EDGES = 1000
 

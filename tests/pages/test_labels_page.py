@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.export.person import write_person
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.person import PARTS, Part, Separation
-from garmentq.core.person.colours import COLOURS
-from garmentq.core.person.given import PersonFiles, read_given
-from garmentq.core.person.separate import to_file
+from garmentq.core.deliver.export.person import write_person
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.people import PARTS, Part, Separation
+from garmentq.core.people.colours import COLOURS
+from garmentq.core.people.given import PersonFiles, read_given
+from garmentq.core.people.separate import to_file
 from garmentq.core.scan import RawScan, load_raw
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.measure import compare_patterns
-from garmentq.core.pattern import load_template, save_pattern
+from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.judge import compare_patterns
 
 
 @pytest.fixture(scope="module")

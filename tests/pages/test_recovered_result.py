@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.ply import read_ply
-from garmentq.core.texture.lookup import UNSEEN
-from garmentq.core.wear import load_worn
+from garmentq.core.deliver.ply import read_ply
+from garmentq.core.deliver.texture.lookup import UNSEEN
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.wear import load_worn
 
 pytestmark = pytest.mark.nightly  # the recovery takes 5 to 10 s of CPU time, and 25 s where nothing is compiled yet
 
@@ -25,9 +25,9 @@ def colour_of(height: np.ndarray) -> np.ndarray:
 @pytest.fixture(scope="module")
 def recovery(tmp_path_factory):
     """Recover the skirt from its file."""
-    from garmentq.core.pipeline import recover
-    from garmentq.core.recovery import Request
-    from garmentq.core.settings import RecoverySettings
+    from garmentq.core.recover.pipeline import recover
+    from garmentq.core.recover.recovery import Request
+    from garmentq.core.recover.settings import RecoverySettings
 
     garment = load_draped_template("skirt")
     if garment is None:

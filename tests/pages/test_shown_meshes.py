@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.animate import Animation, Moved, Verdict
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.edit import drape_edit
-from garmentq.core.export.animation import write_moved
-from garmentq.core.export.dressed import write_dressed
-from garmentq.core.export.edited import write_edited
-from garmentq.core.export.meshes import write_ply
-from garmentq.core.export.outfit import write_outfit
-from garmentq.core.export.stored_result import load_result
-from garmentq.core.hooks import SILENT
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Dressed, DressedOutfit, Worn, judge_wear, measure_ease, measure_worn
+from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.deliver.export.animation import write_moved
+from garmentq.core.deliver.export.dressed import write_dressed
+from garmentq.core.deliver.export.edited import write_edited
+from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.deliver.export.outfit import write_outfit
+from garmentq.core.deliver.export.stored_result import load_result
+from garmentq.core.garment import load_draped_template
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.reuse.animate import Animation, Moved, Verdict
+from garmentq.core.reuse.edit import drape_edit
+from garmentq.core.reuse.wear import Dressed, DressedOutfit, Worn, judge_wear, measure_ease, measure_worn
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
 from garmentq.service.jobs import claim
 from garmentq.service.kinds import KINDS
 from garmentq.service.kinds.recover import Recover

@@ -9,16 +9,23 @@ import numpy as np
 import pypdfium2
 import pytest
 import shapely
-from garmentq.core.errors import GarmentqError
-from garmentq.core.formats import DIALECTS, ExportOptions, find_paper
-from garmentq.core.formats.dialects import BY_NAME
-from garmentq.core.formats.dxf import Block, dxf_text, rule_text, write_archive
-from garmentq.core.formats.layered_svg import pieces_svg
-from garmentq.core.formats.pdf_file import Page, pdf_bytes
-from garmentq.core.formats.sheet import arrange
-from garmentq.core.formats.tiled_pdf import MARGIN, draw_sheet, pieces_pdf, roll_page, tile
-from garmentq.core.pattern import Edge, Panel, Pattern, edge_length, list_templates, load_template
-from garmentq.core.pieces import PieceSettings, Style, flatten_outline, lay_on_cloth, make_pieces, read_allowances
+from garmentq.core.deliver.formats import DIALECTS, ExportOptions, find_paper
+from garmentq.core.deliver.formats.dialects import BY_NAME
+from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text, write_archive
+from garmentq.core.deliver.formats.layered_svg import pieces_svg
+from garmentq.core.deliver.formats.pdf_file import Page, pdf_bytes
+from garmentq.core.deliver.formats.sheet import arrange
+from garmentq.core.deliver.formats.tiled_pdf import MARGIN, draw_sheet, pieces_pdf, roll_page, tile
+from garmentq.core.garment import Edge, Panel, Pattern, edge_length, list_templates, load_template
+from garmentq.core.garment.pieces import (
+    PieceSettings,
+    Style,
+    flatten_outline,
+    lay_on_cloth,
+    make_pieces,
+    read_allowances,
+)
+from garmentq.core.run.errors import GarmentqError
 from garmentq_pieces import TEMPLATES, pieces_of
 from pypdf import PdfReader
 from shapely import LineString, Point, Polygon

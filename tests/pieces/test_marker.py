@@ -6,10 +6,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from garmentq.core.formats.marker import marker_svg
-from garmentq.core.pattern import load_template
-from garmentq.core.pieces import CLOTH_WIDTH, PieceSettings, lay_on_cloth, make_pieces, nest_on_cloth, nesting
-from garmentq.core.pieces.layout import CLOTH_GAP, list_copies
+from garmentq.core.deliver.formats.marker import marker_svg
+from garmentq.core.garment import load_template
+from garmentq.core.garment.pieces import CLOTH_WIDTH, PieceSettings, lay_on_cloth, make_pieces, nest_on_cloth, nesting
+from garmentq.core.garment.pieces.layout import CLOTH_GAP, list_copies
 from shapely import Polygon
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from garmentq.core.pattern import (
+from garmentq.core.garment import (
     Edge,
     EdgeRef,
     Panel,
@@ -12,7 +12,7 @@ from garmentq.core.pattern import (
     edge_points,
     load_template,
 )
-from garmentq.core.pieces import (
+from garmentq.core.garment.pieces import (
     TURNED,
     AllowanceBad,
     EdgeUse,

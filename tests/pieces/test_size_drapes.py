@@ -7,13 +7,13 @@ import json
 import numpy as np
 import pytest
 from garmentq.core.body import MeasureRange, Tape, builtin_body, resize_body
-from garmentq.core.drape import measure_wearer
-from garmentq.core.export import sizes as written_sizes
-from garmentq.core.formats import ExportOptions, Production, write_production
-from garmentq.core.formats.grading import grade_sizes
-from garmentq.core.formats.size_drapes import drape_size
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, is_sound, wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export import sizes as written_sizes
+from garmentq.core.deliver.formats import ExportOptions, Production, write_production
+from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.size_drapes import drape_size
+from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.reuse.wear import Worn, is_sound, wear_template
 from PIL import Image
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")

@@ -8,13 +8,13 @@ import ezdxf
 import numpy as np
 import pytest
 from garmentq.cli.sizes import read_sizes
-from garmentq.core.formats import ExportOptions, SizeLine, SizesBad
-from garmentq.core.formats.dialects import BY_NAME
-from garmentq.core.formats.dxf import Block, dxf_text, rule_text
-from garmentq.core.formats.grading import grade_sizes
-from garmentq.core.formats.nest import find_rules, nest_pdf
-from garmentq.core.pattern import BodyMeasures, Edge, Panel, Pattern, load_template, seam_mismatch
-from garmentq.core.pieces import make_pieces
+from garmentq.core.deliver.formats import ExportOptions, SizeLine, SizesBad
+from garmentq.core.deliver.formats.dialects import BY_NAME
+from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text
+from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.nest import find_rules, nest_pdf
+from garmentq.core.garment import BodyMeasures, Edge, Panel, Pattern, load_template, seam_mismatch
+from garmentq.core.garment.pieces import make_pieces
 from garmentq_pieces import TEMPLATES
 from pypdf import PdfReader
 

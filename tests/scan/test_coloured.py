@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.errors import BadInput
-from garmentq.core.limited import ReaderCrashed
+from garmentq.core.run.errors import BadInput
+from garmentq.core.run.sandbox import ReaderCrashed
 from garmentq.core.scan import Limits
 from garmentq.core.scan.coloured import ColouredScan, ColoursMissing, _check, load_coloured
 from PIL import Image

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.errors import BadInput
-from garmentq.core.inputs import read_files
-from garmentq.core.measure import judge
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.person.wearer import FoundWearer, fit_wearer
-from garmentq.core.recovery import Request
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.judge import judge
+from garmentq.core.people.wearer import FoundWearer, fit_wearer
+from garmentq.core.recover.inputs import read_files
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings, SettingsBad
+from garmentq.core.run.errors import BadInput
+from garmentq.core.run.verdict import Verdict
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
+from garmentq.core.scan.contours import find_loops, segment_garment, smoothed_length
+from garmentq.core.scan.contours.rounded_rims import straighten_scan
 from garmentq.core.scan.selection import select_other_cloth
-from garmentq.core.segment import find_loops, segment_garment, smoothed_length
-from garmentq.core.segment.rounded_rims import straighten_scan
-from garmentq.core.settings import RecoverySettings, SettingsBad
-from garmentq.core.verdict import Verdict
 
 GAP = 0.015
 """Distance of the cloth from the skin at the waist [m]; on the shoulders, where clothes rest, it is a fifth of that."""

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import BadInput
-from garmentq.core.mesh import HalfEdges
+from garmentq.core.geometry import HalfEdges
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import find_units, find_up, load_pair, load_scan
 
 

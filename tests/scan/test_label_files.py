@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Limits, read_labels
 
 LABELS = np.array([0, 1, 1, 0, 2])

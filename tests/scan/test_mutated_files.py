@@ -28,7 +28,7 @@ MEMORY, SECONDS = 4 << 30, 60
 
 def make_files() -> dict[str, bytes]:
     """Return one small valid file of each kind, by its name."""
-    from garmentq.core.pattern import load_template, write_pattern
+    from garmentq.core.garment import load_template, write_pattern
 
     from ..motion.foreign import make_reference, name_plainly, write_bvh
 
@@ -85,9 +85,9 @@ def mutate(content: bytes, random: np.random.Generator) -> bytes:
 
 def read(path: Path) -> None:
     """Read a file as the job's first stage does."""
+    from garmentq.core.body.motion import load_motion
     from garmentq.core.body.smpl import load_smpl
-    from garmentq.core.motion import load_motion
-    from garmentq.core.pattern import load_pattern
+    from garmentq.core.garment import load_pattern
     from garmentq.core.scan import Limits
     from garmentq.core.scan.labels import read_labels
     from garmentq.core.scan.load import load_scan
@@ -111,8 +111,8 @@ def read(path: Path) -> None:
 
 def read_all(folder: Path, told: multiprocessing.connection.Connection) -> None:
     """Read every mutated file in this forked process; tell of each how it ended."""
-    from garmentq.core.errors import GarmentqError
-    from garmentq.core.limited import is_memory_short
+    from garmentq.core.run.errors import GarmentqError
+    from garmentq.core.run.sandbox import is_memory_short
 
     warnings.simplefilter("ignore")
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))

@@ -12,8 +12,8 @@ import trimesh
 from click.testing import CliRunner
 from garmentq.cli.inspect import command as inspect
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import BadInput
-from garmentq.core.person.given import Given, describe_given
+from garmentq.core.people.given import Given, describe_given
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Limits, load_raw, load_scan
 
 INSIDE = Limits(is_confined=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Limits, load_raw
 from garmentq.core.scan.clean import _stands_beside
 from garmentq.core.scan.open3d_library import load_open3d

@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Limits, load_pair, load_scan
 
 

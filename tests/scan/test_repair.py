@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.mesh import HalfEdges
+from garmentq.core.geometry import HalfEdges
 from garmentq.core.scan.refusal import PiecesTooMany
 from garmentq.core.scan.repair import MOST_PIECES, boundary_pieces, enclosed_volume, repair_surface, turn_from_body
 from hypothesis import given, settings

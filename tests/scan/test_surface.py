@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.mesh import TriangleSurface
-from garmentq.core.mesh.point_normals import find_normals, orient_normals, thin_points
+from garmentq.core.geometry import TriangleSurface
+from garmentq.core.geometry.point_normals import find_normals, orient_normals, thin_points
 from garmentq.core.scan import RawScan, reconstruct, thin
 from garmentq.core.scan.reconstruct import SurfaceFailed, measure_spacing
 

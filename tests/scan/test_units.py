@@ -10,10 +10,10 @@ import pytest
 import trimesh
 from garmentq.cli.main import COMMANDS, group
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
+from garmentq.core.run.units import METRIC, UNITS, UnitName
 from garmentq.core.scan import Limits, Selection, load_pair, load_pieces, load_raw, load_scan
 from garmentq.core.scan.coloured import load_coloured
-from garmentq.core.units import METRIC, UNITS, UnitName
 from garmentq.service.api.inspection import Looked
 from garmentq.service.api.schemas import ALLOWED
 

@@ -9,10 +9,10 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
-from garmentq.core.errors import BadInput, GarmentqError, NotFound
-from garmentq.core.pattern import load_template, save_pattern
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import get_fabric, write_fabrics
+from garmentq.core.cloth import get_fabric, write_fabrics
+from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.errors import BadInput, GarmentqError, NotFound
 from garmentq.service import records
 from garmentq.service.backend import Backend, open_backend
 from garmentq.service.families import make_children

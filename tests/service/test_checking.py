@@ -10,14 +10,14 @@ from threading import Thread
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.checkpoints import pack
-from garmentq.core.errors import BadInput
-from garmentq.core.inputs import read_request
-from garmentq.core.limited import ReaderCrashed
-from garmentq.core.pattern import load_template, save_pattern
-from garmentq.core.reading import load_reading, save_reading
-from garmentq.core.recovery import Request
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.garment.reading import load_reading, save_reading
+from garmentq.core.recover.inputs import read_request
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.checkpoints import pack
+from garmentq.core.run.errors import BadInput
+from garmentq.core.run.sandbox import ReaderCrashed
 from garmentq.service.checking import check_files
 from garmentq.service.families import cancel
 from garmentq.service.jobs import find_job

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from garmentq.cli.follow import Wait, follow
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import GarmentqError
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.pieces import measure_pieces
-from garmentq.core.simulate import Drape, Outcome, get_fabric, write_fabrics
-from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
+from garmentq.core.cloth import Drape, Outcome, get_fabric, write_fabrics
+from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.pieces import measure_pieces
+from garmentq.core.reuse.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.models import PieceRow
@@ -64,7 +64,7 @@ def quick(monkeypatch):
     def dress(worn, body, fabric, clock):
         now = replace(worn, body=body, fabric=fabric or worn.fabric)
         drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
-        from garmentq.core.drape import WearerGeometry
+        from garmentq.core.recover.drape import WearerGeometry
 
         ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
         metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
@@ -76,9 +76,9 @@ def quick(monkeypatch):
     def dress_over(worn, under, body, fabric, clock):
         return replace(dress(worn, body, fabric, clock), under=replace(under, body=body))
 
-    monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
-    monkeypatch.setattr("garmentq.core.wear.dress_over", dress_over)
-    monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
+    monkeypatch.setattr("garmentq.core.reuse.wear.dress_body", dress)
+    monkeypatch.setattr("garmentq.core.reuse.wear.dress_over", dress_over)
+    monkeypatch.setattr("garmentq.core.reuse.wear.make_to_measure", dress)
 
 
 @REMOTE_BY_DAY
@@ -213,7 +213,7 @@ def test_result_of_an_older_version_is_refused_at_once(backend, queue_job, setti
 @REMOTE_BY_DAY
 def test_only_the_garment_is_read(backend, result, quick, settings, database, monkeypatch):
     """Broken where every mesh and picture of a result is copied for a job that reads one file of it."""
-    from garmentq.core import wear
+    from garmentq.core.reuse import wear
 
     seen, load = [], wear.load_worn
     monkeypatch.setattr(wear, "load_worn", lambda folder: seen.append(sorted(folder.iterdir())) or load(folder))
@@ -244,18 +244,18 @@ def test_thirty_is_thirty(backend, result):
 @pytest.fixture
 def still(monkeypatch):
     """Let moving take no time: every frame is the garment at rest, but each frame's body is the motion's."""
-    from garmentq.core.animate import Animation, Verdict
+    from garmentq.core.reuse.animate import Animation, Verdict
 
     def frames(worn, motion, settings, hooks):
-        from garmentq.core.animate import list_times
-        from garmentq.core.motion import MovingBody
+        from garmentq.core.body.motion import MovingBody
+        from garmentq.core.reuse.animate import list_times
 
         times = list_times(motion, settings)
         transforms = np.stack([MovingBody(worn.body).transforms(motion.at(float(t))) for t in times])
         nodes = np.tile(worn.garment.nodes, (len(times), 1, 1))
         return Animation(worn, settings.fps, times, nodes, transforms, (Verdict(True, 0.0, 0, 1, 1, 0.1),) * len(times))
 
-    monkeypatch.setattr("garmentq.core.animate.moved.animate", frames)
+    monkeypatch.setattr("garmentq.core.reuse.animate.moved.animate", frames)
 
 
 KEYS = b'{"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [40, 0, 0]}}]}'

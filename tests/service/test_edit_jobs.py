@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import GarmentqError
-from garmentq.core.export.result import write_json
-from garmentq.core.pattern import load_draped_template, load_pattern, read_pattern, write_pattern
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, load_worn, save_worn
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.result import write_json
+from garmentq.core.garment import load_draped_template, load_pattern, read_pattern, write_pattern
+from garmentq.core.reuse.wear import Worn, load_worn, save_worn
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.keys import create_key
 from garmentq.service.local import LocalBackend

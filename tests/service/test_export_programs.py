@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import GarmentqError
-from garmentq.core.export import write_ply
-from garmentq.core.export.for_programs import read_colours
-from garmentq.core.formats import FORMATS
-from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, load_draped_template, mesh_pattern
-from garmentq.core.reading import Reading, save_reading
-from garmentq.core.recovery import Request
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export import write_ply
+from garmentq.core.deliver.export.for_programs import read_colours
+from garmentq.core.deliver.formats import FORMATS
+from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, load_draped_template, mesh_pattern
+from garmentq.core.garment.reading import Reading, save_reading
+from garmentq.core.recover.recovery import Request
+from garmentq.core.reuse.wear import Worn, save_worn
+from garmentq.core.run.errors import GarmentqError
 from garmentq.core.scan import Pieces, Scan
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, save_worn
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.export_request import find_scan

@@ -8,10 +8,10 @@ from pathlib import Path
 import httpx
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import GarmentqError
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, save_worn
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.wear import Worn, save_worn
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.local import LocalBackend
 from garmentq.service.models import PieceRow

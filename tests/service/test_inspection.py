@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body.presence import ScanPartial
-from garmentq.core.errors import BadInput
-from garmentq.core.person import inspect as found_by
-from garmentq.core.person.inspect import inspect_order
+from garmentq.core.people import inspect as found_by
+from garmentq.core.people.inspect import inspect_order
+from garmentq.core.run.errors import BadInput
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.api.meter import LimitedFull, LimitedOpen, Meter
 from garmentq.service.inspection import BodyNotBuiltin, inspect_scan

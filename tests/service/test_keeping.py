@@ -8,8 +8,8 @@ import os
 import time
 
 import pytest
-from garmentq.core.pattern import Edge, Panel, Pattern
-from garmentq.core.simulate import Fabric
+from garmentq.core.cloth import Fabric
+from garmentq.core.garment import Edge, Panel, Pattern
 from garmentq.service import audit
 from garmentq.service.backup import BackupRefused, make_backup, restore_backup
 from garmentq.service.deletion import delete_jobs, find_old
@@ -223,7 +223,7 @@ def test_the_longest_names_fit_the_rows(database, queue_job):
 
 def test_no_text_of_an_error_is_refused_by_a_database(settings, database, queue_job, monkeypatch):
     """Broken where NUL or half a letter in a message makes a failed job `dead` after three attempts."""
-    from garmentq.core.errors import BadInput
+    from garmentq.core.run.errors import BadInput
     from garmentq.workers import recovery
 
     def refuse(*_):

@@ -13,16 +13,16 @@ from api_client import local_user, serving
 from api_routes import list_routes
 from garmentq.cli.sizes import read_sizes
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
-from garmentq.core.motion.errors import MotionBad
-from garmentq.core.motion.keys import read_keys
-from garmentq.core.pattern import load_template, read_pattern, write_pattern
-from garmentq.core.pattern.errors import PatternValueBad
-from garmentq.core.pieces.allowance import read_allowances
-from garmentq.core.pieces.errors import AllowanceBad
+from garmentq.core.body.motion.errors import MotionBad
+from garmentq.core.body.motion.keys import read_keys
+from garmentq.core.cloth.fabric_file import FabricFileBad, read_fabrics
+from garmentq.core.garment import load_template, read_pattern, write_pattern
+from garmentq.core.garment.errors import PatternValueBad
+from garmentq.core.garment.pieces.allowance import read_allowances
+from garmentq.core.garment.pieces.errors import AllowanceBad
+from garmentq.core.run.text import TextBad, has_unkept, read_json
 from garmentq.core.scan.labels import read_labels
 from garmentq.core.scan.refusal import LabelsUnreadable
-from garmentq.core.simulate.fabric_file import FabricFileBad, read_fabrics
-from garmentq.core.text import TextBad, has_unkept, read_json
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.kinds import FileRef, pack_request

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import Database, open_database, upgrade
 from garmentq.service.families import advance, retry
 from garmentq.service.jobs import find_job, read_events

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.errors import GarmentqError
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Worn, load_worn, save_worn
+from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.wear import Worn, load_worn, save_worn
+from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.query import JobQuery
@@ -56,8 +56,8 @@ def quick(monkeypatch):
         nodes = np.concatenate([one.garment.nodes for one in garments])
         return tuple(garments), Drape(nodes, 0.1, 3, 1.0, Outcome.CONVERGED, nodes)
 
-    monkeypatch.setattr("garmentq.core.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
-    monkeypatch.setattr("garmentq.core.wear.outfit.rest_together", stay)
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.rest_together", stay)
 
 
 @REMOTE_BY_DAY

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.families import retry
 from garmentq.service.jobs import Claim, find_job, read_events
 from garmentq.service.kinds import FileRef, pack_request, read_request

@@ -6,9 +6,9 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from garmentq.core.measure import measure_knowledge
-from garmentq.core.settings import RecoverySettings
-from garmentq.core.simulate import FabricEstimate
+from garmentq.core.cloth import FabricEstimate
+from garmentq.core.judge import measure_knowledge
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover

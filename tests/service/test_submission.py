@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
-from garmentq.core.errors import BadInput
-from garmentq.core.settings import RecoverySettings
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.run.errors import BadInput
 from garmentq.service.families import cancel, retry
 from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import QueueFull, create_key

@@ -12,7 +12,7 @@ import trimesh
 from garmentq.core.body import JOINTS, skin
 from garmentq.core.body.presence import find_hairy
 from garmentq.core.body.template import Template, articulate, rotations_of, transforms_of
-from garmentq.core.mesh import vertex_normals
+from garmentq.core.geometry import vertex_normals
 
 SKIN, HAIR, SHOES, UPPER, LOWER, ONE_PIECE, OUTER = 0, 1, 2, 10, 11, 12, 13
 

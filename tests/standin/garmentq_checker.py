@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
 
 
 class Refused(BadInput):

@@ -11,10 +11,10 @@ import json
 import os
 
 import numpy as np
-from garmentq.core.errors import BadInput
-from garmentq.core.hooks import Hooks
-from garmentq.core.reading import Reading, save_reading
-from garmentq.core.recovery import Request
+from garmentq.core.garment.reading import Reading, save_reading
+from garmentq.core.recover.recovery import Request
+from garmentq.core.run.errors import BadInput
+from garmentq.core.run.hooks import Hooks
 from garmentq.core.scan import Pieces, Scan
 from garmentq.service.kinds import Work
 from garmentq.service.kinds.person_found import PersonFound

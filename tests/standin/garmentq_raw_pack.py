@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.measure import RawFile, write_raw_file
-from garmentq.core.person import Part
+from garmentq.core.judge import RawFile, write_raw_file
+from garmentq.core.people import Part
 
 SPACING = 0.01
 """Between neighbours [m]."""

@@ -17,16 +17,16 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.body import Body
-from garmentq.core.errors import BadInput, Cancelled
-from garmentq.core.hooks import Hooks
-from garmentq.core.meshes import Meshes
-from garmentq.core.pattern import Edge, Garment, Panel, Pattern
-from garmentq.core.pieces import PieceNumbers
-from garmentq.core.recovery import STAGES, Recovery, Request
+from garmentq.core.cloth import Fabric
+from garmentq.core.garment import Edge, Garment, Panel, Pattern
+from garmentq.core.garment.meshes import Meshes
+from garmentq.core.garment.pieces import PieceNumbers
+from garmentq.core.recover.recovery import STAGES, Recovery, Request
+from garmentq.core.run.errors import BadInput, Cancelled
+from garmentq.core.run.hooks import Hooks
+from garmentq.core.run.verdict import Gate, Verdict
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target
-from garmentq.core.simulate import Fabric
-from garmentq.core.verdict import Gate, Verdict
+from garmentq.core.scan.contours import Target
 
 STEPS = 40
 STEP_SECONDS = 0.1

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from garmentq.core.errors import BadInput
+from garmentq.core.run.errors import BadInput
 
 
 class Refused(BadInput):
@@ -65,7 +65,7 @@ def fill(size: int) -> dict[str, Any]:
 
 def fill_measured(size: int, limit: int) -> dict[str, Any]:
     """Take memory slowly where the system keeps no limit."""
-    from garmentq.core.limited import limit_memory
+    from garmentq.core.run.sandbox import limit_memory
 
     limit_memory(limit, by_system=False)
     held = []

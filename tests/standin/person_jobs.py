@@ -9,9 +9,9 @@ from zlib import crc32
 
 import numpy as np
 import trimesh
-from garmentq.core.export.person import write_seen, write_segmented
-from garmentq.core.person import Part
-from garmentq.core.person.labels import write_labels
+from garmentq.core.deliver.export.person import write_seen, write_segmented
+from garmentq.core.people import Part
+from garmentq.core.people.labels import write_labels
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.person import Person
 from garmentq.service.kinds.person_found import PersonFound

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from garmentq.core.simulate import Drape, Outcome
+from garmentq.core.cloth import Drape, Outcome
 
 
 def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -12,5 +12,7 @@ def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     def drape(garment, wearer, fabric, target, **_):
         return garment, Drape(garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, garment.nodes)
 
-    monkeypatch.setattr("garmentq.core.edit.redraping.drape_graded", drape)
-    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda worn, *given: (worn.garment.nodes, given[1]))
+    monkeypatch.setattr("garmentq.core.reuse.edit.redraping.drape_graded", drape)
+    monkeypatch.setattr(
+        "garmentq.core.reuse.edit.redraping.part_layers", lambda worn, *given: (worn.garment.nodes, given[1])
+    )

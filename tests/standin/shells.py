@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.person import Part, Separation
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.people import Part, Separation
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import WearerGeometry
+from garmentq.core.recover.drape import WearerGeometry
 
 WOMAN = "builtin:female,height=1.70"
 """The body the shipped templates were drafted for."""

@@ -7,23 +7,7 @@ from functools import cache
 
 import numpy as np
 from garmentq.core.body import Body, DistanceGrid
-from garmentq.core.drape import DrapeSettings, drape_template, waist_loop
-from garmentq.core.fit import (
-    FitScene,
-    ShapeProblem,
-    ShapeSettings,
-    move_pattern,
-)
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
-    Garment,
-    Pattern,
-    equalise_seams,
-    load_template,
-    panel_area,
-)
-from garmentq.core.segment import Target, name_contours
-from garmentq.core.simulate import (
+from garmentq.core.cloth import (
     Fabric,
     Pins,
     Scene,
@@ -33,6 +17,22 @@ from garmentq.core.simulate import (
     equilibrium,
     get_fabric,
 )
+from garmentq.core.garment import (
+    Garment,
+    Pattern,
+    equalise_seams,
+    load_template,
+    panel_area,
+)
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.recover.drape import DrapeSettings, drape_template, waist_loop
+from garmentq.core.recover.fit import (
+    FitScene,
+    ShapeProblem,
+    ShapeSettings,
+    move_pattern,
+)
+from garmentq.core.scan.contours import Target, name_contours
 from wearers import find_wearer
 
 FINE = SolveSettings(max_iterations=150)

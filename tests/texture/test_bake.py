@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.export.sewn_mesh import square_layout
-from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import Garment, load_draped_template
+from garmentq.core.deliver.export.sewn_mesh import square_layout
+from garmentq.core.deliver.texture import bake_texture, find_texels
+from garmentq.core.deliver.texture.bake import TexelBad, check_texel
+from garmentq.core.garment import Garment, load_draped_template
+from garmentq.core.geometry import vertex_normals
 from garmentq.core.scan.coloured import ColouredScan
 from garmentq.core.scan.texture import sample_image
-from garmentq.core.texture import bake_texture, find_texels
-from garmentq.core.texture.bake import TexelBad, check_texel
 
 TEXEL = 1e-3
 COARSE = 2e-3

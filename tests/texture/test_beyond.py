@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from garmentq.core.deliver.texture.beyond import BESIDE_CUT, find_beyond
 from garmentq.core.scan.coloured import ColouredScan
-from garmentq.core.texture.beyond import BESIDE_CUT, find_beyond
 
 COUNT, SPACING = 61, 5e-3
 

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import torch
-from garmentq.core.person import PARTS
-from garmentq.core.person.features import NAMES
-from garmentq.core.person.learnt import STATIONS, Cells, Committee, load_committee, load_network
-from garmentq.core.person.limbs import Limb
+from garmentq.core.people import PARTS
+from garmentq.core.people.features import NAMES
+from garmentq.core.people.learnt import STATIONS, Cells, Committee, load_committee, load_network
+from garmentq.core.people.limbs import Limb
 from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels
 from garmentq.training.kinds import harden, write_kinds

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS
 from garmentq.core.body.template import load_template
-from garmentq.core.person import GARMENTS, Part
+from garmentq.core.people import GARMENTS, Part
 from garmentq.training.accessories import hair_shell, load_accessories, shoe_shell, worn_asset
 from garmentq.training.persons import simulate
 from garmentq.training.wearer import POSES, pose_angles, runs_into_itself, stand
@@ -78,7 +78,7 @@ def test_a_person_is_dressed_and_the_same_again():
 @pytest.mark.nightly
 def test_all_of_it_runs_on_a_tiny_set(tmp_path):
     """Broken where a fresh clone cannot repeat the training: persons, their fits and features, weights that load."""
-    from garmentq.core.person.learnt import load_network
+    from garmentq.core.people.learnt import load_network
     from garmentq.training.describe import describe_folder
     from garmentq.training.network import save_weights
     from garmentq.training.persons import write_persons

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.drape import WearerGeometry, redrape
-from garmentq.core.drape.motion import rotation_of
-from garmentq.core.mesh import self_intersections
-from garmentq.core.segment import Target
-from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Worn, dress_body, wear_template
-from garmentq.core.wear.dressing import carry_alone
-from garmentq.core.wear.parting import part_layers
+from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import WearerGeometry, redrape
+from garmentq.core.recover.drape.motion import rotation_of
+from garmentq.core.reuse.wear import Worn, dress_body, wear_template
+from garmentq.core.reuse.wear.dressing import carry_alone
+from garmentq.core.reuse.wear.parting import part_layers
+from garmentq.core.run.clock import Clock
+from garmentq.core.scan.contours import Target
 
 RATE = 8.0
 """Angular velocity of a wearer who turns [rad/s]."""

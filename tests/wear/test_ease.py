@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import Tape, builtin_body
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.export.meshes import write_ply
-from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import edge_length, load_draped_template, panel_outline
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
-from garmentq.core.wear.ease import Figure, carry_back, ease_at
+from garmentq.core.cloth import get_fabric
+from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.garment import edge_length, load_draped_template, panel_outline
+from garmentq.core.geometry import self_intersections
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.reuse.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
+from garmentq.core.reuse.wear.ease import Figure, carry_back, ease_at
 
 SPEC = "builtin:female,height=1.70"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import make_to_measure, refit_pattern, wear_template
+from garmentq.core.cloth import get_fabric
+from garmentq.core.reuse.wear import make_to_measure, refit_pattern, wear_template
+from garmentq.core.run.clock import Clock
 
 BROAD = "builtin:male,height=1.72,weight=95,chest=1.18,waist=1.04,hip=1.13"
 """A body for whose thighs the draft of trousers lacks a tenth of a metre."""

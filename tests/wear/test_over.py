@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.clock import Clock
-from garmentq.core.drape import WearerGeometry
-from garmentq.core.hooks import SILENT
-from garmentq.core.mesh import self_intersections, vertex_normals
-from garmentq.core.pattern import Garment, load_draped_template
-from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Worn, dress_outfit, dress_over, judge_wear, rest_together
-from garmentq.core.wear.underneath import is_covered, measure_layers, raise_over
+from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.garment import Garment, load_draped_template
+from garmentq.core.geometry import self_intersections, vertex_normals
+from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.reuse.wear import Worn, dress_outfit, dress_over, judge_wear, rest_together
+from garmentq.core.reuse.wear.underneath import is_covered, measure_layers, raise_over
+from garmentq.core.run.clock import Clock
+from garmentq.core.run.hooks import SILENT
 
 SPEC = "builtin:female,height=1.70"
 
@@ -88,7 +88,7 @@ def test_waists_are_held_where_they_lie(monkeypatch):
         seen.append((scene, nodes))
         return Drape(nodes, 0.0, 1, 0.0, Outcome.CONVERGED, nodes)
 
-    monkeypatch.setattr("garmentq.core.wear.over.equilibrium", keep)
+    monkeypatch.setattr("garmentq.core.reuse.wear.over.equilibrium", keep)
     lower, upper = wear("skirt", "denim"), wear("tshirt", "cotton_poplin")
     moved = replace(lower, waist=lower.waist + [0.0, 0.01, 0.0])
     garments, _ = rest_together((moved, upper), WearerGeometry(lower.body), SILENT)
@@ -109,8 +109,8 @@ def test_an_outfit_is_judged_garment_by_garment(monkeypatch):
         nodes = np.concatenate([one.garment.nodes for one in garments])
         return tuple(garments), Drape(nodes, 0.2, 4, 0.0, Outcome.ITERATIONS, nodes)
 
-    monkeypatch.setattr("garmentq.core.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
-    monkeypatch.setattr("garmentq.core.wear.outfit.rest_together", stay)
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.rest_together", stay)
     right = dress_outfit({"lower": inner, "upper": skirt}, skirt.body, Clock())
     wrong = dress_outfit({"upper": skirt, "lower": inner}, skirt.body, Clock())
     verdicts = [{gate.name: gate.verdict for gate in one.gates} for one in (right, wrong)]

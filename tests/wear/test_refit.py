@@ -9,8 +9,8 @@ from itertools import product
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import size_template
-from garmentq.core.pattern import (
+from garmentq.core.cloth import get_fabric
+from garmentq.core.garment import (
     equalise_seams,
     list_templates,
     load_draped_template,
@@ -19,12 +19,12 @@ from garmentq.core.pattern import (
     polygon_area,
     seam_mismatch,
 )
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, carry_curve, measure_ease, refit_pattern
-from garmentq.core.wear.ease import Figure, ease_at
-from garmentq.core.wear.fitting import foresee_draft
-from garmentq.core.wear.kept_ease import Laid
-from garmentq.core.wear.widening import widen_rules
+from garmentq.core.recover.drape import size_template
+from garmentq.core.reuse.wear import Worn, carry_curve, measure_ease, refit_pattern
+from garmentq.core.reuse.wear.ease import Figure, ease_at
+from garmentq.core.reuse.wear.fitting import foresee_draft
+from garmentq.core.reuse.wear.kept_ease import Laid
+from garmentq.core.reuse.wear.widening import widen_rules
 
 OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 
@@ -32,7 +32,7 @@ OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 @pytest.fixture(autouse=True)
 def foreseen(monkeypatch):
     """Take drafts as they are foreseen: drapes are tested in `test_fitting.py`."""
-    module = importlib.import_module("garmentq.core.wear.refit")
+    module = importlib.import_module("garmentq.core.reuse.wear.refit")
     monkeypatch.setattr(module, "fit_draft", lambda template, body, hooks: foresee_draft(template, body))
 
 

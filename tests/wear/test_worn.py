@@ -7,12 +7,12 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.checkpoints import fingerprint
-from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import SteadyRotation, get_fabric
-from garmentq.core.wear import WORN, ResultOld, Worn, load_worn, save_worn
-from garmentq.core.wear import worn as worn_file
-from garmentq.core.wear.worn import find_waist, hang_from
+from garmentq.core.cloth import SteadyRotation, get_fabric
+from garmentq.core.garment import load_draped_template
+from garmentq.core.reuse.wear import WORN, ResultOld, Worn, load_worn, save_worn
+from garmentq.core.reuse.wear import worn as worn_file
+from garmentq.core.reuse.wear.worn import find_waist, hang_from
+from garmentq.core.run.checkpoints import fingerprint
 
 
 @pytest.fixture(scope="module")

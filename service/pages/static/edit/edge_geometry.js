@@ -3,7 +3,7 @@
  *
  * An edge is drawn in the frame of its chord: start (0, 0), end (1, 0), across to the left. On a panel it is
  * c0 + along x + across R90 x with x = c1 - c0, so it follows its two control points by a similarity. The same functions
- * as `core/pattern/curves.py` has, with the same results to rounding.
+ * as `core/garment/curves.py` has, with the same results to rounding.
  *
  * @typedef {[number, number]} Point   metres, or units of a chord
  * @typedef {{kind: "line"|"quadratic"|"cubic"|"arc", handles: Point[], label: string, contour: string, rest: object}} Edge

@@ -1,5 +1,5 @@
 /**
- * The pattern that is edited: read from GarmentCode JSON as `core/pattern/garmentcode.py` reads it, and written back.
+ * The pattern that is edited: read from GarmentCode JSON as `core/garment/garmentcode.py` reads it, and written back.
  *
  * Metres inside; files have their own unit. A state never changes: an operation returns a new one, so undo keeps states.
  * What the format has and we do not know is kept; a panel that no operation touched is written as the file had it, and a

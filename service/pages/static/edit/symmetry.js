@@ -1,5 +1,5 @@
 /**
- * Which panels are mirror images of each other, and which are their own: the same rule as `core/pattern/symmetry.py`.
+ * Which panels are mirror images of each other, and which are their own: the same rule as `core/garment/symmetry.py`.
  *
  * A mirror maps control points by target[j] = R source[order[j]] + t, with R orthogonal and of determinant -1.
  *

@@ -1,0 +1,262 @@
+"""Find our joints among a foreign skeleton's: by names, and where names do not tell, by the tree and the rest pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from ...geometry import unit
+from .joint_tree import JointTree, Mirrored
+from .joint_words import TWISTING, Part
+
+SIDES = ("left", "right")
+
+LEG = ("hip", "knee", "ankle", "foot")
+ARM = ("collar", "shoulder", "elbow", "wrist")
+"""Our joints of a leg and of an arm, from the trunk outwards."""
+
+BONES = ("hip", "knee", "collar", "shoulder", "elbow")
+"""Joints whose bone may be shared among several of a foreign skeleton's; the last of these carries the next joint."""
+
+CLAIMS: dict[Part, dict[str, float]] = {
+    Part.HIP: {"hip": 0.8},
+    Part.THIGH: {"hip": 1.0},
+    Part.LEG: {"knee": 1.0, "hip": 0.5},
+    Part.SHIN: {"knee": 1.0},
+    Part.ANKLE: {"ankle": 1.0},
+    Part.FOOT: {"ankle": 0.9, "foot": 0.5},
+    Part.TOE: {"foot": 1.0},
+    Part.COLLAR: {"collar": 1.0},
+    Part.SHOULDER: {"shoulder": 0.8, "collar": 0.7},
+    Part.ARM: {"shoulder": 1.0},
+    Part.UPPER_ARM: {"shoulder": 1.0},
+    Part.FOREARM: {"elbow": 1.0},
+    Part.WRIST: {"wrist": 1.0},
+    Part.HAND: {"wrist": 0.9},
+}
+"""Which of our joints a part of a name may be, and how well: `hip` is the hip's joint but where a thigh follows, `foot`
+the ankle but where an ankle precedes, `shoulder` the collar where an arm follows."""
+
+TWISTED = 0.3
+"""Share of a claim that a joint keeps that shares out a twist: it lies on the bone, not at its end."""
+
+RESTING = 0.95
+"""Share of a claim that a joint keeps that never turns: of two by one name it is the socket, the other the joint."""
+
+UPWARDS = 0.7
+"""Cosine between a leg and the way from chest to pelvis from which it hangs below the trunk: 45 degrees."""
+
+
+@dataclass
+class Found:
+    """Describe which joints of a foreign skeleton are ours.
+
+    Attributes:
+        at: Index of the joint that is where ours is, by our name.
+        carried: Index of the joint whose turn our bone has: the last one of several that share the bone.
+        notes: What was understood by place alone, one sentence each.
+    """
+
+    at: dict[str, int] = field(default_factory=dict)
+    carried: dict[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
+    """Return our joints' names with the joints of a foreign skeleton that are meant.
+
+    Legs and arms are the chains whose names fit best; what names leave open is filled by place: the two longest bones.
+    The pelvis is where both legs branch, the chest where the arms do; joints between are shared among the spine's
+    three, and those above the chest are neck and head.
+
+    Args:
+        tree: The skeleton.
+        still: Joints that never turn in the motion; of the spine they do not count, and of limbs little.
+    """
+    found = Found()
+    for limb in (LEG, ARM):
+        for side in SIDES:
+            found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb, still).items()}
+    _fill_limbs(tree, found)
+    _fill_ends(tree, found)
+    legs = [found.at[f"{side}_hip"] for side in SIDES if f"{side}_hip" in found.at]
+    if len(legs) == 2 and (pelvis := tree.fork(legs)) >= 0 and pelvis not in legs:
+        found.at["pelvis"] = pelvis
+        _find_trunk(tree, found, still)
+    found.carried = {name: _carrier(tree, found.at, name) for name in found.at}
+    return found
+
+
+def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozenset[int]) -> dict[str, int]:
+    """Return the joints of a limb along the chain whose names fit best.
+
+    For each joint, and each number of the limb's joints taken on the way to it, the best claims so far are kept; of
+    equal ones those nearer to the trunk.
+    """
+    none: tuple[float, tuple[tuple[str, int], ...]] = (0.0, ())
+    best = [[none] * (len(limb) + 1) for _ in tree.parents]
+    top = none
+    for joint, parent in enumerate(tree.parents):
+        before = best[parent] if parent >= 0 else [none] * (len(limb) + 1)
+        part, (own, words) = tree.parts[joint], tree.words[joint]
+        claims = CLAIMS.get(part, {}) if part is not None and own == side else {}
+        share = TWISTED if any(word in TWISTING for word in words) else RESTING if joint in still else 1.0
+        for count, name in enumerate(limb, 1):
+            score, taken = before[count - 1]
+            claim = claims.get(name, 0.0) * share
+            options = [before[count], best[joint][count - 1]]
+            if claim:
+                options.append((score + claim, (*taken, (name, joint))))
+            best[joint][count] = max(options, key=lambda option: option[0])
+        if best[joint][-1][0] > top[0] + 1e-9:
+            top = best[joint][-1]
+    return dict(top[1])
+
+
+def _fill_limbs(tree: JointTree, found: Found) -> None:
+    """Find by place what names left open of legs and arms."""
+    for limb in (LEG, ARM):
+        three = limb[:3] if limb is LEG else limb[1:]
+        for side, other in (SIDES, SIDES[::-1]):
+            own = [found.at[f"{side}_{name}"] for name in limb if f"{side}_{name}" in found.at]
+            if own and any(f"{side}_{name}" not in found.at for name in three):
+                first, middle, last = (found.at.get(f"{side}_{name}", -1) for name in three)
+                across = {joint for name in limb if (joint := found.at.get(f"{other}_{name}", -1)) >= 0}
+                chain = _limb_of(tree, own, across)
+                _take(tree, found, side, three, tree.three_of(chain, (first, middle, last)))
+    _find_mirrored(tree, found)
+
+
+def _fill_ends(tree: JointTree, found: Found) -> None:
+    """Find by place collars, between where the arms branch and their shoulders, and toes, beyond the ankles."""
+    shoulders = [found.at[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in found.at]
+    chest = tree.fork(shoulders) if len(shoulders) == 2 else -1
+    for side in SIDES:
+        taken = set(found.at.values())
+        if f"{side}_collar" not in found.at and f"{side}_shoulder" in found.at and chest >= 0:
+            way = tree.way_to(found.at[f"{side}_shoulder"])
+            _take(tree, found, side, ("collar",), tuple(way[way.index(chest) + 1 : -1][:1]))
+        if f"{side}_foot" not in found.at and f"{side}_ankle" in found.at:
+            toes = tree.chain_below(found.at[f"{side}_ankle"])[1:2]
+            _take(tree, found, side, ("foot",), tuple(j for j in toes if j not in taken and not tree.is_end(j)))
+
+
+def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
+    """Return the chain that holds some joints of a limb, without what it shares with the other side or the trunk."""
+    way = [*tree.way_to(own[-1])[:-1], *tree.chain_below(own[-1])]
+    shared = {joint for other in across for joint in tree.way_to(other)}
+    first = next((n for n, joint in enumerate(way) if joint not in shared), 0) if shared else 0
+    return way[min(first, way.index(own[0])) :]
+
+
+def _take(tree: JointTree, found: Found, side: str, names: tuple[str, ...], three: tuple[int, ...] | None) -> None:
+    """Note the three joints of a limb that were found by place."""
+    for name, joint in zip(names, three or (), strict=False):
+        if f"{side}_{name}" not in found.at:
+            found.at[f"{side}_{name}"] = joint
+            found.notes = (*found.notes, f"{side}_{name} was found by its place: {tree.names[joint]}.")
+
+
+def _find_mirrored(tree: JointTree, found: Found) -> None:
+    """Find legs and arms whose names tell nothing: two pairs of chains, each other's mirror image.
+
+    Legs hang below the way from where the arms branch to where they do. The left side is that of limbs whose names tell
+    it, else by the toes, which point ahead.
+    """
+    lacking = [limb for limb in (LEG[:3], ARM[1:]) if not any(f"{side}_{limb[0]}" in found.at for side in SIDES)]
+    if not lacking:
+        return
+    pairs = [pair for pair in tree.mirrored() if not {*pair.first, *pair.second} & set(found.at.values())]
+    legs: Mirrored | None = None
+    if LEG[:3] in lacking:
+        legs = next((pair for pair in pairs if any(_hangs(tree, pair, other.fork) for other in pairs)), None)
+    taken = () if legs is None else (legs.fork,)
+    arms = next((pair for pair in pairs if ARM[1:] in lacking and pair.fork not in taken), None)
+    left = _left_of(tree, found, legs)
+    if not left.any():
+        return
+    for pair, names in ((legs, LEG[:3]), (arms, ARM[1:])):
+        if pair is None:
+            continue
+        is_left = (tree.places[pair.first[0]] - tree.places[pair.second[0]]) @ left > 0
+        for side, chain in zip(SIDES if is_left else SIDES[::-1], (pair.first, pair.second), strict=True):
+            _take(tree, found, side, names, tree.three_of(list(chain), (-1, -1, -1)))
+
+
+def _hangs(tree: JointTree, pair: Mirrored, chest: int) -> bool:
+    """Check whether a pair of chains hangs below a trunk that ends at a chest."""
+    down = unit(tree.places[pair.fork] - tree.places[chest])
+    ways = [tree.places[chain[2]] - tree.places[chain[0]] for chain in (pair.first, pair.second)]
+    return all(unit(way) @ down > UPWARDS for way in ways)
+
+
+def _left_of(tree: JointTree, found: Found, legs: Mirrored | None) -> np.ndarray:
+    """Return a direction to the left in the rest pose, shape [3]; zeros where nothing tells it."""
+    for name in ("hip", "shoulder", "knee", "elbow"):
+        if all(f"{side}_{name}" in found.at for side in SIDES):
+            return np.asarray(tree.places[found.at[f"left_{name}"]] - tree.places[found.at[f"right_{name}"]])
+    if legs is None:
+        return np.zeros(3)
+    three = tree.three_of(list(legs.first), (-1, -1, -1))
+    ends = legs.first[legs.first.index(three[2]) :] if three else legs.first[-1:]
+    up = tree.places[legs.first[0]] - tree.places[ends[0]]
+    return np.cross(up, tree.places[ends[-1]] - tree.places[ends[0]])
+
+
+def _find_trunk(tree: JointTree, found: Found, still: frozenset[int]) -> None:
+    """Find spine, neck and head: the joints between where legs and arms branch, and those above."""
+    tops = [
+        next((found.at[f"{side}_{name}"] for name in ARM[:2] if f"{side}_{name}" in found.at), -1) for side in SIDES
+    ]
+    tops = [joint for joint in tops if joint >= 0]
+    head = next((j for j, part in enumerate(tree.parts) if part is Part.HEAD and not tree.words[j][0]), -1)
+    ends = [*tops, head] if head >= 0 else tops
+    if not ends:
+        return
+    chest = tree.fork(ends) if len(ends) > 1 else tree.parents[ends[0]]
+    if chest < 0:
+        return
+    below = tree.way_to(found.at["pelvis"])
+    above = [joint for joint in tree.way_to(chest) if joint not in below]
+    necks = [joint for joint in above if tree.parts[joint] is Part.NECK]  # some skeletons hang the arms on the neck
+    spine = [joint for joint in above if joint not in necks]
+    spine = [joint for joint in spine if joint not in still] or spine
+    found.at |= {f"spine{k}": spine[-(-k * len(spine) // 3) - 1] for k in (1, 2, 3)} if spine else {}
+    upper = _neck_and_head(tree, chest, tops, head)
+    necks += [joint for joint in upper[:-1] if joint not in necks]
+    if upper:
+        found.at["head"] = upper[-1]
+    if necks:
+        found.at["neck"] = necks[0]
+
+
+def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> list[int]:
+    """Return the joints from the neck to the head, those above the chest that bear no arm; the last is the head."""
+    if head >= 0:
+        way = tree.way_to(head)
+        return way[way.index(chest) + 1 :] if chest in way else [head]
+    chain = [chest]
+    while chain[-1] >= 0:
+        ways = [child for child in tree.children[chain[-1]] if not _is_aside(tree, child, tops)]
+        if not ways or (len(chain) > 1 and len(ways) > 1):  # a face branches
+            break
+        chain.append(max(ways, key=lambda child: tree.depths[child]))
+    return chain[1:]
+
+
+def _is_aside(tree: JointTree, joint: int, tops: list[int]) -> bool:
+    """Check whether a joint above the chest leads to an arm, has a side, or is a mere end."""
+    return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.way_to(top) for top in tops)
+
+
+def _carrier(tree: JointTree, at: dict[str, int], name: str) -> int:
+    """Return the joint whose turn one of our bones has."""
+    side = name.partition("_")[0]
+    ends = {"neck": "head", **{f"{side}_{first}": f"{side}_{second}" for limb in (LEG, ARM)
+            for first, second in pairwise(limb) if first in BONES}}  # fmt: skip
+    end = at.get(ends.get(name, ""), -1)
+    if end >= 0 and at[name] in tree.way_to(end)[:-1]:
+        return tree.parents[end]
+    return at[name]

@@ -1,0 +1,153 @@
+"""The gaps between a body's limbs and the rest of it, and how they widen as a limb is spread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...geometry import TriangleSurface, unit, vertex_normals
+from .. import JOINTS, PARENTS, Body
+
+REACH = 0.05
+"""Gaps wider than this [m] are not looked at, nor overlaps that are deeper: a third of a thigh's width."""
+
+FACING = 0.3
+"""Cosine between the normals of both skins below which they face each other; a shoulder beside a neck does not."""
+
+STRAIGHT = 0.5
+"""Cosine between a gap and the normal of the skin at its foot from which it is one: at the rim where a limb was cut off
+the nearest skin is no skin that it meets."""
+
+LEVER = 0.08
+"""How far a gap widens as a limb turns, at least [m a radian, 1.4 mm a degree]. Nearer to the joint skin folds in a
+crease whatever the angle: an arm 35 degrees off the trunk, beside which a T-shirt is at ease, has creases there that
+ask for 4 to 8 degrees more."""
+
+ALONG = 0.5
+"""Sine of the angle between a limb and the sideways axis below which it spreads by less than the angle asked for (an
+arm that is held out has no way outwards), so that motions through that direction stay smooth."""
+
+
+@dataclass(frozen=True)
+class Limb:
+    """Describe a limb that can be spread.
+
+    Attributes:
+        joint: Index of the joint that it turns about.
+        end: Index of the joint at the end of its first bone.
+        centre: Index of the joint whose sideways axis it is spread along.
+        side: +1 where that axis points along +x in the T-pose, else -1.
+    """
+
+    joint: int
+    end: int
+    centre: int
+    side: float
+
+    @classmethod
+    def named(cls, side: str, part: str) -> Limb:
+        """Return the `left` or `right` limb that starts at a `shoulder` or a `hip`."""
+        end, centre = {"shoulder": ("elbow", "spine3"), "hip": ("knee", "pelvis")}[part]
+        joint, last = (JOINTS.index(f"{side}_{name}") for name in (part, end))
+        return cls(joint, last, JOINTS.index(centre), 1.0 if side == "left" else -1.0)
+
+    @cached_property
+    def joints(self) -> tuple[int, ...]:
+        """Return the indices of its joints."""
+        chosen = {self.joint}
+        for child, parent in enumerate(PARENTS):
+            if parent in chosen:
+                chosen.add(child)
+        return tuple(sorted(chosen))
+
+    def axis(self, transforms: np.ndarray, joints: np.ndarray) -> np.ndarray:
+        """Return the axis about which it is spread, of unit length at most, in a pose's world axes, shape [3].
+
+        Args:
+            transforms: From rest space to the pose, shape [24, 4, 4].
+            joints: Of the pose [m], shape [24, 3].
+        """
+        bone = joints[self.end] - joints[self.joint]
+        across = np.cross(bone / np.linalg.norm(bone), self.side * transforms[self.centre, :3, 0])
+        return np.asarray(across / max(float(np.linalg.norm(across)), ALONG))
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Describe the gaps between a limb and other skin that faces it.
+
+    Attributes:
+        width: Distance of the two skins, negative where they overlap [m], shape [n].
+        widening: How it grows as the limb (of two legs, each of them) is spread [m a radian], shape [n].
+        ends: Vertices that a point of the limb is the middle of, and those around its foot, shape [n, 2, 3].
+    """
+
+    width: np.ndarray
+    widening: np.ndarray
+    ends: np.ndarray
+
+
+class LimbGaps:
+    """Measure gaps between parts of a wearer in any pose.
+
+    Args:
+        wearer: The wearer in any pose; of it only faces and skinning weights count.
+    """
+
+    def __init__(self, wearer: Body) -> None:
+        self._weights, self._faces = wearer.weights, wearer.faces
+
+    def share(self, limbs: tuple[Limb, ...]) -> np.ndarray:
+        """Return the share of each vertex that moves with any of some limbs, shape [vertex_count]."""
+        return np.asarray(self._weights[:, [joint for limb in limbs for joint in limb.joints]].sum(axis=1))
+
+    def measure(self, body: Body, moved: tuple[Limb, ...], own: np.ndarray, other: np.ndarray) -> Gaps:
+        """Return the gaps between faces of a limb and other skin.
+
+        Args:
+            body: The wearer in a pose.
+            moved: The limbs that are spread together.
+            own: Faces of the limb, at whose corners and middles gaps are measured, shape [own_count].
+            other: Faces of the other skin, shape [other_count].
+        """
+        vertices = body.vertices
+        own, other = self._near(vertices, own, other)
+        if not len(own) or not len(other):
+            return Gaps(np.zeros(0), np.zeros(0), np.zeros((0, 2, 3), dtype=int))
+        normals = vertex_normals(vertices, self._faces)
+        corners = np.concatenate([np.repeat(np.unique(self._faces[own])[:, None], 3, axis=1), self._faces[own]])
+        points, facing = vertices[corners].mean(axis=1), unit(normals[corners].sum(axis=1))
+        found = TriangleSurface(vertices, self._faces[other]).closest(points)
+        beyond = self._faces[other][found.face]
+        outward = unit(np.einsum("nk,nkd->nd", found.barycentric, normals[beyond]))
+        way = points - found.foot
+        width = np.where((way * outward).sum(axis=1) < 0, -1.0, 1.0) * found.distance
+        along = outward.copy()
+        far = found.distance > 1e-9  # nearer, the way has no direction left
+        along[far] = way[far] / width[far, None]
+        kept = np.flatnonzero(
+            (found.distance < REACH)
+            & ((facing * outward).sum(axis=1) < FACING)
+            & ((along * outward).sum(axis=1) > STRAIGHT)
+        )
+        widening = np.zeros(len(points))
+        for limb in moved:
+            share = self.share((limb,))
+            axis, joint = limb.axis(body.transforms, body.joints), body.joints[limb.joint]
+            feet = np.einsum("nk,nk->n", found.barycentric, share[beyond])
+            move = share[corners].mean(axis=1)[:, None] * np.cross(axis, points - joint)
+            move -= feet[:, None] * np.cross(axis, found.foot - joint)
+            widening += (move * along).sum(axis=1)
+        return Gaps(width[kept], widening[kept], np.stack([corners, beyond], axis=1)[kept])
+
+    def _near(self, vertices: np.ndarray, own: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the faces of both parts that lie in each other's box."""
+        middles = vertices[self._faces].mean(axis=1)
+        for _ in range(2):
+            if len(own):
+                low, high = middles[own].min(axis=0) - REACH, middles[own].max(axis=0) + REACH
+                other = other[((middles[other] > low) & (middles[other] < high)).all(axis=1)]
+            own, other = other, own
+        return own, other

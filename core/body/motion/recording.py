@@ -1,0 +1,59 @@
+"""A motion as a file holds it, in our axes and by our joints, before it is fitted to a wearer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import JOINTS
+
+MOST_FRAMES = 100_000
+"""Poses at most: 13 minutes at 120 Hz."""
+
+BODILY = tuple(
+    name
+    for name in JOINTS
+    if name not in ("left_collar", "right_collar", "left_foot", "right_foot", "left_hand", "right_hand", "neck")
+)
+"""Joints without which a limb, the trunk or the head stays stiff. Collars, necks, toes and fingers are missing from
+good skeletons too: what hangs on them follows the next joint."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Describe a motion of a foreign skeleton, y up, facing +z in its rest pose, by the names of `JOINTS`.
+
+    Attributes:
+        rate: Poses a second [1/s].
+        turns: Rotation of each joint from the rest pose, in the world's axes (not relative to the parent), shape
+            [pose_count, 24, 3, 3]; of joints that the skeleton lacks, undefined.
+        known: Which joints the skeleton has, shape [24].
+        bones: Unit direction from each joint to its child in the rest pose, zeros where our T-pose is the rest pose,
+            shape [24, 3].
+        root: Place of the pelvis, in legs' lengths, shape [pose_count, 3]; None: the lower foot stays on the floor.
+        loops: Whether the first pose follows the last one, which is like it.
+        notes: How the file was understood, and what of it was not used, one sentence each.
+    """
+
+    rate: float
+    turns: np.ndarray
+    known: np.ndarray
+    bones: np.ndarray
+    root: np.ndarray | None
+    loops: bool = False
+    notes: tuple[str, ...] = ()
+
+    def missing(self) -> tuple[str, ...]:
+        """Return the joints of limbs, trunk and head that the skeleton lacks."""
+        return tuple(name for name in BODILY if not self.known[JOINTS.index(name)])
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return what stays stiff in every pose, one sentence; nothing where all limbs and the trunk move."""
+        missing = self.missing()
+        if not missing:
+            return ()
+        return (
+            f"The motion's skeleton was not understood at {', '.join(missing)}, which will stay stiff; "
+            "name its joints as docs/howto/animate.md says.",
+        )

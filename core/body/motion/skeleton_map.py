@@ -1,0 +1,178 @@
+"""Understand a foreign skeleton: which of its joints are ours, where its front is, how long its legs are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry import unit
+from .. import JOINTS
+from .errors import MotionForeign
+from .joint_names import Found, find_joints
+from .joint_tree import JointTree
+from .posed import Posed
+from .recording import Recording
+from .retarget import CHILD, least_turn
+from .unused_joints import tell_unused
+from .upward import Sampled, find_up
+
+UPRIGHT = 0.7
+"""Least cosine between trunk and legs of a pose in which a person stands: 45 degrees."""
+
+SNAP = 0.94
+"""Cosine to one of the file's axes above which a skeleton's up and side are that axis: 20 degrees, which a rest pose
+may lean."""
+
+UNITS = {"metres": 1.0, "decimetres": 10.0, "inches": 100.0 / 2.54, "centimetres": 100.0, "millimetres": 1000.0}
+"""Units of files, and how many of each make a metre."""
+
+LEGS = (0.62, 1.1)
+"""Length from hip to ankle of grown persons of 1.4 to 2.2 m [m]; the units that are in use lie further apart."""
+
+SAMPLES = 200
+"""Poses of a motion that are looked at for where up is."""
+
+
+def map_skeleton(posed: Posed, rate: float) -> Recording:
+    """Return the recording of a foreign skeleton.
+
+    The rest pose is that of the offsets, turned as what lies above the pelvis is where that does not turn; where nobody
+    stands so (joints with turned axes), the first pose in which somebody does. The left side is from the right hip to
+    the left one; up is judged over rest pose and motion (`find_up`).
+
+    Raises:
+        MotionForeign: where hips and knees are not found, or no pose stands upright.
+    """
+    plain = np.tile(np.eye(3), (len(posed.names), 1, 1))
+    found = find_joints(JointTree(posed.names, posed.parents, posed.places(plain)), posed.still())
+    missing = [name for name in ("left_hip", "right_hip", "left_knee", "right_knee") if name not in found.at]
+    if missing or "pelvis" not in found.at:
+        lacking = ", ".join(missing) or "joint that both legs branch from"
+        raise MotionForeign(f"no {lacking} among '{', '.join(posed.names[:12])}'. {MotionForeign().message}")
+    pelvis = found.at["pelvis"]
+    above = posed.turn_above(pelvis)
+    poses = _spread(posed)
+    for rest in (plain if above is None else np.tile(above, (len(posed.names), 1, 1)), *posed.turns[poses]):
+        places = _places(posed, found, rest)
+        if _stands(places):
+            break
+    else:
+        raise MotionForeign(f"neither the rest pose nor any pose stands upright. {MotionForeign().message}")
+    leg = _leg_length(places)
+    if not leg > 0:
+        raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
+    axes, way = _axes(places), posed.way(pelvis)
+    up = find_up(axes[1], _sample(posed, found, way / leg))
+    world = axes @ least_turn(up.direction, axes[1])
+    known = np.array([name in found.at for name in JOINTS])
+    turns = np.tile(np.eye(3), (len(way), 24, 1, 1))
+    for joint, name in enumerate(JOINTS):
+        if name in found.at:
+            carried = found.carried[name]
+            turns[:, joint] = world @ posed.turns[:, carried] @ rest[carried].T @ axes.T
+    notes = (*_tell_names(found, posed), *found.notes, up.note, _tell_unit(leg), *tell_unused(posed, found))
+    return Recording(rate, turns, known, _bones(places, axes), way @ world.T / leg, notes=notes)
+
+
+def _sample(posed: Posed, found: Found, way: np.ndarray) -> Sampled:
+    """Return how a person is held in poses spread over the motion; `way` is the pelvis' in legs' lengths, [n, 3]."""
+    uprights, joints = [], []
+    for pose in _spread(posed):
+        places = _places(posed, found, posed.turns[pose])
+        uprights.append(unit(_trunk(places) + _up_of_legs(places)))
+        joints.append((np.array(list(places.values())) - places["pelvis"]) / _leg_length(places) + way[pose])
+    return Sampled(np.array(uprights), np.array(joints))
+
+
+def _spread(posed: Posed) -> np.ndarray:
+    """Return the indices of poses spread over a motion, the first one first."""
+    return np.unique(np.linspace(0, len(posed.turns) - 1, SAMPLES).astype(np.int64))
+
+
+def _places(posed: Posed, found: Found, turns: np.ndarray) -> dict[str, np.ndarray]:
+    """Return our joints in one pose, by their names; `turns` are its rotations in the world, [joint_count, 3, 3]."""
+    places = posed.places(turns)
+    return {name: places[index] for name, index in found.at.items()}
+
+
+def _leg_length(places: dict[str, np.ndarray]) -> float:
+    """Return the length of thigh and shin, the mean of both sides, in the file's unit."""
+    legs = [
+        np.linalg.norm(places[f"{side}_{end}"] - places[f"{side}_{start}"])
+        for side in ("left", "right")
+        for start, end in (("hip", "knee"), ("knee", "ankle"))
+        if f"{side}_{end}" in places
+    ]
+    return float(np.mean(legs)) * 2.0
+
+
+def _stands(places: dict[str, np.ndarray]) -> bool:
+    """Check whether the legs hang below the trunk."""
+    trunk, leg = _trunk(places), _up_of_legs(places)
+    return bool(trunk @ leg > UPRIGHT and np.linalg.norm(_side(places)) > 0)
+
+
+def _trunk(places: dict[str, np.ndarray]) -> np.ndarray:
+    hips = 0.5 * (places["left_hip"] + places["right_hip"])
+    top = [places[name] for name in ("left_shoulder", "right_shoulder") if name in places] or [
+        places[name] for name in ("head", "neck", "spine3") if name in places
+    ]
+    return unit(np.mean(top, axis=0) - hips) if top else _up_of_legs(places)
+
+
+def _up_of_legs(places: dict[str, np.ndarray]) -> np.ndarray:
+    ways = [places[f"{side}_hip"] - places[f"{side}_knee"] for side in ("left", "right")]
+    return unit(np.sum([unit(way) for way in ways], axis=0))
+
+
+def _side(places: dict[str, np.ndarray]) -> np.ndarray:
+    way = places["left_hip"] - places["right_hip"]
+    if "left_shoulder" in places and "right_shoulder" in places:
+        way = way + places["left_shoulder"] - places["right_shoulder"]
+    return np.asarray(way)
+
+
+def _axes(places: dict[str, np.ndarray]) -> np.ndarray:
+    """Return the rotation [3, 3] from the file's axes to ours: left along x, up along y."""
+    up = _snapped(unit(_trunk(places) + _up_of_legs(places)))
+    side = _side(places)
+    side = _snapped(unit(side - (side @ up) * up))
+    side = unit(side - (side @ up) * up)
+    return np.stack([side, up, np.cross(side, up)])
+
+
+def _snapped(direction: np.ndarray) -> np.ndarray:
+    axis = int(np.abs(direction).argmax())
+    if abs(direction[axis]) < SNAP:
+        return direction
+    return np.asarray(np.eye(3)[axis] * np.sign(direction[axis]))
+
+
+def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
+    """Return the directions of the limbs' bones in our axes, shape [24, 3]."""
+    bones = np.zeros((24, 3))
+    for joint, name in enumerate(JOINTS):
+        side, _, part = name.partition("_")
+        end = f"{side}_{CHILD[part]}" if part in CHILD else ""
+        if name in places and end in places:
+            bones[joint] = axes @ unit(places[end] - places[name])
+    return bones
+
+
+def _tell_names(found: Found, posed: Posed) -> tuple[str, ...]:
+    """Describe which joints were taken for ours, where any is called otherwise, and what lies above the pelvis."""
+    called = {name: posed.names[index] for name, index in found.at.items()}
+    foreign = [f"{name} is {other}" for name, other in called.items() if other.lower() != name]
+    told = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
+    above = posed.parents[found.at["pelvis"]]
+    if above >= 0:
+        told.append(f"The pelvis is {called['pelvis']}, and goes and turns with {posed.names[above]}.")
+    return tuple(told)
+
+
+def _tell_unit(leg: float) -> str:
+    """Describe what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
+    likely = [unit for unit, many in UNITS.items() if LEGS[0] <= leg / many <= LEGS[1]]
+    taken = f"{likely[0]} by that" if likely else "a unit that is not known"
+    return (
+        f"A leg of the motion's skeleton is {leg:.3g} long, {taken}; the way of the pelvis is scaled to the wearer's."
+    )

@@ -1,0 +1,101 @@
+"""What a fabric of a user's must be: named, sourced, and in the range that drapes are known for."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+
+from ..run.errors import BadInput
+from .fabric import Fabric
+from .fabrics import PARAMETERS, load_fabrics
+from .settings import GRAVITY
+
+NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
+ORIGINS = ("measured", "derived", "assumed")
+"""What a source begins with."""
+
+SHORTEST, LONGEST = 10, 1000
+"""Letters of a source after its origin: fewer name no place, more are no reference."""
+
+LONGEST_TITLE = 255
+BEYOND = 10.0
+"""How far beyond the library's softest and stiffest, lightest and heaviest fabric another may be, as a factor: room for
+felt and gauze, while a slip of a unit (g for kg, mm for m, uN for N) is a factor of 1000 or more and is found."""
+
+FRICTION = (0.0, 2.0)
+"""Coulomb coefficients: cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
+
+STRETCH = 0.2
+"""Stretch under the weight of a metre of itself at most: beyond, a membrane that is linear in strain is no model."""
+
+
+class FabricNameBad(BadInput):
+    """A fabric's name has 1 to 64 small letters, digits, '_', '.' and '-', its title at most 255 printable letters."""
+
+    code = "fabric.name_bad"
+
+
+class FabricSourceBad(BadInput):
+    """Each number of a fabric needs a source: `measured: where`, `derived: how` or `assumed: plausible range`."""
+
+    code = "fabric.source_bad"
+
+
+class FabricOutOfRange(BadInput):
+    """A number of the fabric is outside its range; check its unit."""
+
+    code = "fabric.out_of_range"
+
+
+@cache
+def find_ranges() -> dict[str, tuple[float, float]]:
+    """Return the lowest and the highest value of each parameter in SI units, as `BEYOND` and `FRICTION` say."""
+    found = {name: [getattr(fabric, name) for fabric in load_fabrics()] for name in PARAMETERS}
+    return {name: (min(row) / BEYOND, max(row) * BEYOND) for name, row in found.items()} | {"friction": FRICTION}
+
+
+def check_fabric(fabric: Fabric) -> Fabric:
+    """Check a fabric that a user gave, and return it.
+
+    Raises:
+        FabricNameBad: where name or title cannot be used.
+        FabricSourceBad: where a number has no source.
+        FabricOutOfRange: where a number is outside its range, or the membrane is not positive definite.
+    """
+    title = fabric.title
+    if not NAME.fullmatch(fabric.name) or len(title) > LONGEST_TITLE or not title.isprintable():
+        raise FabricNameBad()
+    if title and not title[0].isalnum():  # a spreadsheet takes '=1+1' for a formula
+        raise FabricNameBad(f"the title of '{fabric.name}' does not begin with a letter or a digit.")
+    _check_sources(fabric)
+    _check_numbers(fabric)
+    return fabric
+
+
+def _check_sources(fabric: Fabric) -> None:
+    sources = dict(fabric.sources)
+    for name in PARAMETERS:
+        origin, _, told = sources.get(name, "").partition(":")
+        is_told = SHORTEST <= len(told.strip()) and len(told) <= LONGEST and told.isprintable()
+        if origin not in ORIGINS or not is_told:
+            raise FabricSourceBad(f"{name} of '{fabric.name}' has no source. {FabricSourceBad().message}")
+    if len(fabric.sources) != len(PARAMETERS) or set(sources) != set(PARAMETERS):
+        raise FabricSourceBad(f"'{fabric.name}' has sources of what is no number of it; leave them out.")
+
+
+def _check_numbers(fabric: Fabric) -> None:
+    for name, (low, high) in find_ranges().items():
+        value = getattr(fabric, name)
+        if not (math.isfinite(value) and low <= value <= high):
+            raise FabricOutOfRange(
+                f"{name} of '{fabric.name}' is {value:.6g}, outside {low:.3g} to {high:.3g} (SI units); check its unit."
+            )
+    if fabric.H01**2 >= fabric.H00 * fabric.H11:
+        raise FabricOutOfRange(f"'{fabric.name}' gains energy by stretching: H01^2 must be below H00 H11.")
+    stretch = fabric.density * -GRAVITY[1] / min(fabric.H00, fabric.H11)
+    if stretch > STRETCH:
+        raise FabricOutOfRange(
+            f"a metre of '{fabric.name}' stretches by {stretch:.0%} under its own weight, more than {STRETCH:.0%}; "
+            "check density, H00 and H11."
+        )

@@ -1,0 +1,53 @@
+"""The fabric library: named fabrics with the source of each number."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+from ..run.errors import NotFound
+from .fabric import Fabric
+
+PARAMETERS = ("density", "H00", "H01", "H11", "H22", "k", "thickness", "friction")
+"""What is given for each fabric, with its source."""
+
+
+class FabricUnknown(NotFound):
+    """No fabric of that name is in the library; `garmentq materials` lists them."""
+
+    code = "fabric.unknown"
+
+
+@cache
+def load_fabrics() -> tuple[Fabric, ...]:
+    """Return all fabrics of the library, by name.
+
+    Every number's source says `measured: where`, `derived: how` or `assumed: plausible range`. Bending: eq. 3.4's k is
+    twice the flexural rigidity B of a textile laboratory (see `bending.py`).
+    """
+    rows = json.loads(Path(__file__).with_name("fabrics.json").read_text(encoding="utf-8"))
+    return tuple(
+        Fabric(
+            name=row["name"],
+            title=row["title"],
+            sources=tuple((name, row["sources"][name]) for name in PARAMETERS),
+            **{name: float(row[name]) for name in PARAMETERS},
+        )
+        for row in rows
+    )
+
+
+def get_fabric(name: str | Fabric) -> Fabric:
+    """Find a shipped fabric by its name; one that is given itself is that one.
+
+    Raises:
+        FabricUnknown: where there is none; the message lists those there are.
+    """
+    if isinstance(name, Fabric):
+        return name
+    for fabric in load_fabrics():
+        if fabric.name == name:
+            return fabric
+    known = ", ".join(fabric.name for fabric in load_fabrics())
+    raise FabricUnknown(f"no fabric '{name}' in the library; there are: {known}.")

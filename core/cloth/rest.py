@@ -1,0 +1,161 @@
+"""Find where no force is left on cloth, to the accuracy that a derivative asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..run.errors import GarmentqError
+from .energy import Energy
+from .factorisation import factor_regularised
+from .quasi_newton import ARMIJO, descend
+from .settings import SolveSettings
+from .solver import Solver
+
+_ROUND_OFF = 1e-6
+"""Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
+
+_AS_GOOD = 3.0
+"""Factor between residuals that are both round-off: from one evaluation to the next they scatter by about 2."""
+
+_BLIND = 1e-9
+"""Predicted decrease, relative to the energy, under which the energy's round-off hides whether a step helps."""
+
+_CLIMB = 10.0
+"""Predicted decreases by which a step may raise the energy, once: the stretch that the next one takes out. It was at
+most 5 where the next one did, 6 to 500 where it led astray; 3 and 30 cost the same."""
+
+_NEAR = 1.0
+"""Residual under which the exact Hessian is tried again after legs with the PSD form; 0.3 and 5 cost the same."""
+
+_CALM = 0.05
+"""Residual under which one factor serves several steps and legs may stop: nothing buckles any more; 0.02 and 0.2 cost
+the same."""
+
+_LEG = 16
+"""Steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took 14 (means over eight changes)."""
+
+_CHORDS, _CONTRACTION = 4, 0.3
+"""Steps with an old exact factor, and what each has to make of the residual: three of them cost half a factor."""
+
+
+class NotAtRest(GarmentqError):
+    """The cloth does not come to rest closely enough for a derivative; settle it for longer first."""
+
+    code = "simulate.not_at_rest"
+
+
+@dataclass(frozen=True)
+class _Point:
+    """Describe positions [m], their energy [J], its gradient [N] and the largest force relative to a node's weight."""
+
+    nodes: np.ndarray
+    value: float
+    gradient: np.ndarray
+    residual: float
+
+    @classmethod
+    def at(cls, energy: Energy, nodes: np.ndarray) -> _Point:
+        """Evaluate the energy."""
+        value, gradient = energy.gradient(nodes)
+        return cls(nodes, value, gradient, energy.scene.relative_residual(gradient))
+
+
+def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
+    """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them.
+
+    Newton with the exact Hessian for as long as it leads there (`_press_on`). Where it does not, for the cloth buckles
+    on the way, a leg of quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
+
+    Args:
+        energy: What is minimised.
+        nodes: Where to start [m], shape [node_count, 3].
+        solver: Factors the Hessians; what it holds in the end is nobody's.
+        tolerance: Largest force left on a node, relative to the mean weight of a node; 0 for all that round-off allows.
+        max_factors: Matrices factored after which to give up.
+
+    Raises:
+        NotAtRest: where the force left stays above the tolerance.
+    """
+    here, done = _Point.at(energy, nodes), 0
+    while True:
+        here, arrived, factors = _press_on(energy, here, solver, tolerance, max_factors - done)
+        done += factors
+        if arrived:
+            return here.nodes
+        # at a saddle, where the residual is small and Newton does not help, a leg must not stop at once
+        stop, near = (_CALM if here.residual > _CALM else 0.0), False
+        while not near:
+            start, gradient, blocks = energy.hessian(here.nodes, False)
+            if done >= max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
+                raise _left(here)
+            leg = descend(energy, solver, here.nodes, start, gradient, steps=_LEG, residual=stop)
+            if leg.steps == 0:
+                raise _left(here)
+            energy = leg.energy
+            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= _NEAR, done + 1
+
+
+def _press_on(
+    energy: Energy, here: _Point, solver: Solver, tolerance: float, max_factors: int
+) -> tuple[_Point, bool, int]:
+    """Take Newton steps with the exact Hessian; give the best point, whether it is at rest, and how many were factored.
+
+    A straight step along a fold stretches the cloth by the square of its length: the energy rises and the next step
+    takes the stretch out. So one step may climb, and the next Hessian holds the stress that the step foresaw and not
+    that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points"). Where
+    the Hessian is indefinite, or two steps together have not lowered the energy, the best point is given.
+    """
+    topology, fixed = energy.scene.topology, energy.scene.fixed
+    best, stress = here, None
+    for factors in range(max_factors + 1):
+        if here.residual <= tolerance:
+            return here, True, factors
+        if factors == max_factors:
+            break
+        blocks = energy.hessian(here.nodes, stress=stress)[2]
+        if not (solver.factor(topology.assemble(blocks, fixed)) and solver.is_positive_definite()):
+            return best, False, factors + 1
+        step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
+        step *= min(1.0, SolveSettings.max_step / max(float(np.sqrt((step**2).sum(1).max())), 1e-300))
+        energy, free = energy.free_share(here.nodes, step)
+        step *= free
+        slope = float((here.gradient * step).sum())
+        there = _Point.at(energy, here.nodes + step)
+        if -slope < _BLIND * abs(best.value):
+            fell, bearable = there.residual < here.residual, False
+            if not fell and here.residual <= max(tolerance, _ROUND_OFF):
+                # round-off in the stiff directions hides what the soft ones still lacked: the step has brought it
+                return (there if there.residual <= _AS_GOOD * here.residual else here), True, factors + 1
+        else:
+            fell = there.value <= best.value + ARMIJO * slope
+            bearable = here is best and there.value <= best.value - _CLIMB * slope
+        if not (fell or bearable):
+            return best, False, factors + 1
+        calm = fell and there.residual < _CALM
+        stress = None if calm else energy.foresee_stress(here.nodes, step)
+        here = _follow_chords(energy, there, solver, tolerance) if calm else there
+        best = here if fell else best
+    raise _left(best)
+
+
+def _follow_chords(energy: Energy, here: _Point, solver: Solver, tolerance: float) -> _Point:
+    """Step on with the factor at hand for as long as it takes most of the residual away."""
+    for _ in range(_CHORDS):
+        if here.residual <= tolerance:
+            break
+        step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
+        energy, free = energy.free_share(here.nodes, step)
+        there = _Point.at(energy, here.nodes + free * step)
+        if not there.residual < here.residual:
+            break
+        slow, here = there.residual > _CONTRACTION * here.residual, there
+        if slow:
+            break
+    return here
+
+
+def _left(here: _Point) -> NotAtRest:
+    """Describe how much force is left."""
+    return NotAtRest(f"the cloth does not come to rest: a force of {here.residual:.1e} of a node's weight is left.")

@@ -1,0 +1,111 @@
+"""The report of a garment that is worn again: both wearers, verdicts and numbers, in one HTML file."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+
+import numpy as np
+
+from ...reuse.wear import Dressed, Ease, Worn
+from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
+from .page import page_html
+from .person import on_white
+from .picture import Camera, ColouredMesh, aim, draw, png_base64, turn_view
+from .views import CLOTH, DRAPED, SKIN, colour_of
+
+WIDTH, HEIGHT = 300, 480
+"""Size of one of the pictures [pixel]: three views of two wearers are a page wide."""
+
+MOST_STRAIN, MOST_PRESSURE = 0.1, 1000.0
+"""Ends of both scales of colour: cloth stretched by a tenth is tight, and a tight waistband presses by 1 kPa."""
+
+TURNS = (0.0, 0.5 * np.pi, np.pi)
+"""Angles about the vertical from which a wearer is drawn: front, right side, back."""
+
+
+def draw_wearers(dressed: Dressed) -> bytes:
+    """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
+    strain, pressure = dressed.strain / MOST_STRAIN, dressed.pressure / MOST_PRESSURE
+    rows = [draw_wearer(dressed.before, CLOTH), draw_wearer(dressed.worn, DRAPED, dressed.under)]
+    rows += [draw_wearer(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
+    return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
+
+
+def draw_wearer(worn: Worn, colour: np.ndarray, under: Worn | None = None) -> np.ndarray:
+    """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
+
+    Args:
+        worn: The garment.
+        colour: Its colour, one or one of each node.
+        under: The garment below it, in the colour of scanned cloth, or None.
+    """
+    body = worn.body
+    surfaces = [
+        ColouredMesh(body.vertices, body.faces, SKIN),
+        ColouredMesh(worn.garment.nodes, worn.garment.faces, colour),
+    ]
+    if under is not None:
+        surfaces.append(ColouredMesh(under.garment.nodes, under.garment.faces, CLOTH))
+    return np.concatenate([on_white(draw(surfaces, aim_at(worn, turn))) for turn in TURNS], axis=1)
+
+
+def aim_at(worn: Worn, turn: float) -> Camera:
+    """Return the camera that shows a wearer whole, turned by an angle about the vertical [rad]."""
+    points = np.concatenate([worn.body.vertices, worn.garment.nodes])
+    return aim(points, turn_view(worn.body.heading, turn), WIDTH, HEIGHT)
+
+
+def report_dressed(dressed: Dressed, picture: bytes) -> str:
+    """Return the whole report as the text of one HTML file; every name that comes from a file is escaped.
+
+    Args:
+        dressed: The garment on the other body.
+        picture: PNG of both wearers, as `draw_wearers` makes it.
+    """
+    return page_html(
+        f"{dressed.worn.category} on {dressed.worn.body.source}",
+        [
+            _header(dressed),
+            _pictures(picture),
+            gates_html(dressed.gates),
+            ease_html(dressed.ease),
+            numbers_html(dressed.metrics),
+            manifest_html(dressed.manifest),
+        ],
+    )
+
+
+def _header(dressed: Dressed) -> str:
+    worn = dressed.worn
+    facts = {
+        "Category": worn.category,
+        "Template": worn.template,
+        "Fabric": worn.fabric.title or worn.fabric.name,
+        "First wearer": dressed.before.body.source,
+        "Wearer": worn.body.source,
+        "CPU time": f"{dressed.cpu_seconds:.0f} s",
+    }
+    if dressed.under is not None:
+        facts["Worn over"] = dressed.under.pattern.name or dressed.under.category
+    return head_html(Heading("worn again", worn.pattern.name or worn.category, facts), dressed.gates, dressed.warnings)
+
+
+def _pictures(picture: bytes) -> str:
+    data = base64.b64encode(picture).decode("ascii")
+    return (
+        "<section><h2>Wearers</h2><p class='hint'>From above: the wearer that the garment was recovered from; the new "
+        "one; the cloth's strain, dark from 10 %; its pressure on the body, dark from 1 kPa.</p>"
+        f'<img alt="both wearers, front, side and back" src="data:image/png;base64,{data}"></section>'
+    )
+
+
+def ease_html(ease: tuple[Ease, ...]) -> str:
+    """Return the table of both girths and the ease at each place; empty where there is none."""
+    rows = "".join(
+        f"<tr><td>{escape(one.place.replace('_', ' '))}</td><td class=num>{1e3 * one.garment:.0f}</td>"
+        f"<td class=num>{1e3 * one.body:.0f}</td><td class=num>{1e3 * one.value:+.0f}</td></tr>"
+        for one in ease
+    )
+    head = "<tr><th>Girth [mm]</th><th class=num>Garment</th><th class=num>Body</th><th class=num>Ease</th></tr>"
+    return f"<section><h2>Ease</h2><table>{head}{rows}</table></section>" if rows else ""

@@ -1,0 +1,138 @@
+"""Write meshes as PLY, OBJ and GLB."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ...garment import Garment
+from ...garment.pieces import lay_out
+from ...geometry import vertex_normals
+
+UV_GAP = 0.02
+"""Space between panels in the uv plane [m]: a texture may bleed 2 cm over an edge before it meets another panel."""
+
+UV_WIDTH = 1.5
+"""Width of the uv plane [m]: the width in which most cloth is woven, so that the layout reads like a marker."""
+
+KINDS = ("ply", "obj", "glb")
+
+
+def uv_layout(garment: Garment) -> np.ndarray:
+    """Return texture coordinates in metres of cloth, shape [uv_count, 2]; 1 unit of u or v is 1 m.
+
+    Panels lie side by side in their own axes, unscaled, so that islands do not overlap and a print keeps its size: a
+    texture that shows 10 cm of cloth repeats ten times per unit.
+    """
+    uv = np.array(garment.uv, dtype=np.float64)
+    panels = np.unique(garment.panel_of_uv)
+    own = [garment.panel_of_uv == panel for panel in panels]
+    low = np.array([uv[mask].min(axis=0) for mask in own])
+    sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
+    for mask, corner, place in zip(own, low, lay_out(sizes, UV_GAP, UV_WIDTH), strict=True):
+        uv[mask] += place - corner
+    return uv
+
+
+def write_meshes(
+    garment: Garment, nodes: np.ndarray, folder: Path, stem: str, kinds: tuple[str, ...] = KINDS
+) -> list[Path]:
+    """Write one state of a garment in several formats, in metres, y up.
+
+    PLY is the welded mesh that simulators want. OBJ keeps it welded too and gives each corner its own uv, a group per
+    panel. GLB is split along the seams, as its format asks. Uv are those of `uv_layout`; a glTF's v runs downwards, so
+    the GLB holds 1 - v, which readers turn back.
+
+    Args:
+        garment: Topology, uv and panels.
+        nodes: Positions [m], shape [node_count, 3].
+        folder: Where the files go; it is there already.
+        stem: Name of the files before the dot.
+        kinds: Some of `KINDS`.
+
+    Returns:
+        The files written, in the order of `kinds`.
+    """
+    written = []
+    for kind in kinds:
+        path = folder / f"{stem}.{kind}"
+        if kind == "ply":
+            write_ply(nodes, garment.faces, path)
+        elif kind == "obj":
+            path.write_text(_obj_text(garment, nodes), encoding="utf-8")
+        else:
+            path.write_bytes(_glb_bytes(garment, nodes, stem))
+        written.append(path)
+    return written
+
+
+def write_ply(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    path: Path,
+    values: Mapping[str, np.ndarray] | None = None,
+    colours: np.ndarray | None = None,
+) -> Path:
+    """Write a welded triangle mesh as binary PLY [m]: double positions, nothing merged or reordered.
+
+    Args:
+        vertices: Positions [m], shape [n, 3].
+        faces: Vertex indices, shape [m, 3]; of a cloud none.
+        path: Where to.
+        values: Further numbers of each vertex by the name of their property, shape [n] each.
+        colours: RGB bytes of each vertex, shape [n, 3], or None.
+    """
+    values = {"x": vertices[:, 0], "y": vertices[:, 1], "z": vertices[:, 2]} | dict(values or {})
+    shades = {} if colours is None else dict(zip(("red", "green", "blue"), colours.T, strict=True))
+    table = np.zeros(len(vertices), dtype=[(name, "<f8") for name in values] + [(name, "u1") for name in shades])
+    for name, column in (values | shades).items():
+        table[name] = column
+    header = (
+        "ply\nformat binary_little_endian 1.0\ncomment metres, y up\n"
+        f"element vertex {len(vertices)}\n"
+        + "".join(f"property double {name}\n" for name in values)
+        + "".join(f"property uchar {name}\n" for name in shades)
+        + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
+    rows["count"], rows["corners"] = 3, faces
+    path.write_bytes(header.encode("ascii") + table.tobytes() + rows.tobytes())
+    return path
+
+
+def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
+    """Return a Wavefront OBJ: welded positions and normals, uv of each corner, one group per panel."""
+    lines = ["# metres, y up; 1 unit of uv is 1 m of cloth"]
+    lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in nodes.tolist()]
+    lines += [f"vt {u:.7f} {v:.7f}" for u, v in uv_layout(garment).tolist()]
+    lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertex_normals(nodes, garment.faces).tolist()]
+    for index, panel in enumerate(garment.pattern.panels):
+        own = np.flatnonzero(garment.panel_of_face == index)
+        # A name is the file's author's: only plain characters reach the OBJ.
+        lines.append("g " + (re.sub(r"[^A-Za-z0-9_.-]+", "_", panel.name) or f"panel_{index}"))
+        for corners, flat in zip((garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist(), strict=True):
+            lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, flat, strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+def _glb_bytes(garment: Garment, nodes: np.ndarray, name: str) -> bytes:
+    """Return a binary glTF of one mesh, split along the seams."""
+    import trimesh
+    from trimesh.visual.material import PBRMaterial
+
+    material = PBRMaterial(
+        name="cloth", baseColorFactor=[150, 170, 190, 255], metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
+    )
+    mesh = trimesh.Trimesh(
+        vertices=nodes[garment.uv_node],
+        faces=garment.uv_faces,
+        vertex_normals=vertex_normals(nodes, garment.faces)[garment.uv_node],
+        visual=trimesh.visual.TextureVisuals(uv=uv_layout(garment), material=material),
+        process=False,
+    )
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, node_name=name, geom_name=name)
+    return bytes(scene.export(file_type="glb", include_normals=True))

@@ -1,0 +1,93 @@
+"""Prints of a garment's pieces: what to print on cloth before they are cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment import Pattern
+from ...garment.pieces import PieceBad, make_pieces
+from ...scan.texture import sample_image
+from ..texture import BakedTexture, find_texels, spread_border
+from .sewn_mesh import SewnMesh, plain_names
+
+BLEED = 0.04
+"""Print beyond the sew line [m]: the widest usual seam allowance, that of a leg's hem."""
+
+MIRROR = np.diag([-1.0, 1.0])
+"""Makes of a pair's mirrored copy, drawn as its other piece lies, the copy as it is cut."""
+
+
+@dataclass(frozen=True)
+class PrintPlace:
+    """Describe where a panel lies in a print: print = panel @ rotation.T + translation.
+
+    Attributes:
+        panel: Index of the panel in the pattern.
+        rotation: Turns, and does not mirror, shape [2, 2].
+        translation: Shape [2] [m].
+    """
+
+    panel: int
+    rotation: np.ndarray
+    translation: np.ndarray
+
+
+def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
+    """Return a name and the panels of each print.
+
+    A print is a production piece: joined halves are one, grain up. Left and right of a pair have different colours, so
+    each has its own, the mirrored copy as it is cut. A pattern of which no pieces can be made has a print a panel.
+    """
+    index = {panel.name: n for n, panel in enumerate(pattern.panels)}
+    prints = []
+    try:
+        pieces = make_pieces(pattern).pieces
+    except PieceBad:
+        names = plain_names([panel.name for panel in pattern.panels])
+        return [(name, [PrintPlace(n, np.eye(2), np.zeros(2))]) for n, name in enumerate(names)]
+    for piece in pieces:
+        own = [place for place in piece.places if np.linalg.det(place.rotation) > 0.0]
+        prints.append((piece.name, [PrintPlace(index[p.panel], p.rotation, p.translation) for p in own]))
+        copy = [place for place in piece.places if np.linalg.det(place.rotation) < 0.0]
+        if piece.pair and copy:
+            turned = [PrintPlace(index[p.panel], MIRROR @ p.rotation, MIRROR @ p.translation) for p in copy]
+            prints.append((f"{piece.name}_MIRRORED", turned))
+    return prints
+
+
+def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace], texel: float) -> np.ndarray:
+    """Draw panels as they lie in one piece, RGBA bytes from the top, shape [height, width, 4].
+
+    The print goes on for `BLEED` beyond the sew line, in the colours at it.
+
+    Args:
+        mesh: What the texture was baked for.
+        baked: The texture.
+        places: Panels that lie side by side in the piece.
+        texel: Width of a pixel [m].
+    """
+    garment = mesh.garment
+    laid = np.zeros((len(garment.uv), 2))
+    used = np.zeros(len(garment.uv), dtype=bool)
+    for place in places:
+        own = garment.panel_of_uv == place.panel
+        laid[own] = garment.uv[own] @ place.rotation.T + place.translation
+        used |= own
+    faces = garment.uv_faces[used[garment.uv_faces[:, 0]]]
+    low = laid[used].min(axis=0) - BLEED
+    width, height = (int(np.ceil(length / texel)) for length in laid[used].max(axis=0) + BLEED - low)
+    size = max(width, height)
+    shifted = np.where(used[:, None], (laid - low) / (size * texel), 0.0)
+    texels = find_texels(shifted, faces, size, 0.0)
+    uv = np.einsum("nk,nkd->nd", texels.barycentric, mesh.unit_uv[0][faces[texels.face]])
+    row = texels.row - (size - height)  # rows count from the top, and the panels stand at the lower end
+    image, known = np.zeros((height, width, 3)), np.zeros((height, width), dtype=bool)
+    image[row, texels.column], known[row, texels.column] = sample_image(baked.image, uv), True
+    image, near = spread_border(image, known, BLEED / texel)
+    drawn = np.zeros((height, width, 4), dtype=np.uint8)
+    drawn[..., :3] = np.where(near[..., None], np.clip(np.round(image), 0, 255), 255)
+    drawn[..., 3] = np.where(near, 255, 0)
+    return drawn

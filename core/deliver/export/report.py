@@ -1,0 +1,311 @@
+"""A report that opens anywhere: one HTML file with pictures, pattern, numbers and verdicts, and no network."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ...cloth import FabricEstimate
+from ...garment import edge_length, panel_area, panel_outline
+from ...judge import Product, product_of
+from ...recover.recovery import Recovery
+from ...run.verdict import worst_verdict
+from .drawing import SCALE, pattern_drawing
+from .page import page_html
+from .pieces_section import pieces_html
+from .views import STOPS, render_views
+
+VERDICTS = {
+    "detail": {
+        "pass": "Detail mesh: lies on the scan",
+        "doubtful": "Detail mesh: usable, with remarks",
+        "fail": "Detail mesh: look before you use it",
+    },
+    "pattern": {
+        "pass": "Pattern: fair, and its seams match",
+        "doubtful": "Pattern: usable, with remarks",
+        "fail": "Pattern: look before you cut it",
+    },
+    "drape": {
+        "pass": "Drape: at rest",
+        "doubtful": "Drape: usable, with remarks",
+        "fail": "Drape: settle it before simulating on",
+    },
+}
+"""The headline says of each product how it was judged: a drape in unrest says nothing about the detail mesh."""
+
+TITLES = {
+    "surface_rms_mm.s2t": "Distance, result to scan, RMS [mm]",
+    "surface_rms_mm.t2s": "Distance, scan to result, RMS [mm]",
+    "surface_p95_mm.s2t": "Distance, result to scan, 95 % [mm]",
+    "surface_p95_mm.t2s": "Distance, scan to result, 95 % [mm]",
+    "hausdorff_mm": "Largest distance either way [mm]",
+    "chamfer_vertex_m2e3": "Vertex Chamfer [m² × 10⁻³]",
+    "chamfer_vertex_floor_m2e3": "its floor: two meshings of the scan",
+    "normal_cosine": "Normal similarity, 1 − cos, both ways",
+    "normal_cosine_floor": "its floor: two meshings of the scan",
+    "stretch_p001": "Stretch, smallest (0.1 %)",
+    "stretch_p999": "Stretch, largest (99.9 %)",
+    "flipped_faces": "Faces against the scan",
+    "self_intersecting_faces": "Faces that intersect others",
+    "min_angle_deg": "Smallest angle (1 %) [°]",
+    "body_penetration_mm": "Deepest inside the body [mm]",
+    "pinched_mm": "Deepest between parts of the body that run into each other [mm]",
+    "seam_mismatch_mm": "Largest seam mismatch [mm]",
+    "vertices": "Vertices",
+    "faces": "Faces",
+    "body.fit_rms_mm": "Body model to the given body, RMS [mm]",
+    "body.undeclared_mm": "Clothes taken for skin, to the body below them, RMS [mm]",
+    "at_rest": "At rest (1: yes)",
+    "residual": "Largest force left on a node [a node's weight]",
+    "residual_rms": "Force left on a node, RMS [a node's weight]",
+    "iterations": "Newton iterations to rest",
+    "drape.at_rest": "Graded drape: at rest (1: yes)",
+    "drape.residual": "Graded drape: largest force left on a node [a node's weight]",
+    "drape.residual_rms": "Graded drape: force left on a node, RMS [a node's weight]",
+    "drape.iterations": "Graded drape: Newton iterations",
+}
+"""Names of metrics for people, in the order of the table; others follow under their own names."""
+
+COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("redrape.", "Re-draped"), ("graded.", "Graded drape"))
+
+
+MESHES = (
+    ("", "Detail mesh", "the scan's own folds, on the pattern: to look at, and to texture"),
+    ("sim.", "Simulation mesh", "the pattern at rest, started from the scan's folds: to simulate on from here"),
+    ("redrape.", "Re-draped", "the pattern dressed anew from its rest placement: what the pattern alone gives"),
+    ("graded.", "Graded drape", "the first pattern, draped before it met the scan's folds"),
+)
+"""Prefix of the metrics, name and purpose of each mesh; all have one topology."""
+
+UNITS = {"H00": "N/m", "H01": "N/m", "H11": "N/m", "H22": "N/m", "k": "N m", "density": "kg/m²"}
+"""Units of the fabric's parameters."""
+
+
+MEANINGS = {
+    "H00": "stretch along the weft",
+    "H01": "coupling of weft and warp",
+    "H11": "stretch along the warp",
+    "H22": "shear",
+    "k": "bending",
+    "density": "weight",
+}
+"""What each parameter resists."""
+
+
+def report_html(recovery: Recovery) -> str:
+    """Return the whole report as the text of one HTML file; every name that comes from a file is escaped."""
+    sections = [
+        _header(recovery),
+        _pictures(recovery),
+        _gates(recovery),
+        _pattern(recovery),
+        pieces_html(recovery.pattern),
+        _fabric(recovery),
+        _numbers(recovery),
+        _settings(recovery),
+    ]
+    return page_html(recovery.scan.name, sections)
+
+
+def number(value: Any) -> str:
+    """Return a number for people, as HTML: whole where it is whole, a dash where there is none."""
+    if value is None or not np.isfinite(value):
+        return "–"
+    if value == 0.0 or abs(value) >= 100.0 or (value == round(value) and abs(value) >= 1.0):
+        return f"{value:.0f}"
+    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.3f}" if abs(value) >= 1e-3 else "&lt; 0.001"
+
+
+def _header(recovery: Recovery) -> str:
+    of_product = {product: [g for g in recovery.gates if product_of(g.name) is product] for product in Product}
+    verdicts = "".join(
+        f'<span class="verdict {verdict}">{VERDICTS[product][verdict]}</span>'
+        for product, gates in of_product.items()
+        if gates and (verdict := worst_verdict(gate.verdict for gate in gates))
+    )
+    facts = (
+        ("Category", recovery.target.category),
+        ("Template", recovery.template),
+        *_describe_candidates(recovery.manifest.get("candidates", [])),
+        ("Fabric", recovery.fabric.title or recovery.fabric.name),
+        ("Body", recovery.body.source),
+        ("CPU time", f"{recovery.cpu_seconds:.0f} s"),
+        ("Memory", f"{recovery.peak_mb:.0f} MB"),
+    )
+    cells = "".join(f"<div><dt>{title}</dt><dd>{escape(value)}</dd></div>" for title, value in facts)
+    notes = "".join(f"<li>{escape(text)}</li>" for text in recovery.warnings)
+    return (
+        f'<header><p class="brand">garmentq · recovery report</p><h1>{escape(recovery.scan.name)}</h1>'
+        f'<p class="verdicts">{verdicts}</p><dl class="facts">{cells}</dl></header>'
+        + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
+    )
+
+
+def _describe_candidates(candidates: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    """Yield the cuts that were compared with the scan, best first, with their misfits; nothing where one was named."""
+
+    def describe(one: dict[str, Any]) -> str:
+        parts = ", ".join(f"{part} {one[part]:.3f}" for part in ("girths", "neckline") if part in one)
+        return f"{one['template']} {one['misfit']:.3f}" + (f" ({parts})" if parts else "")
+
+    if candidates:
+        yield "Cuts by misfit", "; ".join(describe(one) for one in candidates)
+
+
+def _pictures(recovery: Recovery) -> str:
+    views, end = render_views(recovery)
+    heads = list(views[0].pictures)
+    rows = ['<div class="head"></div>' + "".join(f'<div class="head">{head}</div>' for head in heads)]
+    for view in views:
+        rows.append(f'<div class="side">{view.title}</div>')
+        rows += [
+            f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">'
+            for head, data in view.pictures.items()
+        ]
+    stops = ", ".join(f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in STOPS)
+    ticks = "".join(f"<span>{number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))
+    bar = (
+        f'<div class="colours"><div class="bar" style="background:linear-gradient(90deg, {stops})"></div>'
+        f'<div class="ticks">{ticks}</div></div>'
+    )
+    grid = f'<div class="pictures">{"".join(rows)}</div>'
+    return f'<section style="--columns:{len(heads)}"><h2>Fit</h2>{grid}{bar}{_meshes(recovery)}</section>'
+
+
+def _meshes(recovery: Recovery) -> str:
+    """Describe what each mesh is for, and how far from the scan it lies."""
+    rows = []
+    for prefix, name, use in MESHES:
+        ways = [recovery.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
+        if any(way is not None for way in ways):
+            there, back = (number(way) for way in ways)
+            rows.append(f"<tr><td>{name}</td><td class=num>{there} / {back}</td><td>{use}</td></tr>")
+    head = "<tr><th>Mesh</th><th class=num>To the scan / back, RMS [mm]</th><th>What it is</th></tr>"
+    return f'<table class="meshes">{head}{"".join(rows)}</table>' if rows else ""
+
+
+def _gates(recovery: Recovery) -> str:
+    rows = "".join(
+        f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
+        f"<td class=check>{product_of(gate.name)}: {escape(gate.name.replace('_', ' '))}</td>"
+        f"<td class=num>{number(gate.value)}</td>"
+        f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
+        for product in Product
+        for gate in recovery.gates
+        if product_of(gate.name) is product
+    )
+    head = (
+        "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"
+    )
+    return f"<section><h2>Checks</h2><table>{head}{rows}</table></section>" if rows else ""
+
+
+def _pattern(recovery: Recovery) -> str:
+    rows = []
+    for panel in recovery.pattern.panels:
+        outline = panel_outline(panel)
+        width, height = outline.max(axis=0) - outline.min(axis=0)
+        around = sum(edge_length(panel, index) for index in range(len(panel.edges)))
+        rows.append(
+            f"<tr><td>{escape(panel.name)}</td><td class=num>{width * 100:.1f} × {height * 100:.1f}</td>"
+            f"<td class=num>{around * 100:.1f}</td><td class=num>{panel_area(panel) * 1e4:.0f}</td></tr>"
+        )
+    head = (
+        "<tr><th>Panel</th><th class=num>Width × height [cm]</th><th class=num>Perimeter [cm]</th>"
+        "<th class=num>Area [cm²]</th></tr>"
+    )
+    return (
+        f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{SCALE} when printed at full size, net lines '
+        "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. Lengths: cm. "
+        f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
+        f"<table>{head}{''.join(rows)}</table></section>"
+    )
+
+
+def _fabric(recovery: Recovery) -> str:
+    """Describe what the drape tells of the cloth; no digits where it tells none."""
+    if not recovery.estimates:
+        return ""
+    rows = []
+    for each in recovery.estimates:
+        told, sure = "–", "not identifiable"
+        if each.identifiable:
+            low, high = each.value * np.exp(-each.std), each.value * np.exp(each.std)
+            told = f"{each.value:.1e} {UNITS[each.name]}<br><small>{low:.1e} to {high:.1e}</small>"
+            sure = "identified"
+        rows.append(
+            f"<tr><td><b>{escape(each.name)}</b><br><small>{MEANINGS.get(each.name, '')}</small></td>"
+            f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{sure}</span></td>"
+            f"<td class=num>{told}</td><td>{_narrowing(each)}</td><td>{escape(each.note)}</td></tr>"
+        )
+    points = ""
+    if recovery.point_std is not None:
+        mean, most = 1e3 * recovery.point_std.mean(), 1e3 * recovery.point_std.max()
+        points = (
+            f" Control points are known to {mean:.1f} mm on average, {most:.1f} mm at worst (one standard deviation)."
+        )
+    head = "<tr><th>Parameter</th><th></th><th class=num>Value</th><th>Known from the drape</th><th>How</th></tr>"
+    return (
+        "<section><h2>Fabric</h2><p class='hint'>A drape at rest fixes only ratios to the cloth's weight; values hold "
+        f"for {1e3 * recovery.fabric.density:.0f} g/m². Nearest named fabrics: "
+        f"{escape(', '.join(recovery.nearest_fabrics))}."
+        f"{points}</p><table>{head}{''.join(rows)}</table></section>"
+    )
+
+
+def _narrowing(estimate: FabricEstimate) -> str:
+    """Draw how much of what one believes of cloth in general a drape leaves open: the posterior over the prior."""
+    left = 100.0 * min(1.0, estimate.std / max(estimate.prior_std, 1e-12))
+    factor = f"within a factor {np.exp(estimate.std):.1f}" if estimate.identifiable else "open"
+    if not estimate.identifiable and left < 50.0:
+        factor = "narrowed, not fitted"
+    return (
+        f'<span class="prior" title="bar: the prior; filled: what the drape leaves of it">'
+        f'<i style="width:{left:.0f}%"></i></span><small>{factor}</small>'
+    )
+
+
+def _numbers(recovery: Recovery) -> str:
+    metrics = recovery.metrics
+    prefixes = [prefix for prefix, _ in COLUMNS if prefix]
+    bases: dict[str, None] = dict.fromkeys(TITLES)
+    for name in sorted(metrics):
+        if name.startswith(("fabric.", "pattern.point_std_mm")):
+            continue  # the section on the fabric says it
+        prefix = next((prefix for prefix in prefixes if name.startswith(prefix)), "")
+        bases[name.removeprefix(prefix)] = None
+    shown = [(p, t) for p, t in COLUMNS if not p or any(name.startswith(p) for name in metrics)]
+    rows = []
+    for base in bases:
+        if not any(prefix + base in metrics for prefix, _ in shown):
+            continue
+        title = TITLES.get(base) or _contour_title(base)
+        cells = "".join(f"<td class=num>{number(metrics.get(prefix + base))}</td>" for prefix, _ in shown)
+        rows.append(f"<tr><td title='{escape(base, quote=True)}'>{escape(title)}</td>{cells}</tr>")
+    head = "<tr><th>Metric</th>" + "".join(f"<th class=num>{title}</th>" for _, title in shown) + "</tr>"
+    return f'<section class="page"><h2>Numbers</h2><table>{head}{"".join(rows)}</table></section>'
+
+
+def _contour_title(name: str) -> str:
+    contour = name.removeprefix("contour_rms_mm.")
+    return name if contour == name else f"Contour {contour.replace('.', ', ')}, RMS [mm]"
+
+
+def _settings(recovery: Recovery) -> str:
+    total = max(sum(recovery.stage_seconds.values()), 1e-9)
+    stages = "".join(
+        f'<tr><td>{escape(name)}</td><td class=num>{seconds:.1f}</td><td class="share">'
+        f'<i style="width:{100.0 * seconds / total:.1f}%"></i></td></tr>'
+        for name, seconds in recovery.stage_seconds.items()
+    )
+    manifest = escape(json.dumps(recovery.manifest, indent=1, ensure_ascii=False, default=str))
+    head = '<tr><th>Stage</th><th class=num>CPU [s]</th><th class="share"></th></tr>'
+    return (
+        f'<section><h2>Time</h2><table class="stages">{head}{stages}</table></section>'
+        f"<section><h2>Settings and versions</h2><pre>{manifest}</pre></section>"
+    )

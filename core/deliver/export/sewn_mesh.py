@@ -1,0 +1,179 @@
+"""One state of a garment with what other programs go on from: flat rest shape, panels, seams and fabric."""
+
+from __future__ import annotations
+
+import colorsys
+import re
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...cloth import Fabric
+from ...garment import EdgeRef, Garment, edge_length
+from ...garment.pieces import lay_out
+from ...geometry import vertex_normals
+from .meshes import UV_GAP, uv_layout
+
+FABRIC_UNITS = {
+    "H00": "N/m", "H01": "N/m", "H11": "N/m", "H22": "N/m", "k": "N m", "density": "kg/m2", "thickness": "m",
+    "friction": "1",
+}  # fmt: skip
+"""Unit of each number of a fabric."""
+
+SQUARE_TRIES = 40
+"""Widths of a layout that are tried for the smallest square around it: steps of 2 % from the widest panel on."""
+
+
+WHOLE = 0.01
+"""A layout's side is a multiple of this [m], so that it holds whole texels of 0.5, 1 or 2 mm."""
+
+
+@dataclass(frozen=True)
+class SewnMesh:
+    """Describe one state of a garment and its cloth.
+
+    Attributes:
+        name: `simulation`, `graded`, `redrape` or `detail`.
+        garment: Topology, flat rest shape, panels and seams.
+        nodes: Positions [m], shape [node_count, 3].
+        fabric: The cloth.
+    """
+
+    name: str
+    garment: Garment
+    nodes: np.ndarray
+    fabric: Fabric
+
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<SewnMesh {self.name}: {len(self.nodes)} vertices, {len(self.faces)} faces>"
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """Return the positions [m], shape [node_count, 3]."""
+        return self.nodes
+
+    @property
+    def faces(self) -> np.ndarray:
+        """Return the triangles, shape [face_count, 3]."""
+        return self.garment.faces
+
+    @cached_property
+    def normals(self) -> np.ndarray:
+        """Unit normals of the welded nodes, shape [node_count, 3]."""
+        return vertex_normals(self.nodes, self.garment.faces)
+
+    @cached_property
+    def metre_uv(self) -> np.ndarray:
+        """Flat positions of `uv_layout` [m], shape [uv_count, 2]."""
+        return uv_layout(self.garment)
+
+    @cached_property
+    def unit_uv(self) -> tuple[np.ndarray, float]:
+        """Flat positions within 0..1, shape [uv_count, 2], and the metres of cloth that 1 is."""
+        return square_layout(self.garment)
+
+
+def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
+    """Return panels side by side in a small square, unturned and at one scale, as coordinates within 0..1.
+
+    Panels are `UV_GAP` apart, and half of that from the square's sides.
+
+    Returns:
+        Coordinates, shape [uv_count, 2], and the side of the square [m], a multiple of `WHOLE`.
+    """
+    uv = np.array(garment.uv, dtype=np.float64)
+    panels = np.unique(garment.panel_of_uv)
+    own = [garment.panel_of_uv == panel for panel in panels]
+    low = np.array([uv[mask].min(axis=0) for mask in own])
+    sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
+    widest = float(sizes[:, 0].max())
+    best, side = np.zeros_like(low), np.inf
+    for width in widest * 1.02 ** np.arange(SQUARE_TRIES * 2):
+        places = lay_out(sizes, UV_GAP, width + 1e-9)
+        needed = float((places + sizes).max())
+        if needed < side - 1e-12:
+            best, side = places, needed
+    for mask, corner, place in zip(own, low, best, strict=True):
+        uv[mask] += place - corner + 0.5 * UV_GAP
+    side = WHOLE * np.ceil((side + UV_GAP) / WHOLE - 1e-9)
+    return uv / side, float(side)
+
+
+def seams_of_uv(garment: Garment) -> np.ndarray:
+    """Return the seams, by their index in the pattern, on which each uv vertex lies, -1 for none, shape [uv_count, 2].
+
+    A vertex has at most two: it is a corner then, and the lower index comes first.
+    """
+    found = np.full((len(garment.uv), 2), -1, dtype=np.int64)
+    for index, seam in enumerate(garment.pattern.seams):
+        for side in (seam.a, seam.b):
+            own = garment.edge_uv[side]
+            free = found[own, 0] < 0
+            found[own[free], 0] = index
+            second = own[~free]
+            found[second[found[second, 0] != index], 1] = index
+    return found
+
+
+def plain_names(names: tuple[str, ...] | list[str]) -> list[str]:
+    """Return names of letters, digits, `_` and `-` alone, each once: a number is added where two are alike."""
+    found: list[str] = []
+    for index, name in enumerate(names):
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name)[:60].strip("_") or f"panel_{index}"
+        found.append(plain if plain.lower() not in {each.lower() for each in found} else f"{plain}_{index}")
+    return found
+
+
+def describe_cloth(mesh: SewnMesh, is_textured: bool = False) -> dict[str, Any]:
+    """Return panels, seams, rest shape and fabric of a mesh as JSON values; lengths in metres.
+
+    Args:
+        mesh: What is described.
+        is_textured: Whether its first uv set is the one within 0..1, for a texture.
+    """
+    garment, pattern = mesh.garment, mesh.garment.pattern
+
+    def tell(ref: EdgeRef) -> dict[str, Any]:
+        return {
+            "panel": ref.panel, "edge": ref.edge,
+            "length_m": round(edge_length(pattern.panel(ref.panel), ref.edge), 6),
+        }  # fmt: skip
+
+    names = plain_names([panel.name for panel in pattern.panels])
+    return {
+        "garment": pattern.name,
+        "mesh": mesh.name,
+        "units": "m",
+        "up": "y",
+        "rest": "flat panels are the uv set in metres; the warp stands at grainline_rad from +v",
+        "metres_per_unit_of_uv": [mesh.unit_uv[1], 1.0] if is_textured else [1.0, mesh.unit_uv[1]],
+        "panels": [
+            {"index": n, "name": panel.name, "group": names[n], "grainline_rad": round(panel.grainline, 6)}
+            for n, panel in enumerate(pattern.panels)
+        ],
+        "seams": [
+            {"index": n, "a": tell(seam.a), "b": tell(seam.b), "gathered": seam.gathered}
+            for n, seam in enumerate(pattern.seams)
+        ],
+        "contours": sorted(contour.name for contour in garment.contours),
+        "fabric": describe_fabric(mesh.fabric),
+    }
+
+
+def describe_fabric(fabric: Fabric) -> dict[str, Any]:
+    """Return a fabric's name and numbers, with their units, as JSON values."""
+    numbers = asdict(fabric)
+    return {
+        "name": fabric.name,
+        "units": FABRIC_UNITS,
+        **{name: float(numbers[name]) for name in FABRIC_UNITS},
+        "meaning": "H00 weft, H11 warp, H01 both, H22 shear stiffness; k bending stiffness; friction against skin",
+    }
+
+
+def panel_colour(index: int, count: int) -> list[float]:
+    """Return a pale colour for a panel, RGB in 0..1, told from its neighbours' by hue."""
+    return [round(channel, 4) for channel in colorsys.hsv_to_rgb(index / max(count, 1), 0.35, 0.85)]

@@ -1,0 +1,84 @@
+"""Write the sizes of a garment, and with `drape` each of them on a body by its measures."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...body import MeasureRange
+from ...reuse.wear import Dressed
+from ...run.verdict import Verdict, worst_verdict
+from ..formats import nest
+from ..formats.grading import Size, grade_sizes
+from ..formats.size_drapes import drape_size
+from .dressed_report import aim_at
+from .meshes import write_ply
+from .person import on_white
+from .picture import ColouredMesh, draw, png_base64
+from .result import write_json
+from .views import DRAPED, SKIN
+
+if TYPE_CHECKING:
+    from ..formats import Production
+
+
+def write_sizes(production: Production, folder: Path) -> list[Path]:
+    """Write patterns, nest and rules of all sizes, and where it is asked for the drape of each; return the files.
+
+    Of each size that is draped: `draped_SIZE.ply` and `body_SIZE.ply`; of all: `sizes.json` with verdicts and
+    numbers, `sizes.png` with front and back of each.
+
+    Raises:
+        SizesBad: where sizes are none.
+        PieceBad: where a piece of a size cannot be cut.
+        Cancelled: as soon as the hooks say so.
+    """
+    files = nest.write(production, folder)
+    if not production.options.drape:
+        return files
+    worn, base = production.worn, production.measures
+    sizes = grade_sizes(worn.pattern, worn.template, base, production.height, production.options)
+    told: list[dict[str, Any]] = []
+    pictures: list[np.ndarray] = []
+    for number, size in enumerate(sizes):
+        production.hooks.progress("write", number / len(sizes), f"draping size {size.name}")
+        try:
+            dressed = drape_size(worn, size, base, production.hooks.quiet())
+        except MeasureRange as error:
+            told.append(_tell(size, None, error.message))
+            continue
+        garment, body = dressed.worn.garment, dressed.worn.body
+        files.append(write_ply(garment.nodes, garment.faces, folder / f"draped_{size.name}.ply"))
+        files.append(write_ply(body.vertices, body.faces, folder / f"body_{size.name}.ply"))
+        told.append(_tell(size, dressed))
+        pictures.append(_draw(dressed))
+    files.append(write_json({"sizes": told}, folder / "sizes.json"))
+    if pictures:
+        picture = folder / "sizes.png"
+        picture.write_bytes(base64.b64decode(png_base64(np.concatenate(pictures, axis=1))))
+        files.append(picture)
+    return files
+
+
+def _tell(size: Size, dressed: Dressed | None, why: str = "") -> dict[str, Any]:
+    """Return what is known of a size: girths [cm], verdict, warnings, numbers; why it was not draped otherwise."""
+    girths = {name: round(100.0 * getattr(size.measures, name), 1) for name in ("bust", "waist", "hip")}
+    told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
+    if dressed is None:
+        return {**told, "verdict": Verdict.FAIL, "warnings": [why], "metrics": {}}
+    gates = [{"name": gate.name, "verdict": gate.verdict, "message": gate.message} for gate in dressed.gates]
+    verdict = worst_verdict(gate.verdict for gate in dressed.gates)
+    return {**told, "verdict": verdict, "gates": gates, "warnings": dressed.warnings, "metrics": dressed.metrics}
+
+
+def _draw(dressed: Dressed) -> np.ndarray:
+    """Return a picture of a size from the front, above one from the back."""
+    worn = dressed.worn
+    surfaces = [
+        ColouredMesh(worn.body.vertices, worn.body.faces, SKIN),
+        ColouredMesh(worn.garment.nodes, worn.garment.faces, DRAPED),
+    ]
+    return np.concatenate([on_white(draw(surfaces, aim_at(worn, turn))) for turn in (0.0, np.pi)], axis=0)

@@ -1,0 +1,68 @@
+"""The meshes of a stored result, read back from the files of its folder."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ...reuse.wear import Worn
+from ...reuse.wear.worn import ResultOld
+from ..ply import PlyBad, read_ply
+from .sewn_mesh import SewnMesh
+
+MESHES = ("graded", "detail", "simulation", "redrape")
+"""Names of a recovery's meshes."""
+
+AGAIN = ("dressed", "edited")
+"""Names of the only mesh of a garment that is worn again, and of one that is sewn by an edited pattern."""
+
+
+def stored_meshes(folder: Path, worn: Worn, names: tuple[str, ...] = MESHES) -> list[SewnMesh]:
+    """Return those of the meshes of a stored result that there are, those of `AGAIN` among them.
+
+    Args:
+        folder: The result's files.
+        worn: What `load_worn` reads there: topology, rest shape and fabric of all of them.
+        names: Some of `MESHES`.
+
+    Raises:
+        ResultOld: where a mesh is not that garment's.
+    """
+    found = []
+    for name in (*names, *AGAIN):
+        path = folder / f"{name}.ply"
+        if path.is_file():
+            nodes = read_nodes(path)
+            if nodes.shape != worn.garment.nodes.shape:
+                raise ResultOld()
+            found.append(SewnMesh(name, worn.garment, nodes, worn.fabric))
+    return found
+
+
+def read_nodes(path: Path) -> np.ndarray:
+    """Read the positions of a PLY that `write_ply` wrote [m], shape [n, 3].
+
+    Raises:
+        ResultOld: where it is another one.
+    """
+    try:
+        return read_ply(path.read_bytes()).vertices
+    except PlyBad as error:
+        raise ResultOld() from error
+
+
+def garment_stem(folder: Path) -> str:
+    """Return what a result's files are called after: the scan's name, or the pattern's, or `garment`; plain letters."""
+    named = ""
+    for name, path in (("manifest.json", ("scan", "name")), ("pattern.json", ("properties", "name"))):
+        try:
+            value = json.loads((folder / name).read_text(encoding="utf-8"))
+            for key in path:
+                value = value[key]
+            named = named or str(value)
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return re.sub(r"[^A-Za-z0-9-]+", "_", named)[:40].strip("_").lower() or "garment"

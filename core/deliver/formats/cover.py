@@ -1,0 +1,156 @@
+"""The first page of tiled sheets, and the legend of a roll: test squares, pieces, map of sheets, sewing order."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...garment import contains
+from ...garment.pieces import EdgeUse, PieceSet, lay_on_cloth
+from .drawing import describe_cutting, keep_ascii
+from .pdf_file import show_text
+from .sheet import Sheet
+from .tiling import Tile, Tiling
+
+SQUARES = ((50.0, "50 mm"), (50.8, "2 in"))
+"""Sides of the test squares [mm], each with its own unit beside it."""
+
+LINE = 4.4
+"""Height of a line of text [mm]."""
+
+TEXT = 3.2
+"""Size of the text [mm]."""
+
+
+def cover_content(sheet: Sheet, tiling: Tiling) -> str:
+    """Return the operators of the cover of a tiling."""
+    paper, pieces = tiling.paper, sheet.pieces
+    left, top = 12.0, paper.height - 18.0
+    parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_ascii(pieces.name), True)]
+    lines = [*_head(pieces), f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:"]
+    parts += [show_text(left, top - 6.0 - LINE * n, TEXT, line) for n, line in enumerate(lines)]
+    y = top - 10.0 - LINE * len(lines) - SQUARES[1][0]
+    parts.append(_squares(left, y))
+    y -= 8.0
+    room = y - 12.0
+    height = min(0.48 * room, 100.0)
+    parts.append(_map(sheet, tiling, (left, y - height), (paper.width - 2 * left, height)))
+    y -= height + 8.0
+    half = (paper.width - 2 * left) / 2
+    most = int((y - 8.0) / LINE)
+    shown = _name_tiles(sheet, tiling)
+    parts.append(_column(left, y, _list_pieces(pieces, shown) + ["", *list_notes(pieces)], most, half))
+    parts.append(_column(left + half + 4.0, y, list_steps(pieces), most, half))
+    return "".join(parts)
+
+
+def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
+    """Return the operators of the strip below the pieces of a roll, its lower left corner at (x, y) [mm]."""
+    pieces = sheet.pieces
+    lines = [*_head(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
+    parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_ascii(pieces.name), True)]
+    most, column = int(60.0 / LINE), 110.0
+    room = max(1, int((width - 125.0) / column))
+    for n in range(min(room, -(-len(lines) // most))):
+        parts.append(_column(x + 125.0 + n * column, y + 62.0, lines[n * most : (n + 1) * most], most, column))
+    return "".join(parts)
+
+
+def _head(pieces: PieceSet) -> list[str]:
+    lay = lay_on_cloth(pieces.pieces)
+    cloth = f"about {lay.length:.2f} m" if np.isfinite(lay.length) else "wider than the cloth"
+    lines = [f"size: {keep_ascii(pieces.size)} cm" if pieces.size else "", keep_ascii(pieces.fabric)]
+    count = sum(piece.quantity for piece in pieces.pieces)
+    return [*filter(None, lines), f"{count} pieces of cloth; {cloth} at {100 * lay.width:.0f} cm"]
+
+
+def _squares(left: float, bottom: float) -> str:
+    parts = []
+    for n, (side, name) in enumerate(SQUARES):
+        x = left + 60.0 * n
+        parts.append(f"0.2 w [] 0 d {x:.3f} {bottom:.3f} {side:.3f} {side:.3f} re S\n")
+        parts.append(show_text(x + 16.0, bottom + side / 2, 5.0, name, True))
+    return "".join(parts)
+
+
+def _map(sheet: Sheet, tiling: Tiling, corner: tuple[float, float], box: tuple[float, float]) -> str:
+    """Return a small picture of the sheet with the borders and names of the tiles."""
+    whole = sheet.size * 1e3
+    scale = min(box[0] / float(whole[0]), box[1] / float(whole[1]))
+    origin = np.array([corner[0], corner[1] + box[1] - scale * float(whole[1])])
+    parts = []
+    for outline in sheet.outlines:
+        drawn = origin + scale * 1e3 * outline
+        path = " ".join(f"{x:.2f} {y:.2f} {'l' if n else 'm'}" for n, (x, y) in enumerate(drawn))
+        parts.append(f"0.85 g 0.3 G 0.15 w [] 0 d {path} b\n")
+    across, down = tiling.step
+    for tile in tiling.tiles:
+        x = origin[0] + scale * tile.column * across
+        y = origin[1] + scale * (float(whole[1]) - (tile.row + 1) * down)
+        parts.append(f"0.5 G {x:.2f} {y:.2f} {scale * across:.2f} {scale * down:.2f} re S\n")
+        parts.append("0 g " + show_text(x + 1.0, y + 1.2, 2.8, tile.name))
+    return "".join([*parts, "0 G 0 g\n"])
+
+
+def _name_tiles(sheet: Sheet, tiling: Tiling) -> dict[int, list[str]]:
+    """Return the names of the sheets that show each piece, by the piece's number."""
+    across, down = tiling.step
+    height = float(sheet.size[1]) * 1e3
+
+    def shows(tile: Tile, outline: np.ndarray) -> bool:
+        low = np.array([tile.column * across, height - (tile.row + 1) * down])
+        high = low + (across, down)
+        inside = (outline > low).all(axis=1) & (outline < high).all(axis=1)
+        return bool(inside.any() or contains(outline, ((low + high) / 2)[None])[0])
+
+    return {
+        number: [tile.name for tile in tiling.tiles if shows(tile, 1e3 * outline)]
+        for number, outline in enumerate(sheet.outlines)
+    }
+
+
+def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
+    lines = ["Pieces"]
+    for n, piece in enumerate(pieces.pieces):
+        where = shown.get(n, [])
+        sheets = f": {', '.join(where[:8])}{' ...' if len(where) > 8 else ''}" if where else ""
+        lines.append(f"{n + 1} {piece.name}, {describe_cutting(piece)}{sheets}")
+    return lines
+
+
+def list_notes(pieces: PieceSet) -> list[str]:
+    """Return the allowances of a garment and what is missing, a line each."""
+    widths = {
+        edge.use: edge.width
+        for piece in pieces.pieces
+        for edge in piece.edges
+        if edge.use not in (EdgeUse.FOLD, EdgeUse.DART)
+    }
+    included = ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths))
+    head = f"Allowance included [mm]: {included}" if any(widths.values()) else "No seam allowance included"
+    return [head, "", "Not in this pattern", *(f"- {line}" for line in pieces.missing)]
+
+
+def list_steps(pieces: PieceSet) -> list[str]:
+    """Return the seams in the order of sewing, a line for each step."""
+    lines = ["Sewing order"]
+    for step in sorted({seam.step for seam in pieces.seams}):
+        seams = [seam for seam in pieces.seams if seam.step == step]
+        first = seams[0]
+        names = " to ".join(dict.fromkeys(pieces.pieces[side[0].piece].name for side in first.sides))
+        lengths = first.lengths
+        long = f"{100 * lengths[0]:.1f} cm"
+        if first.gathered:
+            long = f"{100 * max(lengths):.1f} gathered to {100 * min(lengths):.1f} cm"
+        lines.append(f"{step} {keep_ascii(names)}, {long}" + (f", {len(seams)} x" if len(seams) > 1 else ""))
+    return lines
+
+
+def _column(x: float, y: float, lines: list[str], most: int, width: float) -> str:
+    if len(lines) > most > 1:
+        lines = [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines"]
+    letters = int(width / (0.5 * TEXT))
+    parts = [
+        show_text(x, y - LINE * n, TEXT, line[:letters], bold=line in ("Pieces", "Sewing order", "Not in this pattern"))
+        for n, line in enumerate(lines[:most])
+    ]
+    return "".join(parts)

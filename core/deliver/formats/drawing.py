@@ -1,0 +1,180 @@
+"""Pieces as lines and texts on layers, the same for every writer that draws: PDF and SVG."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from ...garment import contains
+from ...garment.pieces import EdgeUse, Piece, PieceSet, flatten_edge, flatten_outline
+
+HEAD = 0.006
+"""Length of an arrow's head [m]."""
+
+FOLD_INSET = 0.012
+"""Distance of the arrow of a fold from the fold [m]."""
+
+LETTER = 0.52
+"""Mean width of a letter of Helvetica, as a part of its size."""
+
+LARGEST, SMALLEST = 0.009, 0.005
+"""Size of the text on a piece [m]: 9 mm where there is room, never under 5."""
+
+
+class Layer(StrEnum):
+    """Name what a line or text is."""
+
+    CUT = "cut"
+    SEW = "sew"
+    NOTCH = "notch"
+    GRAIN = "grain"
+    FOLD = "fold"
+    MARK = "mark"
+    TEXT = "text"
+
+
+@dataclass(frozen=True)
+class Line:
+    """Describe one polygon line: its layer, points [m], shape [n, 2], and whether it is closed."""
+
+    layer: Layer
+    points: np.ndarray
+    closed: bool = False
+
+
+@dataclass(frozen=True)
+class Text:
+    """Describe one line of text.
+
+    Attributes:
+        text: In ASCII.
+        centre: Middle of its base line [m], shape [2].
+        size: Height of its letters' body [m].
+        is_bold: True for the name of a piece.
+    """
+
+    text: str
+    centre: np.ndarray
+    size: float
+    is_bold: bool = False
+
+    @property
+    def width(self) -> float:
+        """Return its width [m], rather too wide than too narrow."""
+        return self.size * LETTER * len(self.text) * (1.1 if self.is_bold else 1.0)
+
+
+def draw_lines(piece: Piece) -> list[Line]:
+    """Return the lines of a piece in its own axes."""
+    lines = [Line(Layer.CUT, piece.cut.points, True)]
+    if any(edge.width for edge in piece.edges):
+        lines.append(Line(Layer.SEW, flatten_outline(piece.net)[0], True))
+    lines += [Line(Layer.NOTCH, np.array([n.point, n.point + n.depth * n.inward])) for n in piece.notches]
+    lines += [Line(Layer.MARK, dart) for dart in piece.darts]
+    cross = np.array([[-0.003, 0.0], [0.003, 0.0]])
+    for drill in piece.drills:
+        lines += [Line(Layer.MARK, drill + cross), Line(Layer.MARK, drill + cross[:, ::-1])]
+    if piece.fold is None:
+        lines += [Line(Layer.GRAIN, part) for part in _arrow(*piece.grain)]
+    else:
+        ends = flatten_edge(piece.net, piece.fold)[[0, -1]] + [FOLD_INSET, 0.0]
+        span = ends[1] - ends[0]
+        inner = np.array([ends[0] + 0.1 * span, ends[0] + 0.9 * span])
+        lines += [Line(Layer.FOLD, part) for part in _arrow(*inner)]
+        lines += [Line(Layer.FOLD, np.array([end, end - [FOLD_INSET, 0.0]])) for end in inner]
+    return lines
+
+
+def _arrow(start: np.ndarray, end: np.ndarray) -> list[np.ndarray]:
+    """Return a line with a head at both ends."""
+    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    side = 0.4 * np.array([-along[1], along[0]])
+    heads = [
+        np.array([tip + HEAD * (back + side), tip, tip + HEAD * (back - side)])
+        for tip, back in ((start, along), (end, -along))
+    ]
+    return [np.array([start, end]), *heads]
+
+
+def describe_cutting(piece: Piece) -> str:
+    """Return how often a piece is cut."""
+    if piece.fold is not None:
+        return f"CUT {piece.quantity} ON FOLD"
+    return f"CUT {piece.quantity}" + (f" ({piece.quantity // 2} PAIR)" if piece.pair else "")
+
+
+def describe_allowance(piece: Piece) -> str:
+    """Return the allowances of a piece in millimetres by use."""
+    widths = {edge.use: edge.width for edge in piece.edges if edge.use not in (EdgeUse.FOLD, EdgeUse.DART)}
+    if not any(widths.values()):
+        return "no seam allowance"
+    return "allowance " + ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths)) + " mm"
+
+
+def list_texts(pieces: PieceSet, number: int) -> list[str]:
+    """Return what is written on a piece, the most important first."""
+    piece = pieces.pieces[number]
+    lines = [
+        piece.name,
+        describe_cutting(piece),
+        f"{number + 1}/{len(pieces.pieces)} {keep_ascii(pieces.name)}",
+        describe_allowance(piece),
+        keep_ascii(pieces.size),
+        keep_ascii(pieces.fabric),
+    ]
+    return [line for line in lines if line.strip()]
+
+
+def place_texts(piece: Piece, texts: list[str]) -> list[Text]:
+    """Return as many of the texts as fit within the sew line, clear of grainline and notches, as large as they fit.
+
+    The block goes where it is furthest from the outline, of a grid of places; a piece too small for a text has none.
+    """
+    outline = flatten_outline(piece.net, 2e-4)[0]
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    grid = np.stack(np.meshgrid(*(np.linspace(low[k], high[k], 23)[1:-1] for k in (0, 1))), axis=-1).reshape(-1, 2)
+    grid = grid[contains(outline, grid)]
+    if not len(grid):
+        return []
+    grid = grid[np.argsort(-_clearance(outline, grid), kind="stable")]
+    for count in range(len(texts), 0, -1):
+        for size in (LARGEST, 0.007, SMALLEST):
+            block = [Text(text, np.zeros(2), size, n == 0) for n, text in enumerate(texts[:count])]
+            half = np.array([max(text.width for text in block) / 2, 0.75 * size * count])
+            for centre in grid[:60]:
+                if _is_free(piece, outline, centre, half + 0.003):
+                    tops = centre[1] + half[1] - size * (1.1 + 1.5 * np.arange(count))
+                    return [
+                        Text(text.text, np.array([centre[0], y]), size, text.is_bold)
+                        for text, y in zip(block, tops, strict=True)
+                    ]
+    return []
+
+
+def _clearance(outline: np.ndarray, points: np.ndarray) -> np.ndarray:
+    step = np.roll(outline, -1, axis=0) - outline
+    offset = points[:, None] - outline
+    part = np.clip((offset * step).sum(axis=-1) / np.maximum((step**2).sum(axis=-1), 1e-18), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(offset - part[..., None] * step, axis=-1).min(axis=1))
+
+
+def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.ndarray) -> bool:
+    """Return whether a box lies within an outline and holds neither grainline, fold arrow, notch, dart nor drill."""
+    turns = np.linspace(-1.0, 1.0, 9)
+    rim = np.concatenate([[(x, y) for x in turns for y in (-1.0, 1.0)], [(x, y) for y in turns for x in (-1.0, 1.0)]])
+    if not contains(outline, centre + rim * half).all():
+        return False
+    marks = [*piece.darts, piece.drills, *(n.point + n.depth * n.inward for n in piece.notches)]
+    marks.append(np.linspace(piece.grain[0], piece.grain[1], 50))
+    if piece.fold is not None:
+        ends = flatten_edge(piece.net, piece.fold)[[0, -1]] + [FOLD_INSET, 0.0]
+        marks.append(np.linspace(ends[0], ends[1], 50))
+    points = np.concatenate([np.reshape(mark, (-1, 2)) for mark in (*marks, outline)])
+    return not (np.abs(points - centre) < half).all(axis=1).any()
+
+
+def keep_ascii(text: str) -> str:
+    """Return a text of people's on one line in ASCII, at most 60 letters; others become `?`."""
+    return "".join(letter if " " <= letter <= "~" else "?" for letter in text)[:60]

@@ -1,0 +1,23 @@
+"""What can be wrong with an export, one stable code each."""
+
+from __future__ import annotations
+
+from ...run.errors import BadInput
+
+
+class FormatUnknown(BadInput):
+    """No such format, dialect or paper; `garmentq export --help` lists them."""
+
+    code = "export.unknown"
+
+
+class SheetTooSmall(BadInput):
+    """The paper is too narrow for tiles with their margins; take a larger one."""
+
+    code = "export.paper"
+
+
+class SizesBad(BadInput):
+    """Sizes are a step in centimetres with a range that holds 0, or a table of names, bust, waist and hip."""
+
+    code = "export.sizes"

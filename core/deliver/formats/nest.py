@@ -1,0 +1,155 @@
+"""Write the sizes of a garment: a pattern each, a nest of their pieces, and rules that move the base size to each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...garment import save_pattern
+from ...garment.pieces import Piece, PieceSet, lay_out, make_pieces
+from .dialects import BY_NAME
+from .drawing import draw_lines, keep_ascii, list_texts, place_texts
+from .dxf import Block, Rules, dxf_text, rule_text, write_archive
+from .grading import Size, grade_sizes
+from .papers import ROLL, find_paper
+from .pdf_file import Page, pdf_bytes, show_text
+
+if TYPE_CHECKING:
+    from .production import Production
+
+GAP = 0.02
+"""Free space between nests [m]."""
+
+MARGIN = 10.0
+"""Border of the page, and height of a line of its legend [mm]."""
+
+DASHES = ("[]", "[6 2]", "[3 1.5]", "[1.5 1]", "[8 2 1 2]", "[4 1 1 1 1 1]", "[2 2]")
+"""Dashes of the sizes [mm], in turn; the base is drawn whole and thick."""
+
+APPROXIMATE = (
+    "the pattern is no shipped template's, so nobody knows its draft: sizes are scaled by girths, which is approximate"
+)
+"""What is said of sizes without a draft."""
+
+
+def write(production: Production, folder: Path) -> list[Path]:
+    """Write `pattern_SIZE.json`, `nest.pdf`, `nest_DIALECT.dxf`, and the base with its rules; return the files.
+
+    Raises:
+        SizesBad: where sizes are none.
+        PieceBad: where a piece of a size cannot be cut.
+    """
+    sizes = grade_sizes(
+        production.worn.pattern, production.worn.template, production.measures, production.height, production.options
+    )
+    pieces = [
+        make_pieces(size.pattern, production.options.piece_settings, replace(production.style, size=size.name))
+        for size in sizes
+    ]
+    files = [save_pattern(size.pattern, folder / f"pattern_{size.name}.json") for size in sizes]
+    paper = find_paper(production.options.paper)
+    nest = folder / "nest.pdf"
+    nest.write_bytes(nest_pdf(sizes, pieces, paper.width if paper.is_roll else ROLL))
+    dialect = BY_NAME[production.options.dialect]
+    base = next(n for n, size in enumerate(sizes) if size.is_base)
+    blocks = [
+        Block(piece, f"{piece.name}_{size.name}", size.name)
+        for size, one in zip(sizes, pieces, strict=True)
+        for piece in one.pieces
+    ]
+    moves, rules = find_rules(pieces, base)
+    own = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].pieces]
+    names = tuple(size.name for size in sizes)
+    texts = {
+        f"nest_{dialect.name}.dxf": dxf_text(pieces[base], blocks, dialect),
+        f"graded_{dialect.name}.dxf": dxf_text(pieces[base], own, dialect, rules),
+        f"graded_{dialect.name}.rul": rule_text(dialect, names, moves, sizes[base].name),
+    }
+    return [*files, nest, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
+
+
+def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rules]:
+    """Return how the turn points and notches of the base move to every size, and which rule moves each.
+
+    A piece whose cut line turns otherwise in some size (a mitre that is cut off in one of them) has no rules; the nest
+    holds it all the same.
+
+    Args:
+        pieces: The pieces of each size.
+        base: Index of the base.
+
+    Returns:
+        Movements of each rule [m], shape [size_count, 2], and for each piece of the base its points and their rules'
+        numbers, from 1.
+    """
+    moves: list[np.ndarray] = []
+    numbers: dict[bytes, int] = {}
+    rules: Rules = {}
+    for n, piece in enumerate(pieces[base].pieces):
+        turns = [find_turns(one.pieces[n]) for one in pieces]
+        if any(len(points) != len(turns[base]) for points in turns):
+            continue
+        found = []
+        for k, point in enumerate(turns[base]):
+            moved = np.array([points[k] - point for points in turns])
+            key = np.round(moved, 7).tobytes()
+            if key not in numbers:
+                moves.append(moved)
+                numbers[key] = len(moves)
+            found.append((point, numbers[key]))
+        rules[piece.name] = found
+    return moves, rules
+
+
+def find_turns(piece: Piece) -> np.ndarray:
+    """Return what rules move: corners of the cut line, notches and control points of the sew line [m], shape [n, 2]."""
+    notches = np.array([notch.point for notch in piece.notches]).reshape(-1, 2)
+    return np.concatenate([piece.cut.points[piece.cut.corner], notches, piece.net.points])
+
+
+def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
+    """Return a page of a roll of a width [mm] with all sizes of each piece upon each other, a kind of line each."""
+    base = next(n for n, size in enumerate(sizes) if size.is_base)
+    count = len(pieces[base].pieces)
+    low = np.array([np.min([one.pieces[n].cut.points.min(axis=0) for one in pieces], axis=0) for n in range(count)])
+    high = np.array([np.max([one.pieces[n].cut.points.max(axis=0) for one in pieces], axis=0) for n in range(count)])
+    room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * MARGIN / 1e3)
+    corners = lay_out(high - low, GAP, room - 2.0 * MARGIN / 1e3, stacked=True)
+    legend = MARGIN * (len(sizes) + 3)
+    shifts = 1e3 * (corners - low) + [MARGIN, MARGIN + legend]
+    parts = ["0 G 0 g 1 J 1 j\n"]
+    for n in range(count):
+        for k, one in enumerate(pieces):
+            parts.append(f"{_pen(k, base)} {_path(1e3 * one.pieces[n].cut.points + shifts[n], True)}\n")
+        own = pieces[base].pieces[n]
+        for line in draw_lines(own):
+            if line.layer in ("notch", "grain", "fold"):
+                parts.append(f"0.25 w [] 0 d {_path(1e3 * line.points + shifts[n], False)}\n")
+        for text in place_texts(own, list_texts(pieces[base], n)):
+            x, y = 1e3 * text.centre + shifts[n]
+            parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
+    parts.append(show_text(MARGIN, legend, 6.0, f"{keep_ascii(pieces[base].name)}: sizes", True))
+    if not all(size.is_drafted for size in sizes):
+        parts.append(show_text(MARGIN + 90.0, legend, 4.0, APPROXIMATE))
+    for k, size in enumerate(sizes):
+        y = legend - MARGIN * (k + 1)
+        measures = size.measures
+        girths = f"bust {100 * measures.bust:.0f} waist {100 * measures.waist:.0f} hip {100 * measures.hip:.0f}"
+        parts.append(f"{_pen(k, base)} {MARGIN:.1f} {y + 1.2:.1f} m {MARGIN + 30:.1f} {y + 1.2:.1f} l S\n")
+        parts.append(show_text(MARGIN + 34.0, y, 4.0, f"{size.name}   {girths}{'   base' if size.is_base else ''}"))
+    height = 1e3 * float((corners + high - low)[:, 1].max()) + 2.0 * MARGIN + legend
+    return pdf_bytes([Page(1e3 * room, height, "".join(parts))], f"{pieces[base].name} sizes")
+
+
+def _pen(number: int, base: int) -> str:
+    if number == base:
+        return "0.5 w [] 0 d"
+    return f"0.25 w {DASHES[1 + number % (len(DASHES) - 1)]} 0 d"
+
+
+def _path(points: np.ndarray, closed: bool) -> str:
+    pairs = [f"{x:.3f} {y:.3f}" for x, y in points]
+    return f"{pairs[0]} m " + " ".join(f"{pair} l" for pair in pairs[1:]) + (" s" if closed else " S")

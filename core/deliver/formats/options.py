@@ -1,0 +1,95 @@
+"""What may be chosen of an export."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...garment.pieces import PieceSettings, read_allowances
+from ...run.errors import keep_printable
+from ..texture import check_texel
+from .errors import FormatUnknown, SizesBad
+from .papers import find_paper
+from .registry import DIALECTS, FORMATS
+
+MOST_SIZES = 40
+"""Most sizes of one export."""
+
+LONGEST_SIZE_NAME = 40
+"""Most letters of a size's name as a table has it; a block of a DXF file has 31 with the piece's name, and no stored
+file's hash, which has 64, can be a name."""
+
+
+@dataclass(frozen=True)
+class SizeLine:
+    """Describe one size of a table: its name, and the girths and height that it is for [cm], None for the wearer's."""
+
+    name: str
+    bust: float | None = None
+    waist: float | None = None
+    hip: float | None = None
+    height: float | None = None
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Describe what is to be written, and how.
+
+    Attributes:
+        format: One of `FORMATS`.
+        dialect: One of `DIALECTS`, of DXF files.
+        allowance: Seam allowances as `read_allowances` takes them; empty: the usual ones.
+        paper: Of PDF files, as `find_paper` takes it.
+        fold: True to draw symmetric pieces as halves on the fold.
+        step: Difference between sizes in bust, waist and hip [cm].
+        first, last: Steps from the smallest and to the largest size; 0 is the wearer's own.
+        sizes: The sizes of a table; they stand instead of the step.
+        drape: True to drape each size on a body by its measures.
+        texel: Width of a texel of a texture [mm].
+    """
+
+    format: str
+    dialect: str = DIALECTS[0]
+    allowance: str = ""
+    paper: str = "a4"
+    fold: bool = False
+    step: float = 4.0
+    first: int = -2
+    last: int = 2
+    sizes: tuple[SizeLine, ...] = ()
+    drape: bool = False
+    texel: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse what there is not.
+
+        Raises:
+            FormatUnknown: where format, dialect or paper are none.
+            SheetTooSmall: where a roll has another width.
+            AllowanceBad: where an allowance is none.
+            SizesBad: where sizes are none.
+            TexelBad: where a texel has another width.
+        """
+        for name, known in ((self.format, tuple(FORMATS)), (self.dialect, DIALECTS)):
+            if name not in known:
+                raise FormatUnknown(f"'{keep_printable(str(name)[:40])}' is none of {', '.join(known)}.")
+        find_paper(self.paper)
+        check_texel(self.texel)
+        read_allowances(self.allowance)
+        if not 0.5 <= self.step <= 20.0:
+            raise SizesBad(f"sizes are 0.5 to 20 cm apart, not {self.step:g}.")
+        if not (self.first <= 0 <= self.last and self.last - self.first < MOST_SIZES):
+            raise SizesBad(f"steps from {self.first} to {self.last} do not hold 0, or are over {MOST_SIZES}.")
+        if len(self.sizes) > MOST_SIZES or len({line.name for line in self.sizes}) < len(self.sizes):
+            raise SizesBad(f"a table holds at most {MOST_SIZES} sizes, each of another name.")
+        if any(len(line.name) > LONGEST_SIZE_NAME for line in self.sizes):
+            raise SizesBad(f"a size's name has at most {LONGEST_SIZE_NAME} letters; name sizes as S, M, L or 38, 40.")
+        girths = [value for line in self.sizes for value in (line.bust, line.waist, line.hip) if value is not None]
+        heights = [line.height for line in self.sizes if line.height is not None]
+        if not all(math.isfinite(value) and 20.0 <= value <= 300.0 for value in (*girths, *heights)):
+            raise SizesBad("girths and heights of a table are centimetres from 20 to 300.")
+
+    @property
+    def piece_settings(self) -> PieceSettings:
+        """Return how pieces are made."""
+        return PieceSettings(read_allowances(self.allowance), self.fold)

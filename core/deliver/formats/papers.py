@@ -1,0 +1,52 @@
+"""Sizes of paper."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ...run.errors import keep_printable
+from .errors import FormatUnknown, SheetTooSmall
+
+PAPERS = {"a4": (210.0, 297.0), "letter": (215.9, 279.4), "a3": (297.0, 420.0), "a0": (841.0, 1189.0)}
+"""Width and height [mm]."""
+
+ROLL = 914.0
+"""Usual width of a plotter's roll [mm]: 36 in."""
+
+NARROWEST, WIDEST = 200.0, 5000.0
+"""Widths of rolls that are taken [mm]."""
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Describe a paper's name, width and height [mm]; a roll's height is as long as needed, and 0 here."""
+
+    name: str
+    width: float
+    height: float
+
+    @property
+    def is_roll(self) -> bool:
+        """Return whether it ends nowhere."""
+        return self.height == 0.0
+
+
+def find_paper(name: str) -> Paper:
+    """Return the paper of a name: one of `PAPERS`, `roll`, or `roll:WIDTH` in millimetres.
+
+    Raises:
+        FormatUnknown: where there is none.
+        SheetTooSmall: where a roll is too narrow or too wide.
+    """
+    lower = name.strip().lower()
+    if lower in PAPERS:
+        return Paper(lower, *PAPERS[lower])
+    roll = re.fullmatch(r"roll(?::(\d{1,5}(?:\.\d{1,3})?))?", lower)
+    if not roll:
+        known = ", ".join((*PAPERS, "roll", "roll:WIDTH in mm"))
+        raise FormatUnknown(f"'{keep_printable(name[:40])}' is no paper; there are {known}.")
+    width = float(roll[1]) if roll[1] else ROLL
+    if not NARROWEST <= width <= WIDEST:
+        raise SheetTooSmall(f"a roll is {NARROWEST:.0f} to {WIDEST:.0f} mm wide, not {width:g}.")
+    return Paper(lower, width, 0.0)

@@ -1,0 +1,85 @@
+"""What a writer of a production format is given, and how it is found by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from ...garment import BodyMeasures, save_pattern
+from ...garment.pieces import PieceSet, Style, make_pieces
+from ...recover.drape import measure_wearer
+from ...reuse.wear import Worn
+from ...run.hooks import SILENT, Hooks
+from .options import ExportOptions
+from .registry import FORMATS
+
+STEM = "pieces"
+"""How the files of an export begin; names of a user's own never become names of files."""
+
+
+@dataclass(frozen=True)
+class Production:
+    """Describe a garment that is to be written for production.
+
+    Attributes:
+        worn: The garment with its pattern, cloth and wearer.
+        options: What is to be written.
+        files: Folder of the result's files, for writers that need its meshes.
+        scan: The scan's file, or what was read of it, for writers that need its colours; None where there is none.
+        hooks: Progress and cancellation, for writers that compute long.
+    """
+
+    worn: Worn
+    options: ExportOptions
+    files: Path
+    scan: Path | None = None
+    hooks: Hooks = SILENT
+
+    @cached_property
+    def measures(self) -> BodyMeasures:
+        """Return the wearer's measures."""
+        return measure_wearer(self.worn.body)
+
+    @cached_property
+    def height(self) -> float:
+        """Return the wearer's height [m]."""
+        return float(np.ptp(self.worn.body.rest_vertices[:, 1]))
+
+    @cached_property
+    def style(self) -> Style:
+        """Return what pieces are labelled with."""
+        return Style(self.worn.pattern.name, describe_size(self.measures, self.height), self.worn.fabric.name)
+
+    @cached_property
+    def pieces(self) -> PieceSet:
+        """Return the production pieces of the garment."""
+        return make_pieces(self.worn.pattern, self.options.piece_settings, self.style)
+
+
+def describe_size(measures: BodyMeasures, height: float) -> str:
+    """Return a size by the girths and the height of who it is for, in whole centimetres (as EN 13402 designates)."""
+    girths = {"bust": measures.bust, "waist": measures.waist, "hip": measures.hip, "height": height}
+    return " ".join(f"{name} {100.0 * value:.0f}" for name, value in girths.items())
+
+
+def write_production(production: Production, folder: Path) -> list[Path]:
+    """Write a garment in the format that is asked for, and return the files.
+
+    Raises:
+        PieceBad: where a piece cannot be cut.
+        SheetTooSmall: where the paper is too narrow.
+    """
+    module, _, name = FORMATS[production.options.format].partition(":")
+    write: Callable[[Production, Path], list[Path]] = getattr(import_module(module), name)
+    folder.mkdir(parents=True, exist_ok=True)
+    return write(production, folder)
+
+
+def write_garmentcode(production: Production, folder: Path) -> list[Path]:
+    """Write the pattern as GarmentCode JSON, and return the file."""
+    return [save_pattern(production.worn.pattern, folder / "pattern.json")]

@@ -1,0 +1,42 @@
+"""Formats by name, without what they need: a command may list them and load nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+FORMATS: Mapping[str, str] = MappingProxyType({
+    "pdf": "garmentq.core.deliver.formats.tiled_pdf:write",
+    "svg": "garmentq.core.deliver.formats.layered_svg:write",
+    "dxf": "garmentq.core.deliver.formats.dxf:write",
+    "marker": "garmentq.core.deliver.formats.marker:write",
+    "sizes": "garmentq.core.deliver.export.sizes:write_sizes",
+    "garmentcode": "garmentq.core.deliver.formats.production:write_garmentcode",
+    "clo": "garmentq.core.deliver.export.for_programs:write_sewn",
+    "blender": "garmentq.core.deliver.export.for_programs:write_cloth",
+    "obj": "garmentq.core.deliver.export.for_programs:write_obj",
+    "glb": "garmentq.core.deliver.export.for_programs:write_glb",
+    "usd": "garmentq.core.deliver.export.for_programs:write_usd",
+    "texture": "garmentq.core.deliver.export.for_programs:write_texture",
+})  # fmt: skip
+"""Dotted path of the writer of each format by name; a writer takes a `Production` and a folder and returns its files.
+A new format is one entry here; its module is loaded when it is asked for."""
+
+DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace")
+"""Whose reading of DXF a file is written for; `dialects.py` says how they differ."""
+
+DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
+    "pdf": "sheets to print and paste at 1:1",
+    "svg": "pieces with layers at 1:1",
+    "dxf": "pieces for cutting programs, with dialects",
+    "marker": "all copies on cloth at 1:1; closer together with the extra nest",
+    "sizes": "graded sizes, their nest and rules; `garmentq sizes` chooses them",
+    "garmentcode": "the pattern as GarmentCode JSON",
+    "clo": "the sewn pattern for CLO and Marvelous Designer",
+    "blender": "panels with sewing threads and a script for Blender's cloth",
+    "obj": "all meshes with panels, seams and fabric",
+    "glb": "all meshes with panels, seams and fabric",
+    "usd": "all meshes with panels, seams and fabric; needs the extra usd",
+    "texture": "the scan's colours on the detail mesh, and prints of the pieces",
+})  # fmt: skip
+"""One line of each format for people."""

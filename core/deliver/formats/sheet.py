@@ -1,0 +1,63 @@
+"""All pieces of a garment side by side on one large sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...garment.pieces import PieceSet, lay_out
+from .drawing import Line, Text, draw_lines, list_texts, place_texts
+
+GAP = 0.01
+"""Free space between pieces [m], and around them."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Describe where the pieces lie on a sheet.
+
+    Attributes:
+        pieces: What is laid out.
+        shifts: What moves each piece from its own axes to the sheet's [m], shape [n, 2].
+        size: Width and height of the sheet [m], shape [2]; its origin is at the lower left.
+        lines, texts: What is drawn of each piece, in the sheet's axes.
+    """
+
+    pieces: PieceSet
+    shifts: np.ndarray
+    size: np.ndarray
+    lines: tuple[tuple[Line, ...], ...]
+    texts: tuple[tuple[Text, ...], ...]
+
+    @property
+    def outlines(self) -> list[np.ndarray]:
+        """Return each piece's cut line on the sheet [m]."""
+        return [piece.cut.points + shift for piece, shift in zip(self.pieces.pieces, self.shifts, strict=True)]
+
+
+def widest(pieces: PieceSet) -> float:
+    """Return the width that a sheet needs at least [m]."""
+    return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.pieces) + 2.0 * GAP
+
+
+def arrange(pieces: PieceSet, width: float) -> Sheet:
+    """Return the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece."""
+    shifts, size = place_boxes(pieces, width)
+    lines = tuple(
+        tuple(replace(line, points=line.points + shift) for line in draw_lines(piece))
+        for piece, shift in zip(pieces.pieces, shifts, strict=True)
+    )
+    texts = tuple(
+        tuple(replace(text, centre=text.centre + shift) for text in place_texts(piece, list_texts(pieces, n)))
+        for n, (piece, shift) in enumerate(zip(pieces.pieces, shifts, strict=True))
+    )
+    return Sheet(pieces, shifts, size, lines, texts)
+
+
+def place_boxes(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return what moves each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m], shape [2]."""
+    low = np.array([piece.cut.points.min(axis=0) for piece in pieces.pieces])
+    sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.pieces]) - low
+    corners = lay_out(sizes, GAP, max(width, widest(pieces)) - 2.0 * GAP, stacked=True) + GAP
+    return corners - low, (corners + sizes).max(axis=0) + GAP

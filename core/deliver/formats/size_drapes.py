@@ -1,0 +1,35 @@
+"""Drape the sizes of a garment, each on a body by its measures: what shows that a size can be worn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...body import resize_body
+from ...garment import BodyMeasures, mesh_pattern
+from ...reuse.wear import Dressed, Worn, dress_body
+from ...run.clock import Clock
+from ...run.hooks import SILENT, Hooks
+from .grading import Size
+
+POSE = "A"
+"""Pose of the bodies: how somebody stands who tries a size on."""
+
+
+def drape_size(worn: Worn, size: Size, base: BodyMeasures, hooks: Hooks = SILENT) -> Dressed:
+    """Dress a body by a size's measures in that size; the body has the wearer's figure otherwise.
+
+    Args:
+        worn: The garment on its wearer.
+        size: One of its sizes.
+        base: The wearer's measures.
+        hooks: Progress and cancellation.
+
+    Raises:
+        MeasureRange: where the built-in model has no body with these measures.
+        Cancelled: as soon as the hooks say so.
+    """
+    names = {"chest": "bust", "waist": "waist", "hip": "hip"}
+    growth = {place: getattr(size.measures, name) - getattr(base, name) for place, name in names.items()}
+    body = resize_body(worn.body, growth, size.measures.nape_height / base.nape_height, POSE)
+    garment = mesh_pattern(size.pattern, len(worn.garment.nodes))
+    return dress_body(replace(worn, garment=garment), body, None, Clock(hooks))

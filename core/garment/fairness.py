@@ -1,0 +1,294 @@
+"""Fair curves: where a cut is smooth its boundary stays smooth, within a panel and across a seam that ends there."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..geometry import plane_rotation
+from .curves import edge_area, edge_length, is_flat_arc, unit_circle
+from .memo import once
+from .pattern import Edge, EdgeRef, Panel, Pattern
+from .seams import equalise_seams
+
+SMOOTH = np.radians(5.0)
+"""A boundary that turns by less than this is smooth [rad]: a cutter's knife does not show it."""
+
+LEAST = np.radians(0.5)
+"""A corner below this is left [rad]: a straight edge need not become a curve for it."""
+
+WIDEST_ARC = 2.0 * np.pi / 3.0
+"""Arcs of a larger sweep [rad] stay arcs: a cubic curve would leave them by more than 0.3 % of their radius."""
+
+BLEND = 0.06
+"""Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm, beyond which
+the edge stays the line that it was."""
+
+SHORTEST = 0.005
+"""Edges below this have no direction that a cutter sees [m]: the steps of 2 mm that programs draw at a corner turn by
+40 degrees where a point moves by 1 mm."""
+
+ROUNDS = 8
+"""Most rounds in which curves are turned, moved and sewn equal in turn: what each undoes of the others halves, so that
+corners of 30 degrees fall below 0.5."""
+
+AS_PROVED = np.radians(2.0)
+"""A proved corner within this of its angle stays as it was fitted [rad]: scans tell corners to 0.5 to 2 degrees, and a
+straight hem need not become a curve for the difference."""
+
+ALIKE = 0.3
+"""Two edges that meet at less than 33 degrees count as one line: a point then moves across both by their mean, not far
+along them."""
+
+Corner = tuple[str, int]
+"""Panel's name, and index of a control point in it."""
+
+
+@dataclass(frozen=True)
+class SmoothJoin:
+    """Name a place where a boundary goes on without a corner.
+
+    Attributes:
+        corners: One corner, between two edges of a panel; or two, on both sides of a seam that ends there.
+        seam: The sewn edge of each of two corners; empty for one.
+    """
+
+    corners: tuple[Corner, ...]
+    seam: tuple[EdgeRef, ...] = ()
+
+
+NONE_PROVED: Mapping[SmoothJoin, float] = {}
+"""Corners of no scan."""
+
+
+@once
+def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
+    """Find every place where a pattern's boundary is smooth: those where its own corner is below `SMOOTH`.
+
+    Where one of the two edges is below `SHORTEST` it is part of a corner, whatever its direction.
+    """
+    single = [SmoothJoin(((panel.name, i),)) for panel in pattern.panels for i in range(len(panel.points))]
+    joins = [*single, *_across_seams(pattern)]
+    return tuple(
+        join
+        for join in joins
+        if abs(measure_corner(pattern, join)) < SMOOTH
+        and all(edge_length(pattern.panel(ref.panel), ref.edge) >= SHORTEST for ref in boundary_edges(pattern, join))
+    )
+
+
+def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:
+    """Compute the corner of a boundary at a join [rad]: 0 where it is smooth, positive where it bulges out.
+
+    Let t be the angle by which a counter-clockwise outline turns left at a corner. Within a panel the corner is t.
+    Where a seam ends, the boundary goes on in the other panel; its interior angles pi - t add up, so that it is
+    t_a + t_b - pi. Full turns are taken off.
+    """
+    turns = [_turn(pattern.panel(name), index) for name, index in join.corners]
+    corner = turns[0] if len(turns) == 1 else sum(turns) - np.pi
+    return float((corner + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def unplanned_corners(pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NONE_PROVED) -> np.ndarray:
+    """Measure the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count].
+
+    Where a corner is proved it is planned: what counts is how far the pattern's is from that angle [rad].
+    """
+    return np.array([measure_corner(pattern, join) - proved.get(join, 0.0) for join in find_smooth_joins(base)])
+
+
+def interior_angles(panel: Panel) -> np.ndarray:
+    """Return the angle of cloth at each control point of a panel [rad]: pi where its outline is smooth.
+
+    Beside an edge below `SHORTEST` none is told (NaN).
+    """
+    short = np.array([edge_length(panel, i) < SHORTEST for i in range(len(panel.points))])
+    turns = np.array([_turn(panel, i) for i in range(len(panel.points))])
+    return np.where(short | np.roll(short, 1), np.nan, np.pi - turns)
+
+
+def fair_curves(
+    pattern: Pattern,
+    base: Pattern,
+    held: Collection[Corner] = (),
+    proved: Mapping[SmoothJoin, float] = NONE_PROVED,
+) -> Pattern:
+    """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
+
+    Each of the two edges of a boundary turns its tangent by half of what the corner is off, and moves across itself so
+    far that it encloses as much as before: the smooth line runs through the corner, not around it. A straight edge
+    becomes a cubic curve where it has to bend. Large arcs stay as they are: their neighbour turns by the whole corner,
+    and where both are large arcs the corner stays.
+
+    Args:
+        pattern: The graded or fitted pattern.
+        base: The pattern that it was graded from, with the same panels and edges.
+        held: Control points that stay where they are; an edge between two of them stays as it is, too.
+        proved: Corners that the scan proves, by how far the boundary turns there [rad]: they are kept within
+            `AS_PROVED` of that, in place of the base pattern's.
+    """
+    for _ in range(ROUNDS):
+        turns: dict[EdgeRef, np.ndarray] = {}
+        for join in find_smooth_joins(base):
+            corner = _too_much(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
+            if abs(corner) < LEAST:
+                continue
+            ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], held)]
+            for edge, is_end in ends:
+                # the boundary turns left by the corner: what arrives turns left by its share, what departs right
+                share = corner / len(ends)
+                turns.setdefault(edge, np.zeros(2))[int(is_end)] += share if is_end else -share
+        if not turns:
+            break
+        pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, held), held, like=base)
+    return pattern
+
+
+def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef]:
+    """Return the two edges of the boundary that meets at a join."""
+    (first, _), (last, _) = _boundary_ends(pattern, join)
+    return first, last
+
+
+def _too_much(corner: float, plain: float, proved: float | None) -> float:
+    """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it.
+
+    A base pattern's corner that is nearly `SMOOTH` is taken back so far that what is left of it stays below.
+    """
+    if proved is None:
+        return corner - float(np.clip(plain, LEAST - SMOOTH, SMOOTH - LEAST))
+    off = corner - proved
+    return float(np.sign(off) * max(0.0, abs(off) - AS_PROVED))
+
+
+def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
+    """Yield both ends of every seam, with the corners of the two panels that it joins there.
+
+    Left out are those where two straight seams meet, as a shoulder's and a sleeve's do: a sleeve is set at an angle,
+    and the seam on top of it stays straight, so that its halves can be cut as one.
+    """
+    sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
+    for seam in pattern.seams:
+        if seam.gathered:
+            continue
+        sides = [(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b)]
+        ends = [((panel.name, edge), (panel.name, (edge + 1) % len(panel.points))) for panel, edge in sides]
+        (a0, a1), (b0, b1) = ends
+        pairs = ((a0, b1), (a1, b0)) if seam.reversed else ((a0, b0), (a1, b1))
+        for corners in pairs:
+            join = SmoothJoin(corners, (seam.a, seam.b))
+            edges = [edge for edge, _ in _boundary_ends(pattern, join)]
+            is_straight = all(
+                edge in sewn and pattern.panel(edge.panel).edges[edge.edge].kind == "line" for edge in edges
+            )
+            if corners[0] != corners[1] and not is_straight:
+                yield join
+
+
+def _boundary_ends(pattern: Pattern, join: SmoothJoin) -> Iterator[tuple[EdgeRef, bool]]:
+    """Yield the edges of the boundary that meets at a join, each with whether it ends there."""
+    for k, (name, index) in enumerate(join.corners):
+        count = len(pattern.panel(name).points)
+        arriving, departing = EdgeRef(name, (index - 1) % count), EdgeRef(name, index)
+        for edge, is_end in ((arriving, True), (departing, False)):
+            if not join.seam or edge != join.seam[k]:
+                yield edge, is_end
+
+
+def _turn(panel: Panel, index: int) -> float:
+    """Return the angle by which a panel's outline turns left at a control point [rad], in -pi..pi."""
+    arriving, departing = _tangent(panel, (index - 1) % len(panel.points), True), _tangent(panel, index, False)
+    cross = arriving[0] * departing[1] - arriving[1] * departing[0]
+    return float(np.arctan2(cross, arriving @ departing))
+
+
+def _tangent(panel: Panel, edge: int, is_end: bool) -> np.ndarray:
+    """Return the direction in which an edge runs at its start or end, a unit vector, shape [2]."""
+    along = panel.points[(edge + 1) % len(panel.points)] - panel.points[edge]
+    x, y = _unit_tangent(panel.edges[edge], is_end)
+    found = x * along + y * np.array([-along[1], along[0]])
+    return found / max(float(np.linalg.norm(found)), 1e-12)
+
+
+def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
+    """Return the direction of an edge's start or end in the frame of its chord, shape [2]."""
+    if edge.kind == "line" or is_flat_arc(edge):
+        return np.array([1.0, 0.0])
+    if edge.kind == "arc":
+        _, _, first, sweep = unit_circle(edge)
+        angle = first + (sweep if is_end else 0.0)
+        return np.sign(sweep) * np.array([-np.sin(angle), np.cos(angle)])
+    control = np.concatenate([[[0.0, 0.0]], edge.handles, [[1.0, 0.0]]])
+    steps = np.diff(control[::-1] if is_end else control, axis=0) * (-1.0 if is_end else 1.0)
+    lengths = np.linalg.norm(steps, axis=1)
+    return np.asarray(steps[int(np.argmax(lengths > 1e-9))])
+
+
+def _can_bend(pattern: Pattern, edge: EdgeRef, held: Collection[Corner]) -> bool:
+    """Return whether an edge may change, and is as good as drawn by a cubic curve."""
+    panel = pattern.panel(edge.panel)
+    if (edge.panel, edge.edge) in held and (edge.panel, (edge.edge + 1) % len(panel.points)) in held:
+        return False
+    curve = panel.edges[edge.edge]
+    return curve.kind != "arc" or is_flat_arc(curve) or abs(unit_circle(curve)[3]) <= WIDEST_ARC
+
+
+def _turn_ends(pattern: Pattern, turns: dict[EdgeRef, np.ndarray]) -> Pattern:
+    """Return a pattern whose edges begin and end turned left by given angles [rad], start and end."""
+    panels = []
+    for panel in pattern.panels:
+        edges = [
+            _bend(edge, float(np.linalg.norm(panel.points[(i + 1) % len(panel.points)] - panel.points[i])), found)
+            if (found := turns.get(EdgeRef(panel.name, i))) is not None
+            else edge
+            for i, edge in enumerate(panel.edges)
+        ]
+        panels.append(replace(panel, edges=tuple(edges)))
+    return replace(pattern, panels=tuple(panels))
+
+
+def _bend(edge: Edge, chord: float, turns: np.ndarray) -> Edge:
+    """Return an edge of some chord [m] as a cubic curve whose ends are turned left by two angles [rad], shape [2]."""
+    first, last = _cubic_handles(edge, chord)
+    end = np.array([1.0, 0.0])
+    handles = np.stack([plane_rotation(turns[0]) @ first, end + plane_rotation(turns[1]) @ (last - end)])
+    return replace(edge, kind="cubic", handles=handles)
+
+
+def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
+    """Return the two handles of the cubic curve that draws an edge, an arc within 0.3 % of its radius, shape [2, 2]."""
+    start, end = np.zeros(2), np.array([1.0, 0.0])
+    if edge.kind == "cubic":
+        return edge.handles
+    if edge.kind == "quadratic":
+        return np.stack([start + 2.0 / 3.0 * (edge.handles[0] - start), end + 2.0 / 3.0 * (edge.handles[0] - end)])
+    if edge.kind == "line" or is_flat_arc(edge):
+        reach = min(1.0 / 3.0, BLEND / max(chord, 1e-9))
+        return np.array([[reach, 0.0], [1.0 - reach, 0.0]])
+    _, radius, _, sweep = unit_circle(edge)
+    reach = 4.0 / 3.0 * np.tan(abs(sweep) / 4.0) * radius
+    return np.stack([start + reach * _unit_tangent(edge, False), end - reach * _unit_tangent(edge, True)])
+
+
+def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Pattern:
+    """Return a pattern whose control points have moved until each bent edge encloses what it did before.
+
+    An edge whose curve has gained the area dA has to move by -dA / chord across itself. A control point moves by the
+    least that both of its edges ask for, and by their mean where they run alike.
+    """
+    points = {}
+    for panel, old in zip(bent.panels, before.panels, strict=True):
+        chord = np.roll(panel.points, -1, axis=0) - panel.points
+        length = np.maximum(np.linalg.norm(chord, axis=1), 1e-9)
+        gained = [edge_area(new) - edge_area(edge) for new, edge in zip(panel.edges, old.edges, strict=True)]
+        outward = np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None]
+        move = -np.array(gained) * length
+        moved = panel.points.copy()
+        for i in range(len(moved)):
+            if (panel.name, i) not in held:
+                sides = [i - 1, i]
+                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=ALIKE)[0]
+        points[panel.name] = moved
+    return bent.with_points(points)

@@ -1,0 +1,301 @@
+"""Flat panels into triangles: a hexagonal lattice inside samples of the outline, evened out by forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import Delaunay, cKDTree
+
+from ..geometry import ClosedCurve
+from .curves import edge_length, edge_points, panel_area
+from .pattern import EdgeRef, Panel, Pattern
+
+HEXAGON = np.sqrt(3.0) / 2.0
+"""Area per vertex of a lattice of equilateral triangles with edge 1."""
+
+PAIRS = 2**19
+"""Pairs of a point and a polygon's side that are compared at once: 30 MB."""
+
+
+@dataclass(frozen=True)
+class MeshSettings:
+    """Choose how panels are meshed.
+
+    Attributes:
+        vertex_count: Nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
+        edge_length: Edge length [m]; overrides vertex_count.
+        sweeps: Force sweeps; angles stop improving after about 20.
+        clearance: Lattice points nearer to the outline than this many edge lengths are left out: 0.6 lies between the
+            height of an equilateral triangle and half of it, so that boundary triangles are neither flat nor tall.
+        push: Springs are this much longer than the mean edge, so that they fill the panel (DistMesh's 1.2).
+        step: Fraction of a spring's force that moves its ends in a sweep (DistMesh's 0.2).
+        refinements: Rounds in which an edge that the triangulation lost gets 1.5 times its samples.
+    """
+
+    vertex_count: int = 4000
+    edge_length: float | None = None
+    sweeps: int = 24
+    clearance: float = 0.6
+    push: float = 1.2
+    step: float = 0.2
+    refinements: int = 8
+
+
+@dataclass(frozen=True)
+class FlatMesh:
+    """Describe the triangles of one panel: boundary vertices first, in order.
+
+    Attributes:
+        vertices: Flat positions [m], shape [n, 2].
+        faces: Counter-clockwise triangles, shape [m, 3].
+        boundary_count: The first vertices lie on the outline, counter-clockwise, starting at control point 0.
+        corner: Index of each control point among them, shape [control_count].
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    boundary_count: int
+    corner: np.ndarray
+
+
+def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
+    """Return the edge length [m] at which the sewn mesh has about this many nodes.
+
+    n = A / (sqrt(3)/2 h^2) + L / (2 h), A the panels' area and L the length of open edges: a node on an open contour
+    belongs to half as many triangles as one inside, one on a seam counts as one inside.
+    """
+    sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
+    area = sum(panel_area(panel) for panel in pattern.panels)
+    open_length = sum(
+        edge_length(panel, i)
+        for panel in pattern.panels
+        for i in range(len(panel.edges))
+        if EdgeRef(panel.name, i) not in sewn
+    )
+    half = open_length / 4.0
+    return float((half + np.sqrt(half * half + vertex_count * area / HEXAGON)) / vertex_count)
+
+
+def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
+    """Return the number of segments of every edge; both sides of a seam get that of their mean length.
+
+    It is two at least: the vertex between makes sure that no two edges, sewn or open, run between the same two nodes.
+    """
+    counts = {}
+    for panel in pattern.panels:
+        for i in range(len(panel.edges)):
+            counts[EdgeRef(panel.name, i)] = max(2, round(edge_length(panel, i) / size))
+    for seam in pattern.seams:
+        mean = sum(edge_length(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b)) / 2.0
+        counts[seam.a] = counts[seam.b] = max(2, round(mean / size))
+    return counts
+
+
+def refine_counts(pattern: Pattern, counts: dict[EdgeRef, int], lost: set[EdgeRef]) -> dict[EdgeRef, int]:
+    """Return lost edges, and the edges sewn to them, 1.5 times their segments."""
+    partner = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
+    grown = lost | {partner[ref] for ref in lost if ref in partner}
+    return {ref: int(np.ceil(1.5 * count)) if ref in grown else count for ref, count in counts.items()}
+
+
+def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSettings) -> tuple[FlatMesh, set[int]]:
+    """Mesh one panel with the given segments to each edge.
+
+    Returns:
+        The mesh, and the edges of which a segment is missing from it (the mesh is of no use where there are any).
+    """
+    boundary = np.concatenate([edge_points(panel, i, count)[:-1] for i, count in enumerate(counts)])
+    corner = np.cumsum([0] + counts[:-1])
+    owner = np.repeat(np.arange(len(counts)), counts)
+    inside = _lattice(boundary, size, settings.clearance)
+    inside = _even_out(boundary, inside, size, settings)
+    vertices = np.concatenate([boundary, inside])
+    faces = _triangles(vertices, boundary)
+    faces = _turn_ears(vertices, faces, len(boundary))
+    missing = _missing_segments(faces, len(boundary))
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    used[: len(boundary)] = True
+    number = np.cumsum(used) - 1
+    return FlatMesh(vertices[used], number[faces], len(boundary), corner), {int(owner[k]) for k in missing}
+
+
+def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
+    if not len(points):
+        return np.zeros(0, bool)
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    rise = np.where(end[:, 1] == start[:, 1], 1.0, end[:, 1] - start[:, 1])
+    order = np.argsort(points[:, 1])
+    x, y = points[order].T
+    low, high = (np.searchsorted(y, choose(start[:, 1], end[:, 1])) for choose in (np.minimum, np.maximum))
+    spanned = high - low  # points that lie as high as the side: those between low and high
+    crossed = np.zeros(len(points), np.int64)
+    for sides in np.split(np.arange(len(polygon)), np.flatnonzero(np.diff(np.cumsum(spanned) // PAIRS)) + 1):
+        count = spanned[sides]
+        side = np.repeat(sides, count)
+        at = np.arange(count.sum()) + np.repeat(low[sides] - (np.cumsum(count) - count), count)
+        meets = start[side, 0] + (y[at] - start[side, 1]) / rise[side] * (end[side, 0] - start[side, 0])
+        crossed += np.bincount(at[x[at] < meets], minlength=len(points))
+    inside = np.zeros(len(points), bool)
+    inside[order] = crossed % 2 == 1
+    return inside
+
+
+def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
+    """Return the points of a hexagonal lattice inside the outline, centred on it."""
+    low, high = boundary.min(axis=0), boundary.max(axis=0)
+    middle = (low + high) / 2.0
+    reach = np.ceil((high - low) / 2.0 / np.array([size, size * HEXAGON])).astype(int) + 1
+    rows = np.arange(-reach[1], reach[1] + 1)
+    columns = np.arange(-reach[0], reach[0] + 1)
+    x = columns[None, :] + 0.5 * (rows[:, None] % 2)
+    points = np.stack([x, np.broadcast_to(HEXAGON * rows[:, None], x.shape)], axis=-1).reshape(-1, 2) * size + middle
+    points = points[contains(boundary, points)]
+    return points[_distance(boundary, points, size) > clearance * size] if len(points) else points
+
+
+def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarray:
+    """Return the distance to the outline [m] within 2 % of the edge length, by samples a tenth of it apart."""
+    start, step = boundary, np.roll(boundary, -1, axis=0) - boundary
+    count = np.maximum(1, np.ceil(np.linalg.norm(step, axis=1) / (0.1 * size)).astype(int))
+    index = np.repeat(np.arange(len(boundary)), count)
+    part = (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) / count[index]
+    return cKDTree(start[index] + part[:, None] * step[index]).query(points)[0]
+
+
+def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
+    """Push inner points apart until springs balance (Persson and Strang 2004); the outline stays.
+
+    A spring's rest length follows the size of the outline's segments near it, so that gathered or short edges are met
+    by smaller triangles. A point that leaves the outline or comes within a third of an edge of it goes back a step.
+    """
+    if not len(inside):
+        return inside
+    fixed = len(boundary)
+    local = ClosedCurve(boundary).lengths
+    local = (local + np.roll(local, 1)) / 2.0
+    points = np.concatenate([boundary, inside])
+    wanted = np.concatenate([local, np.full(len(inside), size)])
+    for _ in range(settings.sweeps):
+        faces = _triangles(points, boundary)
+        ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+        codes = np.unique(ends[:, 0] * len(points) + ends[:, 1])
+        bars = np.stack([codes // len(points), codes % len(points)], axis=1)
+        vector = points[bars[:, 0]] - points[bars[:, 1]]
+        length = np.linalg.norm(vector, axis=1)
+        rest = wanted[bars].mean(axis=1)
+        rest *= settings.push * np.sqrt((length**2).sum() / (rest**2).sum())
+        force = (np.maximum(rest - length, 0.0) / np.maximum(length, 1e-12))[:, None] * vector
+        total = np.stack(
+            [
+                np.bincount(bars[:, 0], force[:, k], len(points)) - np.bincount(bars[:, 1], force[:, k], len(points))
+                for k in (0, 1)
+            ],
+            axis=1,
+        )
+        moved = points[fixed:] + settings.step * total[fixed:]
+        # A step is far shorter than an edge, so only points near the outline can have left it.
+        distance = _distance(boundary, moved, size)
+        good = distance > 0.33 * size
+        near = good & (distance < size)
+        good[near] = contains(boundary, moved[near])
+        points[fixed:] = np.where(good[:, None], moved, points[fixed:])
+    return points[fixed:]
+
+
+def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
+    """Return the counter-clockwise Delaunay triangles inside the outline, flat ones dropped.
+
+    Only triangles between three vertices of the outline, the first ones, are tested by their middle; one that reaches
+    from an inner vertex across the outline leaves a segment of it without a triangle, which is found afterwards.
+    """
+    faces = Delaunay(points).simplices
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    faces = np.where(area[:, None] < 0, faces[:, [0, 2, 1]], faces)
+    longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
+    keep = np.abs(area) > 1e-5 * longest
+    doubtful = keep & (faces < len(boundary)).all(axis=1)
+    keep[doubtful] = contains(boundary, ((a + b + c) / 3.0)[doubtful])
+    return faces[keep].astype(np.int64)
+
+
+def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:
+    """Return the outline's segments (by first vertex) that border no triangle or are crossed by one."""
+    count = int(faces.max(initial=0)) + 1
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    codes = edges[:, 0] * count + edges[:, 1]
+    first = np.arange(boundary_count)
+    second = (first + 1) % boundary_count
+    wanted = first * count + second
+    missing = ~np.isin(wanted, codes)
+    back = edges[:, 1] * count + edges[:, 0]
+    loose = edges[~np.isin(codes, back) & ~np.isin(codes, wanted)]
+    ends = np.unique(loose)
+    return np.flatnonzero(missing | np.isin(first, ends[ends < boundary_count]))
+
+
+def _turn_ears(vertices: np.ndarray, faces: np.ndarray, boundary_count: int) -> np.ndarray:
+    """Turn the inner edge of triangles with two sides on the outline, so that no corner is cut off.
+
+    Such a triangle cannot bend, and two of them sewn corner to corner would share an edge four times. The edge is
+    turned only where both new triangles are sound (smallest angle above 20 degrees).
+    """
+    faces = faces.copy()
+    owner = {(int(f[k]), int(f[(k + 1) % 3])): i for i, f in enumerate(faces) for k in range(3)}
+    for i in range(len(faces)):
+        for k in range(3):
+            corner, a, b = (int(faces[i, (k + j) % 3]) for j in range(3))
+            on = corner < boundary_count and a == (corner + 1) % boundary_count and b == (corner - 1) % boundary_count
+            other = owner.get((b, a)) if on else None
+            if other is None:
+                continue
+            far = next(int(v) for v in faces[other] if v not in (a, b))
+            new = np.array([[corner, a, far], [corner, far, b]])
+            if _angles(vertices, new).min() < np.radians(20.0):
+                continue
+            for j in range(2):
+                faces[(i, other)[j]] = new[j]
+                for m in range(3):
+                    owner[int(new[j, m]), int(new[j, (m + 1) % 3])] = (i, other)[j]
+            owner.pop((a, b), None)
+            owner.pop((b, a), None)
+            break
+    return faces
+
+
+def _angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return the signed corner angles [rad], shape [n, 3]; negative where a triangle is turned over."""
+    angles = np.zeros(faces.shape)
+    for k in range(3):
+        a, b, c = (vertices[faces[:, (k + j) % 3]] for j in range(3))
+        u, v = b - a, c - a
+        angles[:, k] = np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1))
+    return angles
+
+
+def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return the corner angles [rad] of flat triangles, shape [n, 3]; negative where one is turned over."""
+    return _angles(vertices, faces)
+
+
+def split_edges(mesh: FlatMesh, pairs: np.ndarray) -> FlatMesh:
+    """Put a vertex in the middle of inner edges, shape [n, 2]; each becomes two and cuts its two triangles."""
+    vertices, faces = list(mesh.vertices), [tuple(face) for face in mesh.faces.tolist()]
+    for a, b in pairs.tolist():
+        middle = len(vertices)
+        vertices.append(
+            (mesh.vertices[a] + mesh.vertices[b]) / 2.0
+            if max(a, b) < len(mesh.vertices)
+            else (vertices[a] + vertices[b]) / 2.0
+        )
+        cut = []
+        for face in faces:
+            if a in face and b in face:
+                cut += [tuple(middle if v == a else v for v in face), tuple(middle if v == b else v for v in face)]
+            else:
+                cut.append(face)
+        faces = cut
+    return replace(mesh, vertices=np.array(vertices), faces=np.array(faces, dtype=np.int64))

@@ -1,0 +1,241 @@
+"""Find a scan's neckline, in front and behind, by the shape of its contour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body
+from ..geometry import ClosedCurve, HalfEdges, angle_defects, polyline_length, rim_turns
+from ..scan.contours import Contour, Target, unroll_neck
+from .parts import Neckline, Throat, corner_turn, neckline_points
+
+CORNER = np.radians(45.0)
+"""Least turn in the middle that makes a V. The shallowest that is worn, 12 cm deep and 30 cm wide, turns by 77 degrees;
+round necklines of scans, taken for Vs with bowed sides, by up to 37."""
+
+AROUND = 0.02
+"""Standard deviation of the window over which a contour's turn in the middle is summed [m]: two edges of a scan's mesh,
+two teeth of a cut along triangles."""
+
+STRIP = 0.015
+"""Width of the strip along a contour whose own curvature is taken off its turns [m]: fused scans round edges over 4 to
+12 mm, and fold them onto the skin. Three scans of one V turned by 80, 93 and 30 degrees at its point, less the strip's
+curvature by 109, 117 and 95."""
+
+IN_CLOTH = 0.5
+"""Least turn of a contour within its surface by that of the V: 0.8 to 1.06 of it on V-necks of six drapes, 0.3 where
+folds drew a round one together behind. It is at least `CORNER`, too: a round line turns by 32 degrees over the window
+where it is 18 cm wide, which was 0.63 of the turn of the V with the most bow that a drape had drawn it together to."""
+
+CLEAR = 0.6
+"""A line other than a round one is chosen where its misfit is below this share of the round one's: round is what most
+necklines are. V-necks of three scans have 0.08 to 0.22 of it, the crew necks of two 1.6 and more."""
+
+CORNERED = np.radians(39.0)
+"""Least turn within the cloth at the lower corners of a square neckline, on both sides. Squares of 13 drapes have 40 to
+90 degrees, the less the coarser the mesh, on both sides and at most 0.6 of it in the middle; round ones up to 46 on one
+side and 38 on both, in front."""
+
+ALONE = 1.5
+"""By how much the corners' turn exceeds the middle's: round lines turn everywhere."""
+
+SAGGING = 1.5
+"""A line with corners is square as long as its misfit is below this many of the round one's: the lower edge of a square
+sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and more."""
+
+SHALLOW = 2.0 * AROUND
+"""Depth up to which a line is not told to be square [m]: its corners lie as near to the side neck points, where round
+lines end in a corner, and the windows of both are one. A shallow round line behind, flat with tight ends, had 52 to 64
+degrees there, and a square fitted it with 0.59 to 1.4 of a round one's misfit, 2 mm either way."""
+
+POINTED = np.radians(75.0)
+"""Turn in the middle within the cloth from which a line is a V: V-necks of nine drapes have 83 to 134 degrees, round
+ones at most 33, 60 with 2 mm of noise."""
+
+BULGING = 2.5
+"""A line that turns so is a V as long as its misfit is below this many of the round one's: the sides of a tight V bulge
+out until they are as good as round, 2.1 of it then."""
+
+CORNERS = (0.25, 0.9)
+"""Between which shares of a line's length from the middle a square's corner is looked for."""
+
+BOWS = np.round(np.arange(-0.15, 0.151, 0.0125), 4)
+"""Bows of a V's side that are tried; 0.15 is a quarter turn from one end to the other, and no V any more."""
+
+SCOOP = 1.35
+"""A round neckline is a scoop where it is deeper than this many half widths: halfway from the crew's to the scoop's."""
+
+
+BOAT = 0.6
+"""A round neckline is a boat where it is less deep than this many half widths; usually a boat has 0.3, a crew 1.1."""
+
+
+@dataclass(frozen=True)
+class NecklineFit:
+    """Describe how well one neckline fits a contour.
+
+    Attributes:
+        throat: The neckline, of the contour's depth and bow.
+        half_width: The contour's half width [m].
+        misfit: Root mean square distance of the two lines, by the half width.
+    """
+
+    throat: Throat
+    half_width: float
+    misfit: float
+
+
+@dataclass(frozen=True)
+class NecklineFits:
+    """Describe the fits of all necklines to a scan's contour, in front and behind, best first."""
+
+    front: tuple[NecklineFit, ...]
+    back: tuple[NecklineFit, ...]
+
+
+def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
+    """Fit every neckline to a target's neck contour; None where it has none to be trusted, or it cannot be unrolled.
+
+    What hangs in folds may come to a point that was cut round, so a V has to turn within the cloth, too: by the angles
+    of the faces around the contour's vertices, which folds do not change. By them the corners of a square are found,
+    too, whose lower edge sags.
+    """
+    contour = target.contour("neck")
+    if contour is None or not contour.trusted:
+        return None
+    lines = unroll_neck(target.vertices[contour.vertices], body)
+    if lines is None:
+        return None
+    rim = _Rim.of(target, contour)
+    front, back = (
+        rim.turns_around(middle, polyline_length(line))
+        for line, middle in zip((lines.front, lines.back), lines.middles, strict=True)
+    )
+    return NecklineFits(_rank(lines.front, Neckline.BOAT, front), _rank(lines.back, Neckline.CREW, back))
+
+
+@dataclass(frozen=True)
+class _Turns:
+    """Describe how a contour turns within its surface [rad]: in the middle, and at the lesser of two corners.
+
+    That of the corners is not a number where the contour is bridged there: nothing is known of them then.
+    """
+
+    middle: float
+    corner: float
+
+
+@dataclass(frozen=True)
+class _Rim:
+    """Describe a neck contour within its surface.
+
+    Attributes:
+        points: Its vertices [m], shape [n, 3].
+        turns: By how much it turns at each within the surface, positive in a V [rad], shape [n].
+        bridged: Whether the way to each from the one before is no border of the surface, shape [n].
+    """
+
+    points: np.ndarray
+    turns: np.ndarray
+    bridged: np.ndarray
+
+    @classmethod
+    def of(cls, target: Target, contour: Contour) -> _Rim:
+        """Measure a target's contour."""
+        loop = contour.vertices
+        edges = HalfEdges.of(target.faces, len(target.vertices))
+        along = {*zip(edges.tail[edges.border].tolist(), edges.head[edges.border].tolist(), strict=True)}
+        bridged = np.array([(int(a), int(b)) not in along for a, b in zip(np.roll(loop, 1), loop, strict=True)])
+        turns = -rim_turns(target.vertices[target.faces], target.faces, loop) - _curvature_beside(target, loop)
+        return cls(target.vertices[loop], turns, bridged)
+
+    def turns_around(self, middle: np.ndarray, length: float) -> _Turns | None:
+        """Sum the turns around a middle and aside of it; None where the contour is bridged there.
+
+        Args:
+            middle: The middle of the front, or of the back [m], shape [3].
+            length: From there to the side neck point [m].
+        """
+        nearest = int(np.linalg.norm(self.points - middle, axis=1).argmin())
+        points, turns, bridged = (np.roll(each, -nearest, axis=0) for each in (self.points, self.turns, self.bridged))
+        arc = ClosedCurve(points).arc
+        at, whole = arc[:-1], arc[-1]
+        if bridged[np.minimum(at, whole - at) < 2.0 * AROUND].any():
+            return None
+        apart = np.abs(at[:, None] - at)
+        summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / AROUND) ** 2) @ turns
+        near, far = (share * length for share in CORNERS)
+        sides = [(near < way) & (way < far) for way in (at, whole - at)]
+        seen = not any(bridged[side].any() for side in sides)
+        corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else np.nan
+        return _Turns(float(summed[0]), corner)
+
+
+def _curvature_beside(target: Target, loop: np.ndarray) -> np.ndarray:
+    """Sum the curvature of a contour's strip at each of its vertices [rad], shape [n].
+
+    By the theorem of Gauss and Bonnet a line that runs along the strip's inner side turns by so much more than the
+    contour: what dents and rounds a scan's edge turns the contour one way and the strip the other.
+    """
+    away, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=STRIP)
+    inside = np.isfinite(away)
+    curvature = angle_defects(target.vertices, target.faces)
+    return np.bincount(nearest[inside], curvature[inside], minlength=len(loop))
+
+
+def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[NecklineFit, ...]:
+    """Rank the necklines by their misfit; round first unless another one is clearly better, or shows its corners.
+
+    A square has its corners within the cloth, too: what was cut round may lie crumpled on the shoulders. `shallow` is
+    what a shallow round one is called: a boat in front, where it has to be cut into the shoulders. `turns` are those of
+    the contour within the cloth, or None.
+    """
+    half_width, depth = float(line[0, 0]), float(line[-1, 1])
+    fits = [
+        rounded := _fit(line, Throat(name_round(depth / half_width, shallow), depth)),
+        square := _fit(line, Throat(Neckline.SQUARE, depth)),
+    ]
+    pointed = min((_fit(line, Throat(Neckline.V, depth, float(bow))) for bow in BOWS), key=lambda fit: fit.misfit)
+    corner = corner_turn(pointed.throat, half_width)
+    told = _told_by_cloth(turns, rounded, square, pointed)
+    if told is pointed or (corner > CORNER and (turns is None or turns.middle > max(CORNER, IN_CLOTH * corner))):
+        fits.append(pointed)
+    clear = CLEAR * rounded.misfit
+
+    def rank(fit: NecklineFit) -> tuple[bool, bool, float]:
+        unclear = fit is square and (depth <= SHALLOW or (turns is not None and turns.corner < CORNERED))
+        return fit is not told, fit is not rounded and (fit.misfit >= clear or unclear), fit.misfit
+
+    return tuple(sorted(fits, key=rank))
+
+
+def _told_by_cloth(
+    turns: _Turns | None, rounded: NecklineFit, square: NecklineFit, pointed: NecklineFit
+) -> NecklineFit | None:
+    """Return the line whose corners are plain within the cloth, though it hangs nearly round; None where none is."""
+    if turns is None:
+        return None
+    cornered = turns.corner > max(CORNERED, ALONE * turns.middle) and square.throat.depth > SHALLOW
+    if cornered and square.misfit < SAGGING * rounded.misfit:
+        return square
+    if turns.middle > max(POINTED, ALONE * turns.corner) and pointed.misfit < BULGING * rounded.misfit:
+        return pointed
+    return None
+
+
+def name_round(ratio: float, shallow: Neckline = Neckline.BOAT) -> Neckline:
+    """Name a round neckline by its depth over its half width."""
+    if ratio < BOAT:
+        return shallow
+    return Neckline.SCOOP if ratio > SCOOP else Neckline.CREW
+
+
+def _fit(line: np.ndarray, throat: Throat) -> NecklineFit:
+    """Compare a line with a drafted neckline of its width and depth, both ways."""
+    half_width = float(line[0, 0])
+    drawn, seen = neckline_points(throat, half_width), line * (1.0, -1.0)
+    gaps = np.concatenate([cKDTree(drawn).query(seen)[0], cKDTree(seen).query(drawn)[0]])
+    return NecklineFit(throat, half_width, float(np.sqrt((gaps**2).mean())) / half_width)

@@ -1,0 +1,322 @@
+"""What a garment is cut as: one choice for each of its parts, and the measures that depart from a part's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from enum import StrEnum
+from typing import Any
+
+from ...run.errors import BadInput
+
+
+class PartUnknown(BadInput):
+    """A part or a choice of it is not one there is; `garmentq templates list --parts` shows them."""
+
+    code = "part.unknown"
+
+
+class PartsConflict(BadInput):
+    """Two parts of a cut cannot be sewn to each other."""
+
+    code = "part.conflict"
+
+
+class Bodice(StrEnum):
+    """How the trunk is covered: by its girths, from wide to close, and where the shoulders are bare."""
+
+    NONE = "none"
+    BOXY = "boxy"
+    SHIFT = "shift"
+    SKIMMING = "skimming"
+    HALTER = "halter"
+    STRAPLESS = "strapless"
+
+
+class Neckline(StrEnum):
+    """The line of a neck opening between the two side neck points, in front or behind."""
+
+    CREW = "crew"
+    SCOOP = "scoop"
+    V = "v"
+    SQUARE = "square"
+    BOAT = "boat"
+
+
+class Sleeve(StrEnum):
+    """A sleeve by its length."""
+
+    NONE = "none"
+    CAP = "cap"
+    SHORT = "short"
+    ELBOW = "elbow"
+    LONG = "long"
+
+
+class SleeveHead(StrEnum):
+    """How the upper end of a sleeve meets the bodice."""
+
+    FLAT = "flat"
+    SET_IN = "set-in"
+    RAGLAN = "raglan"
+
+
+class SleevePieces(StrEnum):
+    """Of how many pieces a sleeve is cut."""
+
+    ONE = "one"
+    TWO = "two"
+
+
+class Cuff(StrEnum):
+    """What finishes a sleeve."""
+
+    NONE = "none"
+    BAND = "band"
+
+
+class Shaping(StrEnum):
+    """What takes the trunk's hollow at the waist out of the cloth, beside the side seams."""
+
+    NONE = "none"
+    DARTS = "darts"
+    PRINCESS = "princess"
+
+
+class Yoke(StrEnum):
+    """A piece of its own above the rest of a part: across the shoulders, or around the hips."""
+
+    NONE = "none"
+    BACK = "back"
+    FRONT = "front"
+    SHOULDERS = "shoulders"
+    HIP = "hip"
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """Return which faces of a bodice it divides, `front` and `back`; none of them around the hips."""
+        return ("front", "back") if self is Yoke.SHOULDERS else (str(self),) if self in (Yoke.FRONT, Yoke.BACK) else ()
+
+
+class Collar(StrEnum):
+    """What is sewn to a neckline."""
+
+    NONE = "none"
+    STAND = "stand"
+
+
+class Skirt(StrEnum):
+    """A skirt by the shape of its panels."""
+
+    NONE = "none"
+    STRAIGHT = "straight"
+    PENCIL = "pencil"
+    A_LINE = "a-line"
+    GORED = "gored"
+    HALF_CIRCLE = "half-circle"
+    FULL_CIRCLE = "full-circle"
+    GATHERED = "gathered"
+    TIERED = "tiered"
+    PLEATED = "pleated"
+
+
+class Gores(StrEnum):
+    """Of how many gores a gored skirt is cut all around, as many in front as behind."""
+
+    FOUR = "4"
+    SIX = "6"
+    EIGHT = "8"
+    TEN = "10"
+    TWELVE = "12"
+
+
+class Legs(StrEnum):
+    """Legs by the line of their seams from the thigh down."""
+
+    NONE = "none"
+    STRAIGHT = "straight"
+    TAPERED = "tapered"
+    FLARED = "flared"
+    WIDE = "wide"
+    SHORT = "short"
+
+
+class Waist(StrEnum):
+    """How a bodice and what is below it meet at the natural waist."""
+
+    NONE = "none"
+    SEAM = "seam"
+
+
+class Waistband(StrEnum):
+    """What finishes a waist."""
+
+    NONE = "none"
+    BAND = "band"
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Describe how a garment is cut; `parts.draft_cut` drafts it.
+
+    Attributes:
+        bodice: The trunk above the waist.
+        neckline, back_neckline: Of the front and of the back.
+        sleeve: Of each arm.
+        skirt: Below the waist.
+        panels: Panels of a skirt all around, 2 or 4; see `panels_around`.
+        gores: Of a gored skirt.
+        sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: as one is usually cut.
+        legs: Below the waist instead of a skirt.
+        waistband: Of a skirt or legs without a bodice.
+        waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
+        sleeve_head: How each sleeve meets the bodice.
+        shaping: Of bodice and skirt at the waist.
+        yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
+        collar: On the neckline.
+        cuff: On each sleeve.
+        sleeve_pieces: Of each sleeve.
+        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
+    """
+
+    bodice: Bodice = Bodice.NONE
+    neckline: Neckline = Neckline.CREW
+    back_neckline: Neckline = Neckline.CREW
+    sleeve: Sleeve = Sleeve.NONE
+    skirt: Skirt = Skirt.NONE
+    panels: int = 2
+    legs: Legs = Legs.NONE
+    waistband: Waistband = Waistband.NONE
+    neck_depth: float | None = None
+    back_depth: float | None = None
+    waist: Waist = Waist.NONE
+    sleeve_head: SleeveHead = SleeveHead.FLAT
+    shaping: Shaping = Shaping.NONE
+    yoke: Yoke = Yoke.NONE
+    collar: Collar = Collar.NONE
+    cuff: Cuff = Cuff.NONE
+    sleeve_pieces: SleevePieces = SleevePieces.ONE
+    gores: Gores = Gores.SIX
+    sweep: float | None = None
+
+    @property
+    def panels_around(self) -> int:
+        """Return the number of a skirt's panels all around, gores counted."""
+        return int(self.gores) if self.skirt is Skirt.GORED else self.panels
+
+    @property
+    def has_equal_gores(self) -> bool:
+        """Check whether a skirt's gores are all alike; six usually are a centre and two side gores on each face."""
+        return self.skirt is Skirt.GORED and (self.gores is not Gores.SIX or self.sweep is not None)
+
+    @property
+    def category(self) -> str:
+        """Return the category of a garment that is cut so: one of `segment.CATEGORIES`.
+
+        Raises:
+            PartsConflict: where the parts make no garment.
+        """
+        if self.bodice is Bodice.NONE:
+            if self.sleeve is not Sleeve.NONE:
+                raise PartsConflict("a sleeve needs a bodice; choose one, or sleeve=none.")
+            if (self.skirt is Skirt.NONE) == (self.legs is Legs.NONE):
+                raise PartsConflict("a cut without a bodice is a skirt or legs; choose one of them.")
+            if self.skirt is not Skirt.NONE:
+                return "skirt"
+            return "shorts" if self.legs is Legs.SHORT else "trousers"
+        if self.legs is not Legs.NONE:
+            if self.skirt is not Skirt.NONE:
+                raise PartsConflict("legs and a skirt cannot be cut in one; leave out one of them.")
+            return "jumpsuit"
+        if self.skirt is not Skirt.NONE:
+            return "dress"
+        if self.sleeve is Sleeve.NONE:
+            return "tank"
+        return "long_sleeve_tshirt" if self.sleeve is Sleeve.LONG else "tshirt"
+
+    def choose(self, parts: dict[str, str]) -> Cut:
+        """Return the cut with other choices for some of its parts; what belongs to a former choice is dropped.
+
+        Args:
+            parts: Names of choices by names of parts: `{"neckline": "v"}`.
+
+        Raises:
+            PartUnknown: where there is no such part, or no such choice of it.
+        """
+        chosen: dict[str, Any] = {part: _choice(part, word) for part, word in parts.items()}
+        dropped: dict[str, Any] = {}
+        for part, choice in chosen.items():
+            dropped |= _DROPPED.get(part, {}) if choice != getattr(self, part) else {}
+        return replace(self, **{**dropped, **chosen})
+
+    def has_place_for(self, part: str) -> bool:
+        """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
+        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
+            return self.bodice is not Bodice.NONE
+        if part == "waist":
+            return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
+        if part == "waistband":
+            return self.bodice is Bodice.NONE
+        if part == "shaping":
+            return self.legs is Legs.NONE
+        if part == "gores":
+            return self.skirt is not Skirt.NONE
+        if part == "yoke":
+            return self.bodice is not Bodice.NONE or self.skirt is not Skirt.NONE
+        return part not in PARTS or str(getattr(self, part)) != "none"
+
+
+PARTS: dict[str, type[StrEnum]] = {
+    "bodice": Bodice,
+    "neckline": Neckline,
+    "back_neckline": Neckline,
+    "sleeve": Sleeve,
+    "skirt": Skirt,
+    "legs": Legs,
+    "waistband": Waistband,
+    "waist": Waist,
+    "sleeve_head": SleeveHead,
+    "shaping": Shaping,
+    "yoke": Yoke,
+    "collar": Collar,
+    "cuff": Cuff,
+    "sleeve_pieces": SleevePieces,
+    "gores": Gores,
+}
+"""The parts of a cut by name, each with its choices."""
+
+_DROPPED: dict[str, dict[str, Any]] = {
+    "neckline": {"neck_depth": None},
+    "back_neckline": {"back_depth": None},
+    "skirt": {"gores": Gores.SIX, "sweep": None},
+}
+"""What belongs to a part's former choice."""
+
+
+def _choice(part: str, word: str) -> StrEnum:
+    if part not in PARTS:
+        raise PartUnknown(f"'{part[:40]}' is no part of a cut; name one of {', '.join(PARTS)}.")
+    try:
+        return PARTS[part](word)
+    except ValueError:
+        raise PartUnknown(f"{part} '{word[:40]}' is not one of {', '.join(PARTS[part])}.") from None
+
+
+def parse_parts(text: str) -> dict[str, str]:
+    """Read choices of parts, `neckline=v,sleeve=long`; whether there are such is not looked at.
+
+    Raises:
+        PartUnknown: where one has no `=`, or a part is named twice.
+    """
+    found: dict[str, str] = {}
+    for word in filter(None, (word.strip() for word in text.split(","))):
+        part, sign, choice = (piece.strip() for piece in word.partition("="))
+        if not sign or part in found:
+            raise PartUnknown(f"'{word[:60]}' is not PART=CHOICE, each part once, as in neckline=v.")
+        found[part] = choice
+    return found
+
+
+def differing_parts(cut: Cut, other: Cut) -> dict[str, str]:
+    """Return what has to be chosen to make of a cut another one, measures apart."""
+    names = (field.name for field in fields(Cut) if field.name in PARTS)
+    return {name: str(getattr(other, name)) for name in names if getattr(other, name) != getattr(cut, name)}

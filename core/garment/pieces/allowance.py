@@ -1,0 +1,96 @@
+"""Seam allowances by what becomes of an edge."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from ...run.errors import keep_printable
+from ...run.text import read_json
+from .errors import AllowanceBad
+from .piece import EdgeUse
+
+WIDTHS = MappingProxyType({
+    EdgeUse.SEAM: 0.010, EdgeUse.GATHERED: 0.010, EdgeUse.DART: 0.0, EdgeUse.NECK: 0.010, EdgeUse.ARMHOLE: 0.010,
+    EdgeUse.CUFF: 0.025, EdgeUse.HEM: 0.025, EdgeUse.LEG: 0.040, EdgeUse.WAIST: 0.030, EdgeUse.OPEN: 0.010,
+    EdgeUse.FOLD: 0.0,
+})  # fmt: skip
+"""Usual widths of industry [m]: seams and what is faced or bound 1 cm, hems of sleeves and tops 2.5 cm, of trousers
+4 cm, a waist with room for elastic 3 cm."""
+
+WIDEST = 0.15
+"""A wider allowance [m] is a slip of the unit: the deepest usual hem has 10 cm."""
+
+FREE = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
+"""Edges whose width may be chosen."""
+
+
+@dataclass(frozen=True)
+class Allowances:
+    """Describe the width of the seam allowance of every kind of edge [m]."""
+
+    widths: Mapping[EdgeUse, float] = field(default_factory=lambda: WIDTHS)
+
+    def describe(self) -> str:
+        """Return the widths in millimetres as `--allowance` takes them; `none` where all are 0."""
+        if not any(self.widths.values()):
+            return "none"
+        return ",".join(f"{use}={1e3 * self.widths[use]:g}" for use in FREE)
+
+
+def read_allowances(text: str) -> Allowances:
+    """Read allowances [mm] from what was typed, or from the text of a table.
+
+    Args:
+        text: `none`; `seam=10,hem=25` with the defaults for what is not named; a JSON object of the same names; or
+            CSV lines `name,millimetres`. Empty: the defaults.
+
+    Raises:
+        AllowanceBad: where a name or a width is none.
+    """
+    stripped = text.strip()
+    if stripped == "none":
+        return Allowances(MappingProxyType(dict.fromkeys(EdgeUse, 0.0)))
+    widths = dict(WIDTHS)
+    for name, value in _pairs(stripped):
+        if name not in FREE:
+            known = ", ".join(FREE)
+            raise AllowanceBad(f"'{keep_printable(name[:40])}' is no edge with an allowance; there are {known}.")
+        widths[EdgeUse(name)] = _metres(name, value)
+    return Allowances(MappingProxyType(widths))
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    if not text:
+        return []
+    if text.startswith("{"):
+        try:
+            found = read_json(text)
+        except (ValueError, RecursionError) as error:
+            raise AllowanceBad from error
+        return [(str(name), str(value)) for name, value in found.items()]
+    if "=" in text:
+        given = [one.partition("=") for one in text.replace("\n", ",").split(",") if one.strip()]
+        return [(name.strip(), value.strip()) for name, _, value in given]
+    try:
+        rows = [row for row in csv.reader(io.StringIO(text)) if row]
+    except csv.Error as error:
+        raise AllowanceBad from error
+    if any(len(row) != 2 for row in rows):
+        raise AllowanceBad
+    return [(row[0].strip(), row[1].strip()) for row in rows]
+
+
+def _metres(name: str, value: str) -> float:
+    try:
+        width = float(value) / 1e3
+    except ValueError:
+        width = math.nan
+    if not 0.0 <= width <= WIDEST:
+        shown = keep_printable(value[:20])
+        raise AllowanceBad(f"the allowance {name}={shown} is none; give millimetres from 0 to {1e3 * WIDEST:.0f}.")
+    return width

@@ -1,0 +1,55 @@
+"""Darts of a piece: wedges of its outline that are sewn to themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import Panel
+
+Span = tuple[int, int]
+
+
+def find_darts(net: Panel, sewn_to: dict[int, int]) -> tuple[Span, ...]:
+    """Return first and last edge of every dart; the last is counted on past the number of edges.
+
+    Two neighbouring edges that are sewn to each other, and between which the outline turns into the cloth, are a dart;
+    so are those around it that are sewn to each other too.
+
+    Args:
+        net: The piece.
+        sewn_to: For each edge that is sewn to another one of the piece, that one.
+    """
+    count, spans = len(net.edges), []
+    for i in range(count):
+        if sewn_to.get(i) != (i + 1) % count or not _turns_inward(net, i):
+            continue
+        first, last = i, i + 1
+        while last - first + 3 < count and sewn_to.get((first - 1) % count) == (last + 1) % count:
+            first, last = first - 1, last + 1
+        spans.append((first, last))
+    return tuple(spans)
+
+
+def _turns_inward(net: Panel, edge: int) -> bool:
+    count = len(net.points)
+    a, b, c = (net.points[(edge + k) % count] for k in range(3))
+    return bool((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0] < 0.0)
+
+
+def dart_lines(
+    net: Panel, spans: tuple[Span, ...], lines: list[np.ndarray]
+) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+    """Return the sew line of each dart [m], shape [n, 2] each, and the tips [m], shape [dart_count, 2].
+
+    Args:
+        net: The piece.
+        spans: Its darts.
+        lines: Each edge as a polygon [m].
+    """
+    count = len(net.edges)
+    legs = []
+    for first, last in spans:
+        parts = [lines[k % count] for k in range(first, last + 1)]
+        legs.append(np.concatenate([part[:-1] for part in parts] + [parts[-1][-1:]]))
+    tips = [net.points[(first + last + 1) // 2 % count] for first, last in spans]
+    return tuple(legs), np.array(tips).reshape(-1, 2)

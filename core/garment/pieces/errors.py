@@ -1,0 +1,17 @@
+"""What can be wrong with production pieces and what is asked of them, one stable code each."""
+
+from __future__ import annotations
+
+from ...run.errors import BadInput
+
+
+class AllowanceBad(BadInput):
+    """Seam allowances are given as none, or as EDGE=MILLIMETRES with commas between: seam=10,hem=25."""
+
+    code = "pieces.allowance"
+
+
+class PieceBad(BadInput):
+    """A piece cannot be cut with these allowances; make them smaller, or mend the panel's outline."""
+
+    code = "pieces.outline"

@@ -1,0 +1,39 @@
+"""Curves of a piece as polygons, as fine as they are cut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import Panel, edge_length, edge_points
+
+TOLERANCE = 5e-5
+"""Largest distance between a curve and its polygon [m]: a tenth of the width of a pencil line."""
+
+MOST = 512
+"""Most parts of one edge."""
+
+
+def flatten_edge(panel: Panel, edge: int, tolerance: float = TOLERANCE) -> np.ndarray:
+    """Return points along an edge, ends included, uniform in arc length [m], shape [n, 2].
+
+    A chord of length h misses a curve of curvature k by k h^2 / 8; k is the largest turn between 64 samples.
+    """
+    if panel.edges[edge].kind == "line":
+        return edge_points(panel, edge, 1)
+    samples = edge_points(panel, edge, 64)
+    step = np.diff(samples, axis=0)
+    turn = np.abs(np.arctan2(_cross(step[:-1], step[1:]), (step[:-1] * step[1:]).sum(axis=1))).max()
+    length = edge_length(panel, edge)
+    curvature = 64.0 * turn / max(length, 1e-12)
+    parts = int(np.ceil(length * np.sqrt(curvature / (8.0 * tolerance))))
+    return edge_points(panel, edge, min(max(parts, 1), MOST))
+
+
+def flatten_outline(panel: Panel, tolerance: float = TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
+    """Return a panel's outline as a polygon [m], shape [n, 2], and of each of its sides the edge, shape [n]."""
+    parts = [flatten_edge(panel, i, tolerance)[:-1] for i in range(len(panel.edges))]
+    return np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

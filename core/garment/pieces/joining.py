@@ -1,0 +1,117 @@
+"""Join halves of one piece: half sleeves at the top of the sleeve, halves of a band at a side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...geometry import plane_rotation
+from .. import EdgeRef, Panel, Pattern, check_outline
+from ..errors import PanelCrossing, PanelDegenerate
+from ..orientation import place_points
+from .piece import PanelPlace
+
+HALVES = ("sleeve", "cuff", "band", "wb", "collar")
+"""Parts of names and labels by which panels are known as halves of one piece, in our templates and in published
+datasets. A body's front and back share straight seams too, and are never one piece."""
+
+SAME = 1e-4
+"""Two sides of a seam that differ by less [m] lie upon each other once joined: scissors cut no better."""
+
+GRAIN = np.deg2rad(45.0)
+"""Halves whose grainlines differ by more once joined are not joined. A half sleeve's runs along the arm, its top seam
+at up to 20 degrees to that; the joined sleeve has its grainline in the middle, as a sleeve's is drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Describe panels of a pattern that are cut as one.
+
+    Attributes:
+        net: Their common outline.
+        sources: The pattern's edge that each of its edges is.
+        places: Where each panel lies in it.
+    """
+
+    net: Panel
+    sources: tuple[EdgeRef, ...]
+    places: tuple[PanelPlace, ...]
+
+
+def join_halves(pattern: Pattern) -> tuple[Group, ...]:
+    """Return the panels of a pattern, those joined that are halves of one piece, each in the axes of its first panel.
+
+    Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
+    the grainlines agree within `GRAIN`. Of several such seams the highest on the wearer is taken: the top of a sleeve,
+    not below it.
+    """
+    groups = {panel.name: _alone(panel) for panel in pattern.panels}
+    for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
+        if seam.gathered or not seam.reversed:
+            continue
+        first, second = groups[seam.a.panel], groups[seam.b.panel]
+        if first is second or not (_is_half(pattern, seam.a) and _is_half(pattern, seam.b)):
+            continue
+        joined = _join(first, first.sources.index(seam.a), second, second.sources.index(seam.b))
+        if joined is not None:
+            groups.update((place.panel, joined) for place in joined.places)
+    return tuple(dict.fromkeys(groups.values()))
+
+
+def _alone(panel: Panel) -> Group:
+    sources = tuple(EdgeRef(panel.name, i) for i in range(len(panel.edges)))
+    return Group(panel, sources, (PanelPlace(panel.name, np.eye(2), np.zeros(2)),))
+
+
+def _is_half(pattern: Pattern, ref: EdgeRef) -> bool:
+    panel = pattern.panel(ref.panel)
+    words = f"{panel.name} {panel.label}".lower()
+    return panel.edges[ref.edge].kind == "line" and any(word in words for word in HALVES)
+
+
+def _height(pattern: Pattern, ref: EdgeRef) -> float:
+    panel = pattern.panel(ref.panel)
+    ends = panel.points[[ref.edge, (ref.edge + 1) % len(panel.points)]]
+    return round(float(place_points(panel, ends)[:, 1].mean()), 4)
+
+
+def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
+    """Return two groups joined at edge i of the first and edge j of the second; None where they do not fit."""
+    a, b = first.net, second.net
+    na, nb = len(a.points), len(b.points)
+    start, end = a.points[i], a.points[(i + 1) % na]
+    own_start, own_end = b.points[(j + 1) % nb], b.points[j]
+    along, own = end - start, own_end - own_start
+    if abs(np.linalg.norm(along) - np.linalg.norm(own)) > SAME:
+        return None
+    angle = np.arctan2(along[1], along[0]) - np.arctan2(own[1], own[0])
+    turn = plane_rotation(angle)
+    apart = (a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2
+    if abs(apart) > GRAIN:
+        return None
+    move = (start + end) / 2 - turn @ ((own_start + own_end) / 2)
+    keep, others = [(i + 1 + k) % na for k in range(na)], [(j + 2 + k) % nb for k in range(nb - 2)]
+    edges, more = keep[:-1], [(j + 1 + k) % nb for k in range(nb - 1)]
+    net = replace(
+        a,
+        points=np.concatenate([a.points[keep], b.points[others] @ turn.T + move]),
+        edges=tuple(a.edges[k] for k in edges) + tuple(b.edges[k] for k in more),
+        grainline=a.grainline - apart / 2.0,
+        notches=(),
+    )
+    try:
+        check_outline(net)
+    except (PanelCrossing, PanelDegenerate):
+        return None
+    sources = tuple(first.sources[k] for k in edges) + tuple(second.sources[k] for k in more)
+    moved = tuple(PanelPlace(p.panel, turn @ p.rotation, turn @ p.translation + move) for p in second.places)
+    return Group(net, sources, first.places + moved)
+
+
+def turn_group(group: Group) -> Group:
+    """Return a group with its grainline along +y."""
+    angle = -group.net.grainline
+    turn = plane_rotation(angle)
+    places = tuple(PanelPlace(p.panel, turn @ p.rotation, turn @ p.translation) for p in group.places)
+    return Group(replace(group.net, points=group.net.points @ turn.T, grainline=0.0), group.sources, places)

@@ -1,0 +1,205 @@
+"""From a pattern to production pieces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .. import EdgeRef, Panel, Pattern, contains
+from .allowance import Allowances
+from .darts import dart_lines, find_darts
+from .flatten import flatten_edge, flatten_outline
+from .folding import fold_piece
+from .joining import Group, join_halves, turn_group
+from .marks import Mark, collect_marks, turn_marks
+from .missing import list_missing
+from .naming import name_pieces
+from .notches import place_notches
+from .offset import offset_outline
+from .pairing import MirroredGroup, find_twins, pair_groups
+from .piece import EdgeUse, Piece, PieceEdge, PieceSet
+from .sewing_order import order_seams
+
+CONTOURS = {
+    "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
+    "waist": EdgeUse.WAIST,
+}  # fmt: skip
+"""What becomes of an open edge, by the contour that it lies on; others are open."""
+
+ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff", "collar")
+"""Words of labels and names by which pieces are sorted; what has none comes last."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """Describe what pieces are labelled with.
+
+    Attributes:
+        name: What the style is called.
+        size: Its size by girths, or an empty text.
+        fabric: Name of its cloth, or an empty text.
+    """
+
+    name: str = ""
+    size: str = ""
+    fabric: str = ""
+
+
+@dataclass(frozen=True)
+class PieceSettings:
+    """Describe how pieces are made.
+
+    Attributes:
+        allowances: Width of the seam allowance by kind of edge.
+        fold: True to draw pieces that are their own mirror image as a half on the fold.
+    """
+
+    allowances: Allowances = field(default_factory=Allowances)
+    fold: bool = False
+
+
+def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: Style | None = None) -> PieceSet:
+    """Return the production pieces of a pattern.
+
+    Halves of a sleeve or band are joined, mirrored pairs drawn once, grainlines turned to +y; each piece gets its cut
+    line by `offset_outline`, and notches on both sides of each seam.
+
+    Raises:
+        PieceBad: where a piece cannot be cut.
+        PanelCrossing, PanelDegenerate: where a panel is none.
+    """
+    settings, style = settings or PieceSettings(), style or Style()
+    groups = tuple(turn_group(group) for group in join_halves(pattern))
+    drawn = sorted(pair_groups(pattern, groups), key=lambda one: _rank(pattern, _group(one)))
+    both = [isinstance(one, MirroredGroup) and not one.own for one in drawn]
+    members = [
+        (tuple(place.panel for place in _group(one).places), pair) for one, pair in zip(drawn, both, strict=True)
+    ]
+    marks = collect_marks(pattern)
+    pieces = tuple(
+        _make_piece(pattern, one, name, settings, marks) for one, name in zip(drawn, name_pieces(members), strict=True)
+    )
+    uses = {edge.use for piece in pieces for edge in piece.edges}
+    banded = any(_uses(piece) >= {EdgeUse.WAIST, EdgeUse.SEAM} and "band" in piece.net.label for piece in pieces)
+    return PieceSet(
+        style.name or pattern.name,
+        style.size,
+        style.fabric,
+        pieces,
+        order_seams(pattern, pieces, find_twins(pattern)),
+        list_missing(uses, banded),
+    )
+
+
+def _uses(piece: Piece) -> set[EdgeUse]:
+    return {edge.use for edge in piece.edges}
+
+
+def _group(drawn: Group | MirroredGroup) -> Group:
+    return drawn.group if isinstance(drawn, MirroredGroup) else drawn
+
+
+def _rank(pattern: Pattern, group: Group) -> tuple[int, str]:
+    names = [place.panel for place in group.places]
+    words = f"{group.net.label} {' '.join(names)}".lower()
+    by_label = next((i for i, word in enumerate(ORDER) if word in words), len(ORDER))
+    sleeve = any(word in words for word in ORDER[5:])
+    return (len(ORDER) + by_label if sleeve else by_label, " ".join(("0" if "front" in words else "1", *names)))
+
+
+def _make_piece(
+    pattern: Pattern,
+    drawn: Group | MirroredGroup,
+    name: str,
+    settings: PieceSettings,
+    marks: dict[EdgeRef, tuple[Mark, ...]],
+) -> Piece:
+    group = _group(drawn)
+    pair = isinstance(drawn, MirroredGroup) and not drawn.own
+    twins: tuple[EdgeRef | None, ...] = (
+        drawn.twins if isinstance(drawn, MirroredGroup) and pair else (None,) * len(group.sources)
+    )
+    sewn = _sewn_within(pattern, group)
+    darts = find_darts(group.net, sewn)
+    inner = {k % len(group.sources) for first, last in darts for k in range(first, last + 1)}
+    edges = tuple(
+        _describe_edge(pattern, ref, twin, i in inner, settings)
+        for i, (ref, twin) in enumerate(zip(group.sources, twins, strict=True))
+    )
+    offset = offset_outline(group.net, edges, darts)
+    cut, notches = place_notches(group.net, edges, [_edge_marks(marks, edge) for edge in edges], offset, darts)
+    lines, tips = dart_lines(group.net, darts, [flatten_edge(group.net, i) for i in range(len(edges))])
+    piece = Piece(
+        name=name,
+        net=replace(group.net, name=name, notches=()),
+        edges=edges,
+        places=group.places + (drawn.places if isinstance(drawn, MirroredGroup) else ()),
+        quantity=2 if pair else 1,
+        pair=pair,
+        fold=None,
+        cut=cut,
+        notches=notches,
+        darts=lines,
+        drills=tips,
+        grain=_draw_grain(group.net),
+    )
+    if settings.fold and isinstance(drawn, MirroredGroup) and drawn.own:
+        return fold_piece(piece, drawn) or piece
+    return piece
+
+
+def _sewn_within(pattern: Pattern, group: Group) -> dict[int, int]:
+    """Return for each edge of a group that is sewn to another one of it, that one."""
+    found = {}
+    for seam in pattern.seams:
+        if seam.a in group.sources and seam.b in group.sources:
+            i, j = group.sources.index(seam.a), group.sources.index(seam.b)
+            found[i], found[j] = j, i
+    return found
+
+
+def _describe_edge(
+    pattern: Pattern, ref: EdgeRef, twin: EdgeRef | None, in_dart: bool, settings: PieceSettings
+) -> PieceEdge:
+    seams = [seam for seam in pattern.seams if ref in (seam.a, seam.b)]
+    if in_dart:
+        use = EdgeUse.DART
+    elif seams:
+        use = EdgeUse.GATHERED if seams[0].gathered else EdgeUse.SEAM
+    else:
+        contour = pattern.panel(ref.panel).edges[ref.edge].contour
+        use = CONTOURS.get(contour.split(".")[0], EdgeUse.OPEN)
+    return PieceEdge(use, settings.allowances.widths[use], ref, twin=twin)
+
+
+def _edge_marks(marks: dict[EdgeRef, tuple[Mark, ...]], edge: PieceEdge) -> tuple[Mark, ...]:
+    """Return the marks of an edge and of its mirrored copy; they are the same but where one side has more."""
+    own = marks.get(edge.source, ()) if edge.source else ()
+    other = turn_marks(marks.get(edge.twin, ())) if edge.twin else ()
+    more = tuple(mark for mark in other if all(abs(mark.at - known.at) > 1e-6 for known in own))
+    return tuple(sorted((*own, *more), key=lambda mark: mark.at))
+
+
+def _draw_grain(net: Panel) -> np.ndarray:
+    """Return the line to be drawn along the warp [m], shape [2, 2]: four fifths of an upright line, at most 0.4 m.
+
+    Of upright lines nearly as long as the longest, the one nearest to a third of the width is taken: clear of the
+    middle, where texts stand.
+    """
+    outline = flatten_outline(net)[0]
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    ys = np.linspace(low[1], high[1], 202)[1:-1]
+    found = [(0.0, outline.mean(axis=0), outline.mean(axis=0))]
+    for x in np.linspace(low[0], high[0], 21)[1:-1]:
+        inside = contains(outline, np.stack([np.full(200, x), ys], axis=1))
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+        found += [
+            (float(ys[b - 1] - ys[a]), np.array([x, ys[a]]), np.array([x, ys[b - 1]])) for a, b in edges.reshape(-1, 2)
+        ]
+    longest = max(length for length, _, _ in found)
+    third = low[0] + (high[0] - low[0]) / 3.0
+    long = [one for one in found if one[0] >= 0.85 * longest]
+    length, start, end = min(long, key=lambda one: (abs(float(one[1][0]) - third), float(one[1][1])))
+    middle, half = (start + end) / 2.0, min(0.4 * length, 0.2)
+    return np.array([middle - [0.0, half], middle + [0.0, half]])

@@ -1,0 +1,176 @@
+"""Put notches on the cut line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import Panel, edge_length, edge_points
+from .darts import Span
+from .marks import Mark
+from .offset import Offset
+from .piece import SEWN, CutLine, Notch, NotchPurpose, PieceEdge
+
+DEPTH = 0.006
+"""Depth of a notch where the allowance has room for it [m]: a quarter of an inch, as the notcher's punch cuts."""
+
+BARE_DEPTH = 0.003
+"""Depth of a notch into a piece without an allowance [m]: it must vanish in the seam."""
+
+BETWEEN = 0.006
+"""Distance of the two cuts of a double notch [m]."""
+
+CLEAR = 0.008
+"""A notch nearer to another [m], or to the end of its edge, is left out: the cloth between them would fray away."""
+
+RUNS_ON = np.deg2rad(45.0)
+"""Two sewn edges that meet at a smaller turn are one run, and a notch marks where they meet; at more it is a corner."""
+
+ON_VERTEX = 3e-4
+"""A notch this near to a vertex of the cut line [m] stands on it."""
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A notch that still has to find the cut line: edge, fraction, purpose, count, sew point, inward direction."""
+
+    edge: int
+    at: float
+    purpose: NotchPurpose
+    count: int
+    sew: np.ndarray
+    inward: np.ndarray
+
+
+def place_notches(
+    net: Panel,
+    edges: tuple[PieceEdge, ...],
+    marks: list[tuple[Mark, ...]],
+    offset: Offset,
+    darts: tuple[Span, ...],
+) -> tuple[CutLine, tuple[Notch, ...]]:
+    """Return the cut line with a vertex at every notch, and the notches.
+
+    Args:
+        net: The piece.
+        edges: What each edge is.
+        marks: What is to be marked on each edge.
+        offset: Its cut line, and where hems fold.
+        darts: Its darts; each gets a notch at either end of its mouth.
+    """
+    count = len(edges)
+    inner = {k % count for first, last in darts for k in range(first, last + 1)}
+    places = [place for i in range(count) if i not in inner for place in (_at_vertex(net, edges, i, inner),) if place]
+    for first, last in darts:
+        ends = ((first - 1) % count, 1.0), ((last + 1) % count, 0.0)
+        places += [_place(net, edge, at, Mark(at, NotchPurpose.DART, 1), 0.0) for edge, at in ends]
+    for i in range(count):
+        if i not in inner:
+            places += _along(net, i, marks[i])
+    cut, notches = offset.cut, []
+    for place in places:
+        cut, found = _on_cut(cut, place, edges[place.edge].width)
+        notches += found
+    for edge, point, along in offset.folds:
+        cut, at = _insert(cut, point)
+        corners = net.points[[edge, (edge + 1) % count]]
+        end = int(np.linalg.norm(corners - point, axis=1).argmin())
+        corner = corners[end]
+        width = float(np.linalg.norm(corner - at))
+        notches.append(Notch(edge, float(end), NotchPurpose.HEM, 1, corner, at, along, _depth(width)))
+    return cut, tuple(notches)
+
+
+def _at_vertex(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
+    """Return the notch at the beginning of edge i where a sewn run goes on through it."""
+    before = (i - 1) % len(edges)
+    if before in inner or edges[i].use not in SEWN or edges[before].use not in SEWN:
+        return None
+    a, b = _tangent(net, before, 1.0), _tangent(net, i, 0.0)
+    if abs(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b)) > RUNS_ON:
+        return None
+    middle = a + b
+    inward = np.array([-middle[1], middle[0]]) / np.linalg.norm(middle)
+    return _Place(before, 1.0, NotchPurpose.JUNCTION, 1, net.points[i], inward)
+
+
+def _along(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:
+    """Return the notches within an edge that stand clear of its ends and of each other."""
+    length = edge_length(net, edge)
+    taken = [0.0, length]
+    found = []
+    for mark in marks:
+        shifts = (-BETWEEN / 2, BETWEEN / 2) if mark.count == 2 else (0.0,)
+        if min(abs(mark.at * length - other) for other in taken) < CLEAR + BETWEEN / 2:
+            continue
+        taken.append(mark.at * length)
+        found += [_place(net, edge, mark.at, mark, shift) for shift in shifts]
+    return found
+
+
+def _place(net: Panel, edge: int, at: float, mark: Mark, shift: float) -> _Place:
+    length = edge_length(net, edge)
+    moved = min(max(at + shift / length, 0.0), 1.0)
+    along = _tangent(net, edge, moved)
+    sew = edge_at(net, edge, moved)
+    return _Place(edge, moved, mark.purpose, mark.count, sew, np.array([-along[1], along[0]]))
+
+
+def edge_at(net: Panel, edge: int, at: float) -> np.ndarray:
+    """Return the point of an edge at a fraction of its length [m], shape [2]."""
+    cell = 1.0 / 1024
+    whole = edge_points(net, edge, 1024)
+    k = min(int(at / cell), 1023)
+    share = at / cell - k
+    return np.asarray(whole[k] + share * (whole[k + 1] - whole[k]))
+
+
+def _tangent(net: Panel, edge: int, at: float) -> np.ndarray:
+    points = edge_points(net, edge, 1024)
+    k = min(int(at * 1024), 1023)
+    along = points[k + 1] - points[k]
+    return np.asarray(along / np.linalg.norm(along))
+
+
+def _on_cut(cut: CutLine, place: _Place, width: float) -> tuple[CutLine, list[Notch]]:
+    """Return the cut line with a vertex straight outside a sew point, and the notch there, if it is outside."""
+    out = -place.inward
+    step = np.roll(cut.points, -1, axis=0) - cut.points
+    apart = cut.points - place.sew
+    cross = out[0] * step[:, 1] - out[1] * step[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = (apart[:, 0] * step[:, 1] - apart[:, 1] * step[:, 0]) / cross
+        share = (apart[:, 0] * out[1] - apart[:, 1] * out[0]) / cross
+    hit = np.flatnonzero((far > -1e-7) & (share >= -1e-9) & (share <= 1.0 + 1e-9))
+    if not len(hit):
+        return cut, []
+    side = hit[np.argmin(far[hit])]
+    cut, at = _insert(cut, cut.points[side] + np.clip(share[side], 0.0, 1.0) * step[side])
+    inward = place.sew - at
+    size = float(np.linalg.norm(inward))
+    inward = inward / size if size > ON_VERTEX else place.inward
+    return cut, [Notch(place.edge, place.at, place.purpose, place.count, place.sew, at, inward, _depth(width))]
+
+
+def _depth(width: float) -> float:
+    return min(DEPTH, width / 2.0) if width > 0.0 else BARE_DEPTH
+
+
+def _insert(cut: CutLine, point: np.ndarray) -> tuple[CutLine, np.ndarray]:
+    """Return the cut line with a vertex at a point on it, and that vertex."""
+    gap = np.linalg.norm(cut.points - point, axis=1)
+    nearest = int(gap.argmin())
+    if gap[nearest] < ON_VERTEX:
+        return cut, cut.points[nearest]
+    step = np.roll(cut.points, -1, axis=0) - cut.points
+    share = np.clip(((point - cut.points) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)
+    side = int(np.linalg.norm(cut.points + share[:, None] * step - point, axis=1).argmin())
+    return (
+        CutLine(
+            np.insert(cut.points, side + 1, point, axis=0),
+            np.insert(cut.edge, side + 1, cut.edge[side]),
+            np.insert(cut.corner, side + 1, False),
+        ),
+        point,
+    )

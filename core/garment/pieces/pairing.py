@@ -1,0 +1,97 @@
+"""Find pieces that are cut twice, once mirrored, and pieces that are mirror images of themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry import fit_rigid
+from .. import EdgeRef, Pattern, edge_points, find_symmetry
+from .joining import Group
+from .piece import PanelPlace
+
+SAME = 1e-4
+"""A mirror image that misses by less [m] is cut as one with its other: scissors cut no better."""
+
+SAMPLES = 16
+"""Parts of an edge at whose ends a mirror image is compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class MirroredGroup:
+    """Describe that a group of panels is the mirror image of another, or of itself.
+
+    Attributes:
+        group: What is drawn.
+        twins: For each of its edges, the pattern's edge whose mirror image it is, run the other way.
+        places: Where the panels of the mirrored copy lie; none where the group is its own mirror image.
+        rotation, translation: The mirror image of the group's own points that lies upon it [m], shapes [2, 2], [2];
+            only where it is its own.
+        own: True where the group is its own mirror image.
+    """
+
+    group: Group
+    twins: tuple[EdgeRef, ...]
+    places: tuple[PanelPlace, ...]
+    rotation: np.ndarray
+    translation: np.ndarray
+    own: bool
+
+
+def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | MirroredGroup, ...]:
+    """Return the groups that are cut, each with its mirrored copy where it has one; copies do not come again.
+
+    The pattern's symmetry (`find_symmetry`) says what belongs together, and tolerates the noise of drafting; a piece is
+    drawn once for two only where its outline lies upon the other's within `SAME`.
+    """
+    twins = find_twins(pattern)
+    home = {place.panel: group for group in groups for place in group.places}
+    found: list[Group | MirroredGroup] = []
+    copied: set[int | None] = set()
+    for group in groups:
+        if id(group) in copied:
+            continue
+        images = [twins.get(ref) for ref in group.sources]
+        homes = {id(home[ref.panel]) if ref else None for ref in images}
+        mirrored = None
+        if len(homes) == 1 and None not in homes:
+            refs = tuple(ref for ref in images if ref)
+            mirrored = _lay_upon(group, home[refs[0].panel], refs)
+        if mirrored is not None:
+            copied |= homes
+        found.append(mirrored or group)
+    return tuple(found)
+
+
+def find_twins(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
+    """Return for each edge the edge that is its mirror image, run the other way."""
+    twins = {}
+    for mirror in find_symmetry(pattern).mirrors:
+        source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]
+        count = len(mirror.order)
+        for i in range(count):
+            image = EdgeRef(source.name, int(mirror.order[i] - 1) % count)
+            twins[EdgeRef(target.name, i)], twins[image] = image, EdgeRef(target.name, i)
+    return twins
+
+
+def _lay_upon(group: Group, other: Group, twins: tuple[EdgeRef, ...]) -> MirroredGroup | None:
+    """Return the mirror image of one group laid upon another; None where it misses, or its edges come otherwise."""
+    numbers = [other.sources.index(ref) if ref in other.sources else -1 for ref in twins]
+    steps = {(a - b) % len(numbers) for a, b in zip(numbers, np.roll(numbers, -1), strict=True)}
+    if len(numbers) != len(other.sources) or steps != {1} or -1 in numbers:
+        return None
+    mine = np.concatenate([edge_points(group.net, i, SAMPLES) for i in range(len(numbers))])
+    its = np.concatenate([edge_points(other.net, number, SAMPLES)[::-1] for number in numbers])
+    motion = fit_rigid(its, mine, mirrored=True)
+    misfit = float(np.linalg.norm(motion.apply(its) - mine, axis=1).max())
+    if misfit > SAME:
+        return None
+    rotation, move = motion.rotation, motion.translation
+    if other is group:
+        return MirroredGroup(group, twins, (), rotation, move, own=True)
+    places = tuple(
+        PanelPlace(p.panel, rotation @ p.rotation, rotation @ p.translation + move, misfit) for p in other.places
+    )
+    return MirroredGroup(group, twins, places, rotation, move, own=False)

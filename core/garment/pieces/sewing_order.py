@@ -1,0 +1,95 @@
+"""In which order the seams of a garment are sewn: flat as long as may be, tubes last."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from .. import EdgeRef, Pattern, Seam, edge_length
+from ..orientation import place_points
+from .piece import Piece, PieceSide, SeamWalk
+
+Key = frozenset[tuple[str, int]]
+Sides = Mapping[EdgeRef, tuple[PieceSide, ...]]
+
+
+def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
+    """Return the seams that are still to be sewn, in order; what lies within a joined piece is none.
+
+    Darts come first. Then, from the top of the garment down, seams that join pieces which hang together nowhere yet:
+    they are sewn flat. Then, from the top down, those that close what is sewn so far to tubes. Seams that are mirror
+    images of each other make one step.
+
+    Args:
+        pattern: The pattern.
+        pieces: Its pieces.
+        twins: For each edge its mirror image.
+    """
+    homes = find_sides(pieces)
+    steps: dict[Key, list[Seam]] = {}
+    for seam in pattern.seams:
+        if seam.a in homes and seam.b in homes:
+            steps.setdefault(_key(seam, twins), []).append(seam)
+    waiting = sorted(steps, key=lambda key: (-_height(pattern, steps[key][0]), sorted(key)))
+    ordered = [key for key in waiting if _is_dart(pattern, steps[key][0])]
+    waiting = [key for key in waiting if key not in ordered]
+    cloth = {seam: _cloth(pieces, homes, seam) for seams in steps.values() for seam in seams}
+    sewn = {copy: copy for copies in cloth.values() for copy in copies}
+    while waiting:
+        joins = [key for key in waiting if any(len({sewn[c] for c in cloth[seam]}) > 1 for seam in steps[key])]
+        chosen = (joins or waiting)[0]
+        waiting.remove(chosen)
+        ordered.append(chosen)
+        for seam in steps[chosen]:
+            whole = {sewn[copy] for copy in cloth[seam]}
+            sewn = {copy: min(whole) if now in whole else now for copy, now in sewn.items()}
+    walks = [(seam, step) for step, key in enumerate(ordered, 1) for seam in steps[key]]
+    return tuple(_walk(pattern, pieces, homes, *walk) for walk in walks)
+
+
+def find_sides(pieces: tuple[Piece, ...]) -> dict[EdgeRef, tuple[PieceSide, ...]]:
+    """Return where each edge of the pattern is in the pieces: its parts in the order in which the edge runs."""
+    found: dict[EdgeRef, list[tuple[float, PieceSide]]] = {}
+    for number, piece in enumerate(pieces):
+        for i, edge in enumerate(piece.edges):
+            if edge.source is not None:
+                found.setdefault(edge.source, []).append((edge.part[0], PieceSide(number, i, False)))
+            if edge.twin is not None:
+                found.setdefault(edge.twin, []).append((1.0 - edge.part[1], PieceSide(number, i, True)))
+    return {ref: tuple(side for _, side in sorted(parts, key=lambda one: one[0])) for ref, parts in found.items()}
+
+
+def _key(seam: Seam, twins: Mapping[EdgeRef, EdgeRef]) -> Key:
+    own = sorted((ref.panel, ref.edge) for ref in (seam.a, seam.b))
+    other = sorted((ref.panel, ref.edge) for ref in (twins.get(seam.a, seam.a), twins.get(seam.b, seam.b)))
+    return frozenset(min(own, other))
+
+
+def _height(pattern: Pattern, seam: Seam) -> float:
+    heights = []
+    for ref in (seam.a, seam.b):
+        panel = pattern.panel(ref.panel)
+        ends = panel.points[[ref.edge, (ref.edge + 1) % len(panel.points)]]
+        heights.append(float(place_points(panel, ends)[:, 1].mean()))
+    return round(float(np.mean(heights)), 4)
+
+
+def _is_dart(pattern: Pattern, seam: Seam) -> bool:
+    count = len(pattern.panel(seam.a.panel).edges)
+    apart = (seam.a.edge - seam.b.edge) % count
+    return seam.a.panel == seam.b.panel and apart in (1, count - 1)
+
+
+def _cloth(pieces: tuple[Piece, ...], homes: Sides, seam: Seam) -> frozenset[tuple[int, bool]]:
+    """Return the pieces of cloth on both sides of a seam: number, and whether it is the mirrored copy."""
+    sides = (*homes[seam.a], *homes[seam.b])
+    return frozenset((side.piece, side.mirrored and pieces[side.piece].pair) for side in sides)
+
+
+def _walk(pattern: Pattern, pieces: tuple[Piece, ...], homes: Sides, seam: Seam, step: int) -> SeamWalk:
+    sides = homes[seam.a], homes[seam.b][::-1] if seam.reversed else homes[seam.b]
+    lengths = [sum(edge_length(pieces[side.piece].net, side.edge) for side in one) for one in sides]
+    label = pattern.panel(seam.a.panel).edges[seam.a.edge].label
+    names = " / ".join(pieces[one[0].piece].name for one in sides)
+    return SeamWalk(label or names, step, sides, (lengths[0], lengths[1]), seam.gathered)

@@ -1,0 +1,124 @@
+"""What the files of one recovery hold, and how a limited process hands it over: as plain arrays."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..body import Body
+from ..run.records import read_record, write_record
+from ..run.sandbox import ReaderCrashed
+from ..scan import Pieces, describe_scan
+from . import Pattern, load_pattern
+
+MOST_LABELS = 50
+"""Labels that are listed of a scan."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the files of a request hold.
+
+    Attributes:
+        pieces: The garment, and the wearer's mesh where there is one.
+        body: The wearer, where its file is of SMPL's format and has its own skeleton; else None.
+        pattern: The base pattern, where it is a file; else None.
+        category: The garment's category where it is known from what else the person wears; else None.
+    """
+
+    pieces: Pieces
+    body: Body | None = None
+    pattern: Pattern | None = None
+    category: str | None = None
+
+
+def describe_reading(reading: Reading) -> dict[str, Any]:
+    """Return what was understood of the files, as JSON values."""
+    pieces = reading.pieces
+    garment, wearer = pieces.garment, pieces.wearer
+    labels = pieces.labels if pieces.labels is not None else garment.labels
+    found: dict[str, Any] = {"scan": describe_scan(garment)}
+    if labels is not None:
+        values, counts = np.unique(labels, return_counts=True)
+        pairs = zip(values.tolist(), counts.tolist(), strict=True)
+        found["labels"] = {str(value): count for value, count in list(pairs)[:MOST_LABELS]}
+    if wearer is not None:
+        found["body"] = describe_scan(wearer)
+    if reading.pattern is not None:
+        found["pattern"] = describe_pattern(reading.pattern)
+    return found
+
+
+def describe_pattern(pattern: Pattern) -> dict[str, Any]:
+    """Return a pattern's category and counts, as JSON values."""
+    return {"panels": len(pattern.panels), "seams": len(pattern.seams), "category": pattern.category}
+
+
+def check_pattern(source: str) -> dict[str, Any]:
+    """Read a pattern file in a limited process, and describe it.
+
+    Raises:
+        BadInput: where it is none.
+    """
+    return describe_pattern(load_pattern(Path(source)))
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A reading, and as JSON what its pattern's file held beyond the pattern."""
+
+    reading: Reading
+    extra: str = ""
+
+
+def save_reading(reading: Reading, path: Path) -> None:
+    """Write a reading as plain arrays."""
+    extra, pattern = "", reading.pattern
+    if pattern is not None:
+        extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
+    write_record(_Kept(reading, extra), path)
+
+
+def load_reading(path: Path) -> Reading:
+    """Read what `save_reading` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+
+    Raises:
+        ReaderCrashed: where it is something else.
+    """
+    kept = read_record(_Kept, path)
+    if kept.reading.pattern is None:
+        return kept.reading
+    try:
+        return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
+    except (ValueError, RecursionError) as error:
+        raise ReaderCrashed() from error
+
+
+@dataclass(frozen=True)
+class _GivenPattern:
+    """A pattern, and as JSON what its file held beyond it."""
+
+    pattern: Pattern
+    extra: str
+
+
+def save_given_pattern(pattern: Pattern, path: Path) -> None:
+    """Write a pattern that was read from a user's file as plain arrays."""
+    write_record(_GivenPattern(replace(pattern, extra={}), json.dumps(pattern.extra)), path)
+
+
+def load_given_pattern(path: Path) -> Pattern:
+    """Read what `save_given_pattern` wrote in a limited process, which is not believed.
+
+    Raises:
+        ReaderCrashed: where it is something else.
+    """
+    kept = read_record(_GivenPattern, path)
+    try:
+        return replace(kept.pattern, extra=json.loads(kept.extra))
+    except (ValueError, RecursionError) as error:
+        raise ReaderCrashed() from error

@@ -1,0 +1,118 @@
+"""The published vertex metrics, Chamfer and normal similarity, each with the floor that meshing alone puts under it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry import TriangleSurface
+
+SAMPLES_PER_SITE = 40
+"""Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a
+perfect hexagonal lattice, as even triangulations do; 16 gave 17 %, 64 give 9 % and take twice the time."""
+
+LLOYD_ITERATIONS = 8
+"""Sweeps that spread the imitated vertices: from then on the floor changes by less than 1 % a sweep."""
+
+
+MOST = 200_000
+"""Vertices of a mesh that ask for their nearest on the other; of a denser mesh every second, third, ... asks. The mean
+of a squared distance that varies by twice its size then scatters by 0.5 %."""
+
+
+@dataclass(frozen=True)
+class VertexCloud:
+    """Vertices of a mesh, and a tree in which the nearest of them is found; of a million that takes seconds.
+
+    Attributes:
+        points: Positions [m], shape [n, 3].
+        normals: Unit normals, shape [n, 3].
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Search tree, built when first asked for."""
+        return cKDTree(self.points)
+
+    @property
+    def askers(self) -> slice:
+        """Which vertices ask for their nearest on another mesh."""
+        return slice(None, None, -(-len(self.points) // MOST) or 1)
+
+
+def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float, float]:
+    """Measure Chamfer distance and normal similarity between two sets of vertices.
+
+    Equations: Chamfer = mean_s min_t |s - t|^2 + mean_t min_s |t - s|^2 (thesis eq. 3.8);
+    normals = mean_s (1 - <n_s, n_t>) + mean_t (1 - <n_t, n_s>), each with its closest vertex (thesis eq. 4.3).
+
+    **Deviation**: whether the two meshes face the same way is settled once, by vote over all vertices, since a mesh
+    wound inside out has the same shape; and the means over more than `MOST` vertices are over some of them, evenly
+    through their order.
+
+    Args:
+        source: Our vertices.
+        truth: The truth's vertices.
+
+    Returns:
+        Chamfer distance [m2] and normal similarity (0 is equal, 4 is opposite), both directions summed.
+    """
+    forward, backward = _match(source, truth), _match(truth, source)
+    chamfer = float(np.mean(forward[0] ** 2) + np.mean(backward[0] ** 2))
+    sign = orientation(forward[1])
+    return chamfer, float(2.0 - sign * np.mean(forward[1]) - sign * np.mean(backward[1]))
+
+
+def _match(source: VertexCloud, other: VertexCloud) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distance [m] from vertices to the nearest one of another mesh, and the cosine of their normals."""
+    distance, nearest = other.tree.query(source.points[source.askers])
+    return distance, np.einsum("ij,ij->i", source.normals[source.askers], other.normals[nearest])
+
+
+def orientation(cosines: np.ndarray) -> float:
+    """Settle by vote whether two surfaces are wound alike (1.0) or inside out (-1.0)."""
+    return -1.0 if np.sum(cosines < 0.0) > np.sum(cosines > 0.0) else 1.0
+
+
+def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.random.Generator) -> tuple[float, float]:
+    """Measure what two even triangulations of one surface score against each other.
+
+    No registration can be told from a perfect one below this value: on a plane with edges of length h it is
+    2 (5 / 36) h^2. Each triangulation is imitated by centroidal points; its normals are the averages over the
+    triangles around a vertex, taken as the samples that have the vertex among their three nearest.
+
+    Args:
+        surface: The surface.
+        vertex_count: Vertices of each triangulation.
+        generator: The source of chance.
+
+    Returns:
+        Floor of the Chamfer distance [m2] and of the normal similarity.
+    """
+    first = _spread(surface, vertex_count, generator)
+    second = _spread(surface, vertex_count, generator)
+    return chamfer_and_normals(first, second)
+
+
+def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
+    """Spread points evenly over a surface by Lloyd's sweeps; give them with their normals."""
+    samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
+    sites = samples[generator.permutation(len(samples))[:count]]
+    for _ in range(LLOYD_ITERATIONS):
+        _, owner = cKDTree(sites).query(samples)
+        size = np.bincount(owner, minlength=count)
+        mean = np.stack([np.bincount(owner, samples[:, k], count) for k in range(3)], axis=1)
+        sites = np.where(size[:, None] > 0, mean / np.maximum(size, 1)[:, None], sites)
+    sites = surface.closest(sites).foot
+    _, corners = cKDTree(sites).query(samples, k=min(3, count))
+    corner = np.asarray(corners).reshape(-1)
+    share = np.repeat(surface.face_normals[face], len(corner) // len(samples), axis=0)
+    total = np.stack([np.bincount(corner, share[:, k], count) for k in range(3)], axis=1)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return VertexCloud(sites, np.divide(total, length, out=np.zeros_like(total), where=length > 0.0))

@@ -1,0 +1,172 @@
+"""Compare two patterns panel by panel (the thesis' matcher): how unlike each pair is, and which panels have none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..garment import Panel, Pattern, load_pattern, panel_area, panel_outline
+from ..run.errors import BadInput
+from .matching import match_panels, turn_over
+from .outlines import fit_outline
+from .true_pattern import TruePanel, TruePattern
+from .turning import turning_distance
+
+SEGMENTS = 24
+"""Segments of each curve: the chord error on a 50 cm curve is 0.1 mm."""
+
+DRAWN_SEGMENTS = 12
+"""Segments of each curve that is drawn: its chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
+
+ROUNDING = 1e-6
+"""Turning distances that differ by less [rad] are equal: a panel that is its own mirror image is not turned over."""
+
+MM = 1e3
+
+
+class Pairing(StrEnum):
+    """Describe why two panels are compared."""
+
+    GIVEN = "given"
+    NAME = "name"
+    SHAPE = "shape"
+
+
+class PairsBad(BadInput):
+    """A pair names a panel that is not there, or one that is paired already; list the panels with templates show."""
+
+    code = "match.pairs_bad"
+
+
+@dataclass(frozen=True)
+class PanelDifference:
+    """Describe how two panels differ.
+
+    Attributes:
+        first, second: Their names.
+        paired_by: Why they are compared.
+        turning: Turning distance [rad], 0 for similar shapes (Arkin et al. 1991).
+        area_percent: How much larger the first is than the second [%].
+        outline_mm: RMS distance of the outlines after the best rigid fit [mm], the first turned over where that helps.
+        turned_over: Whether the first is turned over: x becomes -x, before it is moved.
+        angle: How far the best fit turns the first, counter-clockwise about the origin [rad].
+        shift: Where it brings the origin then [m].
+    """
+
+    first: str
+    second: str
+    paired_by: Pairing
+    turning: float
+    area_percent: float
+    outline_mm: float
+    turned_over: bool
+    angle: float
+    shift: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Describe how two patterns differ.
+
+    Attributes:
+        pairs: Each pair of panels, in the order of the second pattern.
+        only_first, only_second: Names of panels without a counterpart.
+    """
+
+    pairs: tuple[PanelDifference, ...]
+    only_first: tuple[str, ...]
+    only_second: tuple[str, ...]
+
+
+def compare_patterns(
+    first: Pattern, second: Pattern, given: Mapping[str, str] | None = None, only_given: bool = False
+) -> Comparison:
+    """Compare two patterns.
+
+    Args:
+        first: One pattern.
+        second: The other.
+        given: Names of the second's panels by the first's, for panels that stand for each other whatever their names
+            and shapes. The others are paired by name, then by shape (`match_panels`).
+        only_given: Pair no others.
+
+    Raises:
+        PairsBad: where a given pair names a panel that is not there, or one twice.
+    """
+    given = given or {}
+    _check_pairs(first, second, given)
+    pairs = [(a, b, Pairing.GIVEN) for a, b in given.items()]
+    ours = replace(first, panels=tuple(panel for panel in first.panels if panel.name not in given), seams=())
+    theirs = _as_truth(panel for panel in second.panels if panel.name not in given.values())
+    for pair in () if only_given else match_panels(ours, theirs):
+        pairs.append((pair.ours.name, pair.truth.name, Pairing.NAME if pair.by_name else Pairing.SHAPE))
+    places = {panel.name: place for place, panel in enumerate(second.panels)}
+    pairs.sort(key=lambda pair: places[pair[1]])
+    return Comparison(
+        tuple(_describe(first.panel(a), second.panel(b), why) for a, b, why in pairs),
+        tuple(panel.name for panel in first.panels if panel.name not in {a for a, _, _ in pairs}),
+        tuple(panel.name for panel in second.panels if panel.name not in {b for _, b, _ in pairs}),
+    )
+
+
+def compare_files(
+    first: str, second: str, given: Mapping[str, str], only_given: bool = False, outlines: bool = False
+) -> dict[str, Any]:
+    """Read two pattern files in a limited process, and compare them.
+
+    Args:
+        first, second: The files.
+        given, only_given: As `compare_patterns` has them.
+        outlines: Add each pattern's outlines, as `first_outlines` and `second_outlines`.
+
+    Raises:
+        BadInput: where one is none, or a given pair is bad.
+    """
+    patterns = [load_pattern(Path(first)), load_pattern(Path(second))]
+    found = asdict(compare_patterns(patterns[0], patterns[1], given, only_given))
+    if outlines:
+        for name, pattern in zip(("first_outlines", "second_outlines"), patterns, strict=True):
+            found[name] = {panel.name: draw_outline(panel) for panel in pattern.panels}
+    return found
+
+
+def draw_outline(panel: Panel) -> list[list[float]]:
+    """Return a panel's outline as points [m], to a thousandth of a millimetre."""
+    return [[round(x, 6), round(y, 6)] for x, y in panel_outline(panel, DRAWN_SEGMENTS).tolist()]
+
+
+def _check_pairs(first: Pattern, second: Pattern, given: Mapping[str, str]) -> None:
+    for names, pattern in ((list(given), first), (list(given.values()), second)):
+        known = [panel.name for panel in pattern.panels]
+        unknown = next((name for name in names if name not in known), None)
+        if unknown is not None:
+            raise PairsBad(
+                f"there is no panel '{unknown[:60]}' in '{pattern.name[:60]}'; there are {', '.join(known)}."
+            )
+        if len(set(names)) < len(names):
+            raise PairsBad(f"a panel of '{pattern.name[:60]}' is paired twice; give each at most one counterpart.")
+
+
+def _as_truth(panels: Iterable[Panel]) -> TruePattern:
+    """Return panels as those of a pattern that others are compared with."""
+    return TruePattern(tuple(TruePanel(panel.name, panel_outline(panel, SEGMENTS)) for panel in panels))
+
+
+def _describe(first: Panel, second: Panel, why: Pairing) -> PanelDifference:
+    """Compare two panels by their outlines, the first turned over where it then turns more alike."""
+    ours, theirs = panel_outline(first, SEGMENTS), panel_outline(second, SEGMENTS)
+    turning, over = turning_distance(ours, theirs), turning_distance(turn_over(ours), theirs)
+    is_over = over < turning - ROUNDING
+    if is_over:
+        turning, ours = over, turn_over(ours)
+    area = 100.0 * (panel_area(first) / panel_area(second) - 1.0)
+    fit = fit_outline(ours, theirs)
+    rotation, shift = fit.motion.rotation, fit.motion.translation
+    angle = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+    names, place = (first.name, second.name), (float(shift[0]), float(shift[1]))
+    return PanelDifference(*names, why, turning, area, MM * fit.rms, is_over, angle, place)

@@ -1,0 +1,187 @@
+"""Compare the shape of a drape's open contours with the scan's: a wrong part shows in it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..body import JOINTS, PARENTS, Body
+from ..garment import Garment
+from ..garment.neckline_fit import NecklineFit, fit_necklines
+from ..garment.parts import Neckline, corner_turn
+from ..geometry import ClosedCurve, resample_polyline, rim_turns
+from ..scan.contours import Contour, Target, smooth_loop, unroll_neck
+from ..scan.contours.edge_turn import EdgeTurn
+
+CORNER_SPAN = 0.012
+"""Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a
+coarse mesh. A round neckline of 7 cm radius turns by 20 degrees there."""
+
+ASIDE = 0.015
+"""How far from the middle plane a pattern's corner is looked for [m]: a drape hangs aside by as much as an edge of a
+coarse mesh. The corners of a square are further away."""
+
+FINE = 400
+"""Parts of half a neckline between which distances are taken: less than 1 mm each."""
+
+AROUND = 72
+"""Directions in which an edge's place along its limb is read."""
+
+WINDOW = np.radians(60.0)
+"""Width over which such places are averaged [rad]: wider than the folds of a hem, which fall elsewhere in each drape,
+and narrower than a dip of front, back or side."""
+
+NEAR = 0.04
+"""How far from a corner of the scan's edge the drape's is looked for [m]: a drape hangs aside by as much, and corners
+of one edge are twice as far apart."""
+
+MM = 1e3
+
+
+def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
+    """Measure how unlike a drape's open contours are to the scan's, each unrolled into the plane.
+
+    Args:
+        garment: The recovered pattern, meshed and sewn; gives the contours, not the nodes.
+        nodes: Its drape [m], shape [node_count, 3].
+        target: The scan's surface; of its contours those count that can be trusted.
+        body: The wearer.
+
+    Returns:
+        `shape.neck_corner_deg`: difference of the corners in the middle of the pattern's neckline and of the scan's, in
+        front or behind, whichever is more. The pattern's is measured in the flat cloth, so that no drape bends it; the
+        scan's is that of the straight V of its width and depth where its line is nearest to a V, for worn cloth bows
+        what was cut straight, and none where it is nearest to another neckline. `shape.neck_mm`: the largest distance
+        of the two lines of the neck, unrolled. `shape.NAME_mm` of any other contour: the largest distance along the
+        limb or trunk that it goes round. `shape.edge_corner_deg`: of the corners that the scan's other edges have in
+        their cloth, by how much the pattern's edge turns less within `NEAR` of it, the most; 0 where they have none.
+        Edges that turn elsewhere, too, as cut and noisy ones do, say nothing.
+        What either has not is left out.
+    """
+    found: dict[str, float | None] = {}
+    missed: list[float] = []
+    ours = {contour.name: nodes[contour.vertices] for contour in garment.contours}
+    for contour in target.contours:
+        if not contour.trusted or contour.name not in ours:
+            continue
+        mine, theirs = ours[contour.name], target.vertices[contour.vertices]
+        if contour.name == "neck":
+            found |= _compare_necks(mine, theirs, body)
+            found |= _compare_corners(garment, nodes, target, body)
+        else:
+            found[f"shape.{contour.name}_mm"] = MM * _compare_edges(mine, theirs, _axis(contour, body))
+            missed += _missed_corners(garment, nodes, target, contour)
+    if missed:
+        found["shape.edge_corner_deg"] = float(np.degrees(max(missed)))
+    return found
+
+
+def _compare_necks(mine: np.ndarray, theirs: np.ndarray, body: Body) -> dict[str, float | None]:
+    """Return the largest distance of two neck contours, each unrolled in front and behind."""
+    lines, others = unroll_neck(mine, body), unroll_neck(theirs, body)
+    if lines is None or others is None:
+        return {}
+    pairs = ((lines.front, others.front), (lines.back, others.back))
+    return {"shape.neck_mm": MM * max(_largest_gap(one, two) for pair in pairs for one, two in (pair, pair[::-1]))}
+
+
+def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
+    """Return by how much the corners in the middle of a pattern's neckline and of a scan's differ."""
+    fits = fit_necklines(target, body)
+    if fits is None:
+        return {}
+    loop = next(contour.vertices for contour in garment.contours if contour.name == "neck")
+    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    off, ahead = nodes[loop] @ lateral, nodes[loop] @ np.cross(lateral, (0.0, 1.0, 0.0))
+    off = np.abs(off - (off.max() + off.min()) / 2) / np.linalg.norm(lateral)
+    apart = []
+    for side, fit in ((ahead > ahead.mean(), fits.front[0]), (ahead <= ahead.mean(), fits.back[0])):
+        near = np.flatnonzero(side & (off <= max(ASIDE, off[side].min())))
+        turn = max(flat_turn(garment, loop, int(node)) for node in near)
+        apart.append(abs(turn - _corner(fit)))
+    return {"shape.neck_corner_deg": float(np.degrees(max(apart)))}
+
+
+def _corner(fit: NecklineFit) -> float:
+    """Return the corner in the middle of the neckline that is nearest to a contour [rad]."""
+    if fit.throat.kind is not Neckline.V:
+        return 0.0
+    return corner_turn(replace(fit.throat, bow=0.0), fit.half_width)
+
+
+def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
+    """Return by how much an open edge turns in the flat cloth within `CORNER_SPAN` of one of its nodes [rad], >= 0.
+
+    At a node of a border the edge turns by pi less the sum of the angles of the flat triangles there: also where a
+    seam ends, whatever the panels' places.
+
+    Args:
+        garment: The pattern, meshed and sewn.
+        loop: Nodes along the edge, closed.
+        middle: Which of them.
+    """
+    order = np.roll(loop, -middle)
+    arc = ClosedCurve(garment.nodes[order]).arc
+    within = np.minimum(arc[:-1], arc[-1] - arc[:-1]) < CORNER_SPAN
+    return abs(float(_flat_turns(garment, order)[within].sum()))
+
+
+def _flat_turns(garment: Garment, loop: np.ndarray) -> np.ndarray:
+    """Return by how much an open edge turns in the flat cloth at each of its nodes [rad], shape [n]."""
+    flat = np.c_[garment.uv, np.zeros(len(garment.uv))]
+    return rim_turns(flat[garment.uv_faces], garment.faces, loop)
+
+
+def _missed_corners(garment: Garment, nodes: np.ndarray, target: Target, contour: Contour) -> list[float]:
+    """Return by how much a pattern's edge turns less than a scan's [rad], at each corner of that, and 0.
+
+    Nothing where the scan's edge is too rough to have corners.
+    """
+    seen = EdgeTurn.of_target(contour, target)
+    corners = seen.corners()
+    if not seen.is_clear(corners):
+        return []
+    loop = next(own.vertices for own in garment.contours if own.name == contour.name)
+    ours, missed = EdgeTurn.of(nodes[loop], _flat_turns(garment, loop)), [0.0]
+    for place in corners:
+        turn, away = float(seen.turn[place]), np.linalg.norm(ours.points - seen.points[place], axis=1)
+        alike = np.sign(turn) * ours.turn[away <= max(NEAR, away.min())]
+        missed.append(abs(turn) - max(0.0, float(alike.max())))
+    return missed
+
+
+def _largest_gap(line: np.ndarray, other: np.ndarray) -> float:
+    """Return the largest distance of a line's points from another line [m]."""
+    fine = resample_polyline(other, 1 + FINE)
+    return float(np.linalg.norm(line[:, None] - fine[None], axis=2).min(axis=1).max())
+
+
+def _axis(contour: Contour, body: Body) -> np.ndarray:
+    """Return the unit direction of the limb that a contour goes round; upwards for trunk, waist and hem."""
+    side = contour.name.partition(".")[2]
+    bones = [bone for bone in contour.bones if side and bone.startswith(side)]
+    if not bones:
+        return np.array([0.0, 1.0, 0.0])
+    index = JOINTS.index(bones[-1])
+    way = body.joints[PARENTS[index]] - body.joints[index]
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9))
+
+
+def _compare_edges(mine: np.ndarray, theirs: np.ndarray, axis: np.ndarray) -> float:
+    """Return the largest distance of two closed edges along an axis, folds averaged away [m]."""
+    seen = smooth_loop(theirs)
+    places = [_places(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mine), seen)]
+    return float(np.abs(places[0] - places[1]).max())
+
+
+def _places(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Return a closed line's places along an axis [m] in directions around it, shape [AROUND]."""
+    off = loop - origin
+    across = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    across /= np.linalg.norm(across)
+    angle = np.arctan2(off @ np.cross(axis, across), off @ across)
+    wanted = np.arange(AROUND) * (2 * np.pi / AROUND)
+    apart = np.abs((angle[None] - wanted[:, None] + np.pi) % (2 * np.pi) - np.pi)
+    weight = np.maximum(0.0, 1.0 - apart / WINDOW) + 1e-9
+    return np.asarray(weight @ (off @ axis) / weight.sum(axis=1))

@@ -1,0 +1,58 @@
+"""Distances between the open contours of two surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..geometry import ClosedCurve
+from ..scan.contours import Contour, find_loops
+
+CONTOUR_SAMPLES = 500
+"""Points along each loop: 2 mm apart on a wide hem, far below what a contour error is judged by."""
+
+
+def loop_rms(first: np.ndarray, second: np.ndarray) -> float:
+    """Measure the larger RMS distance [m] of two closed loops, from arc-length samples of each to the other."""
+    one, other = ClosedCurve(first), ClosedCurve(second)
+    forward = other.distance(one.resample(CONTOUR_SAMPLES))
+    backward = one.distance(other.resample(CONTOUR_SAMPLES))
+    return float(max(np.sqrt(np.mean(forward**2)), np.sqrt(np.mean(backward**2))))
+
+
+def contour_rms(
+    nodes: np.ndarray, contours: Sequence[Contour], truth_vertices: np.ndarray, truth_contours: Sequence[Contour]
+) -> dict[str, float]:
+    """Measure the RMS distance [m] of every trusted contour of the truth that ours has too, by name."""
+    ours = {contour.name: nodes[contour.vertices] for contour in contours}
+    return {
+        contour.name: loop_rms(ours[contour.name], truth_vertices[contour.vertices])
+        for contour in truth_contours
+        if contour.trusted and contour.name in ours
+    }
+
+
+def carry_contours(
+    contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
+) -> tuple[Contour, ...]:
+    """Find named contours on another mesh of the same surface: each goes to the boundary loop nearest to it.
+
+    Args:
+        contours: Named contours, indices into `positions`.
+        positions: Vertices of the mesh that has the names [m], shape [n, 3].
+        vertices: Vertices of the mesh that gets them [m], shape [m, 3].
+        faces: Its faces, shape [face_count, 3].
+
+    Returns:
+        The contours with indices into `vertices`; untrusted ones too.
+    """
+    loops = find_loops(faces)
+    carried = []
+    for contour in contours:
+        curve = positions[contour.vertices]
+        if loops:
+            nearest = min(loops, key=lambda loop: loop_rms(curve, vertices[loop]))
+            carried.append(replace(contour, vertices=nearest))
+    return tuple(carried)

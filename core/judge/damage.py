@@ -1,0 +1,119 @@
+"""Damage a target as scanners and exporters do, so that `garmentq bench --damage` can say what a recovery stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import face_areas
+
+Mesh = tuple[np.ndarray, np.ndarray]
+
+HOLE_RADII = (0.02, 0.05)
+"""Radii of holes [m]: an armpit's shadow and the largest patch that a hand or a lock of hair hides."""
+OUTLIER = 0.05
+"""Distance of an outlier from its place [m], in a random direction: stray points further off form pieces of their own,
+which every scanner's software drops."""
+CUT = 0.08
+"""Height by which a hem is cut off [m], and `TILT` the slope of the cut: a scanner's frame is not level."""
+TILT = 0.1
+
+
+@dataclass(frozen=True)
+class Damage:
+    """Name one damage and what it does.
+
+    Attributes:
+        name: Stable name, `noise_5mm`.
+        text: What it does, for a table.
+        apply: From positions [m], faces and a generator to the damaged mesh.
+        moves_body: True where the file of the wearer's body is damaged alike: units and axes are a scene's.
+    """
+
+    name: str
+    text: str
+    apply: Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]
+    moves_body: bool = False
+
+
+def add_noise(deviation: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
+    """Move every vertex by Gaussian noise of a deviation [m] in each coordinate (thesis 4.3.4)."""
+
+    def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+        return vertices + rng.normal(0.0, deviation, vertices.shape), faces
+
+    return apply
+
+
+def cut_holes(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
+    """Remove the faces within balls around random places, until a share of the area is gone."""
+
+    def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+        area, centres = face_areas(vertices, faces), vertices[faces].mean(axis=1)
+        kept = np.ones(len(faces), bool)
+        while area[~kept].sum() < share * area.sum():
+            place = centres[rng.choice(len(faces), p=area / area.sum())]
+            kept &= np.linalg.norm(centres - place, axis=1) > rng.uniform(*HOLE_RADII)
+        return vertices, faces[kept]
+
+    return apply
+
+
+def throw_outliers(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
+    """Move a share of the vertices by `OUTLIER` in random directions."""
+
+    def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+        moved = rng.random(len(vertices)) < share
+        away = rng.standard_normal((int(moved.sum()), 3))
+        vertices = vertices.copy()
+        vertices[moved] += OUTLIER * away / np.linalg.norm(away, axis=1, keepdims=True)
+        return vertices, faces
+
+    return apply
+
+
+def flip_faces(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
+    """Turn a share of the faces, drawn one by one; 1 turns all."""
+
+    def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+        turned = rng.random(len(faces)) < share
+        return vertices, np.where(turned[:, None], faces[:, ::-1], faces)
+
+    return apply
+
+
+def cut_hem(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+    """Remove the faces below a plane `CUT` above the lowest point, sloping by `TILT` to a random side."""
+    side = rng.uniform(0.0, 2.0 * np.pi)
+    middle = vertices.mean(axis=0)
+    lean = TILT * ((vertices[:, 0] - middle[0]) * np.cos(side) + (vertices[:, 2] - middle[2]) * np.sin(side))
+    above = vertices[:, 1] - vertices[:, 1].min() - lean > CUT
+    return vertices, faces[above[faces].any(axis=1)]
+
+
+def to_centimetres(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+    """Return the file's numbers in centimetres."""
+    return 100.0 * vertices, faces
+
+
+def to_z_up(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
+    """Return the file's axes with z up: (x, y, z) becomes (x, -z, y)."""
+    return np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], axis=1), faces
+
+
+DAMAGES = (
+    Damage("clean", "nothing", lambda vertices, faces, rng: (vertices, faces)),
+    Damage("noise_5mm", "Gaussian noise of 5 mm in every coordinate", add_noise(0.005)),
+    Damage("noise_10mm", "Gaussian noise of 10 mm in every coordinate", add_noise(0.010)),
+    Damage("holes_5", "5 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.05)),
+    Damage("holes_10", "10 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.10)),
+    Damage("outliers_3", "3 % of the vertices thrown 5 cm away", throw_outliers(0.03)),
+    Damage("flipped_all", "all faces turned", flip_faces(1.0)),
+    Damage("flipped_30", "30 % of the faces turned at random", flip_faces(0.3)),
+    Damage("hem_cut", "the lowest 8 cm cut off along a sloping plane", cut_hem),
+    Damage("cm", "numbers in centimetres", to_centimetres, moves_body=True),
+    Damage("z_up", "z axis up", to_z_up, moves_body=True),
+)
+"""Every damage of the study; the first is none."""

@@ -1,0 +1,212 @@
+"""Measure how well the recovered meshes fit the truth, in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import ExposedSurface
+from ..garment import Garment
+from ..garment.meshes import Meshes
+from ..geometry import (
+    Closest,
+    Rim,
+    TriangleSurface,
+    corner_angles,
+    deformation_gradients,
+    principal_stretches,
+    self_intersections,
+)
+from ..scan.contours import Contour
+from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
+from .contours import contour_rms
+from .crossings import count_crossings
+from .penetration import measure_penetration
+
+SURFACE_SAMPLES = 50_000
+"""Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
+
+MM = 1e3
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What recovered meshes are measured against.
+
+    Attributes:
+        vertices: The truth's own vertices, not repaired [m], shape [n, 3].
+        faces: The truth's faces, shape [m, 3].
+        contours: Named contours, indices into `vertices`; only trusted ones are measured.
+        skin: The wearer's exposed skin, which must not be penetrated, or None.
+        seed: Seeds the samples and the floor.
+        samples: Surface samples per direction.
+        hidden: True at the vertices of the truth's border beyond which the garment may go on, bool, shape [n]; what of
+            ours lies there is not measured against the truth. None: nowhere.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    contours: Sequence[Contour] = ()
+    skin: ExposedSurface | None = None
+    seed: int = 0
+    samples: int = SURFACE_SAMPLES
+    hidden: np.ndarray | None = None
+
+    @cached_property
+    def surface(self) -> TriangleSurface:
+        """The truth's surface; its search tree, which takes seconds for a million faces, is built once."""
+        return TriangleSurface(self.vertices, self.faces)
+
+    @cached_property
+    def rim(self) -> Rim | None:
+        """The border beyond which the garment may go on, or None."""
+        return None if self.hidden is None else Rim.between(self.surface.faces, self.hidden)
+
+    def has_counterpart(self, points: Closest) -> np.ndarray:
+        """Find which points the truth can be held against, by its points that are closest to them, shape [n]."""
+        if self.rim is None:
+            return np.ones(len(points.face), bool)
+        return ~self.rim.lies_ahead(self.surface, points)
+
+    @cached_property
+    def middles(self) -> np.ndarray:
+        """The middles of the truth's faces [m], shape [face_count, 3]."""
+        return np.asarray(self.surface.vertices[self.surface.faces].mean(axis=1))
+
+    def crossing_distance(self, points: np.ndarray, reach: float) -> np.ndarray:
+        """Return how far points are from the truth's nearest face that crosses another [m]; more than reach beyond it.
+
+        A face that crosses one whose middle lies within reach has its own no further off than reach and both radii, so
+        of a fine scan no others are looked at.
+        """
+        if not len(points):
+            return np.zeros(0)
+        away = cKDTree(points).query(self.middles, distance_upper_bound=2.0 * reach)[0]
+        near = np.flatnonzero(away <= 2.0 * reach)
+        away, middles, faces = away[near], self.middles[near], self.surface.faces[near]
+        radius = np.linalg.norm(self.surface.vertices[faces] - middles[:, None], axis=2).max(axis=1, initial=0.0)
+        may_cross = away <= reach + radius + radius[away <= reach].max(initial=0.0)
+        crossing = self_intersections(self.surface.vertices, faces[may_cross])
+        if not len(crossing):
+            return np.full(len(points), np.inf)
+        return np.asarray(cKDTree(middles[may_cross][crossing]).query(points)[0])
+
+    @cached_property
+    def cloud(self) -> VertexCloud:
+        """The truth's vertices with their normals and search tree."""
+        used = _used_vertices(self.surface)
+        return VertexCloud(self.vertices[used], self.surface.vertex_normals[used])
+
+
+def _used_vertices(surface: TriangleSurface) -> np.ndarray:
+    """Return the vertices that faces use: no others are part of a surface, neither ours nor the truth's."""
+    return np.flatnonzero(np.bincount(surface.faces.ravel(), minlength=len(surface.vertices)))
+
+
+def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str, float | None]:
+    """Measure the detail mesh, and with a prefix: simulation mesh `sim.`, re-draped `redrape.`, graded drape `graded.`.
+
+    Args:
+        garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours, not nodes.
+        meshes: Its nodes.
+        truth: What to measure against.
+
+    Returns:
+        Flat dotted names to numbers, units in the name; None where a metric does not apply.
+    """
+    found: dict[str, float | None] = {"vertices": float(len(meshes.detail)), "faces": float(len(garment.faces))}
+    found |= _measure_mesh(garment, meshes.detail, truth)
+    floors = meshing_floor(truth.surface, len(meshes.detail), np.random.default_rng(truth.seed))
+    found["chamfer_vertex_floor_m2e3"] = 1e3 * floors[0]
+    found["normal_cosine_floor"] = floors[1]
+    for prefix, nodes in (("sim.", meshes.simulation), ("redrape.", meshes.redraped)):
+        if nodes is not None:
+            draped = _measure_mesh(garment, nodes, truth)
+            found |= {prefix + name: value for name, value in draped.items()}
+    graded = _measure_place(garment, meshes.graded, truth)
+    graded |= count_crossings(meshes.graded, garment.faces, truth.skin)
+    graded |= measure_penetration(meshes.graded, garment.faces, truth.skin)
+    found |= {f"graded.{name}": value for name, value in graded.items()}
+    return dict(sorted(found.items()))
+
+
+def measure_distance(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    truth_vertices: np.ndarray,
+    truth_faces: np.ndarray,
+    seed: int = 0,
+    samples: int = SURFACE_SAMPLES,
+) -> dict[str, float | None]:
+    """Measure the distance between two surfaces, both ways, from area-uniform samples to the exact other surface.
+
+    s2t is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s.
+    """
+    truth = Reference(truth_vertices, truth_faces, seed=seed, samples=samples)
+    return _measure_distance(TriangleSurface(vertices, faces), truth)
+
+
+def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, float | None]:
+    generator = np.random.default_rng(truth.seed)
+    mine, theirs = (surface.sample(truth.samples, generator)[0] for surface in (ours, truth.surface))
+    near = truth.surface.closest(mine)
+    there = truth.has_counterpart(near)
+    if not there.any():  # nothing of ours lies where the truth is known
+        there[:] = True
+    distances = {"s2t": near.distance[there], "t2s": ours.distance(theirs)}
+    found: dict[str, float | None] = {}
+    for way, distance in distances.items():
+        found[f"surface_rms_mm.{way}"] = MM * float(np.sqrt(np.mean(distance**2)))
+        found[f"surface_p95_mm.{way}"] = MM * float(np.quantile(distance, 0.95))
+    found["hausdorff_mm"] = MM * float(max(distance.max() for distance in distances.values()))
+    if truth.rim is not None:
+        found["hidden_percent"] = 100.0 * (1.0 - float(np.mean(truth.has_counterpart(near))))
+    return found
+
+
+def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
+    """Return every metric of one mesh that has the garment's topology."""
+    faces = garment.faces
+    ours = TriangleSurface(nodes, faces)
+    used = _used_vertices(ours)
+    if truth.rim is not None:
+        there = truth.has_counterpart(truth.surface.closest(nodes[used]))
+        used = used[there] if there.any() else used
+    chamfer, cosine = chamfer_and_normals(VertexCloud(nodes[used], ours.vertex_normals[used]), truth.cloud)
+    found: dict[str, float | None] = {"chamfer_vertex_m2e3": 1e3 * chamfer, "normal_cosine": cosine}
+    found |= _measure_place(garment, nodes, truth)
+    stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
+    found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
+    found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
+    found["flipped_faces"] = float(count_flipped(nodes, faces, truth))
+    found |= count_crossings(nodes, faces, truth.skin)
+    found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
+    return found | measure_penetration(nodes, faces, truth.skin)
+
+
+def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
+    """Return how far surface and contours are from the truth's."""
+    ours = TriangleSurface(nodes, garment.faces)
+    found = _measure_distance(ours, truth)
+    contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
+    return found | {f"contour_rms_mm.{name}": MM * value for name, value in contours.items()}
+
+
+def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> int:
+    """Count faces whose normal points against the truth's at the point closest to their centre.
+
+    Which way the truth as a whole is wound is settled by vote first. Faces within an edge of where the truth passes
+    through itself, as scans of cloth between the thighs do, are left out: a mesh that does not cross has to lie on the
+    other side of one of its layers there.
+    """
+    ours, centres = TriangleSurface(vertices, faces), vertices[faces].mean(axis=1)
+    closest = truth.surface.closest(centres)
+    cosines = np.einsum("ij,ij->i", ours.face_normals, truth.surface.face_normals[closest.face])
+    there = truth.has_counterpart(closest)
+    against = centres[there][orientation(cosines[there]) * cosines[there] < 0.0]
+    edge = float(np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean())
+    return int(np.sum(truth.crossing_distance(against, edge) >= edge))

@@ -1,0 +1,36 @@
+"""What a fit knows of cloth and pattern, as flat numbers that a database finds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..cloth import FabricEstimate
+
+MM = 1e3
+
+
+def measure_knowledge(
+    estimates: Sequence[FabricEstimate], point_std: np.ndarray | None = None
+) -> dict[str, float | None]:
+    """Return what is known of each parameter of the cloth, and how well the control points are.
+
+    Args:
+        estimates: What the fit found; empty where the method fits none.
+        point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
+
+    Returns:
+        `fabric.NAME` in N/m, N m or kg/m2, None where it is not identifiable: then it is no finding;
+        `fabric.NAME.std`, of the natural logarithm; `fabric.NAME.identifiable`, 1 or 0;
+        `pattern.point_std_mm.mean` and `.max`.
+    """
+    found: dict[str, float | None] = {}
+    for each in estimates:
+        found[f"fabric.{each.name}"] = each.value if each.identifiable else None
+        found[f"fabric.{each.name}.std"] = each.std
+        found[f"fabric.{each.name}.identifiable"] = float(each.identifiable)
+    if point_std is not None:
+        found["pattern.point_std_mm.mean"] = MM * float(point_std.mean())
+        found["pattern.point_std_mm.max"] = MM * float(point_std.max())
+    return found

@@ -1,0 +1,37 @@
+"""Measure whether a pattern's openings and lengths can be those of a garment that a human wears."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..garment import Pattern, flat_contours
+
+GIRTHS = {
+    "neck": (0.25, 1.60),
+    "armhole": (0.20, 1.20),
+    "cuff": (0.12, 1.20),
+    "waist": (0.35, 2.00),
+    "hem": (0.35, 12.0),
+    "leg": (0.15, 2.50),
+}
+"""Least and greatest flat length of each kind of open contour [m]: around a baby's neck, arm, wrist, waist and ankle,
+and around the shoulders, the largest waist that shops sell, or a full circle to the floor."""
+
+LENGTH = (0.08, 2.20)
+"""Least and greatest length of a garment's longest panel [m]: a baby's skirt and a gown with a train lie
+within."""
+
+
+def measure_plausibility(pattern: Pattern) -> dict[str, float | None]:
+    """Measure by how much a pattern leaves the measures of human wearers.
+
+    `pattern.beyond_human` is the largest ratio by which the flat length of an open contour, or of the longest panel,
+    is below the least or above the greatest there is; up to 1 nothing is.
+    """
+    longest = max(float(np.ptp(panel.points, axis=0).max()) for panel in pattern.panels)
+    sizes = [(longest, LENGTH)]
+    for name, length in flat_contours(pattern).items():
+        known = GIRTHS.get(name.partition(".")[0])
+        if known is not None and length > 0.0:
+            sizes.append((length, known))
+    return {"pattern.beyond_human": max(max(low / size, size / high) for size, (low, high) in sizes)}

@@ -1,0 +1,44 @@
+"""Bring what was found in a raw scan into the frame of its truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import fit_rigid
+from ..scan.raw import RawScan
+
+
+@dataclass(frozen=True)
+class TruthFrame:
+    """The way from the coordinates of a `RawScan` to those of the truth, both in metres.
+
+    Attributes:
+        rotation: R, shape [3, 3].
+        shift: t [m], shape [3].
+        error: RMS distance of the scan's points from where the truth has them [m]: what the reader moved.
+    """
+
+    rotation: np.ndarray
+    shift: np.ndarray
+    error: float
+
+    def apply(self, points: np.ndarray) -> np.ndarray:
+        """Move positions [m], shape [n, 3]."""
+        return np.asarray(points @ self.rotation.T + self.shift)
+
+
+def find_frame(raw: RawScan, true_points: np.ndarray) -> TruthFrame:
+    """Find the motion between a scan as it was read and its truth, from the points themselves.
+
+    Args:
+        raw: The scan as it was read.
+        true_points: Each point of the file in the truth's frame [m], shape [file_count, 3].
+    """
+    kept = np.flatnonzero(raw.place >= 0)
+    ours, truth = raw.points[raw.place[kept]], true_points[kept]
+    motion = fit_rigid(ours, truth)
+    frame = TruthFrame(motion.rotation, motion.translation, 0.0)
+    error = np.sqrt(np.mean(np.sum((frame.apply(ours) - truth) ** 2, axis=1)))
+    return TruthFrame(frame.rotation, frame.shift, float(error))

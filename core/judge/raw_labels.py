@@ -1,0 +1,93 @@
+"""Measure the labels of a raw scan against the true ones: overlap of the parts, and what the confidence is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..people import GARMENTS, Part
+
+PEOPLE = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
+"""The parts that count: what is no person is left out, wherever it is so in truth."""
+
+SURE = 0.9
+"""From this confidence on a point is called sure."""
+
+BINS = 15
+"""Of equal width, as the expected calibration error is usually stated (Guo et al. 2017)."""
+
+
+@dataclass(frozen=True)
+class LabelScore:
+    """Compare labels with the true ones, over the points that belong to the person in truth.
+
+    Attributes:
+        accuracy: Share of the points whose part is right.
+        cloth_iou: Overlap of all garments together against the rest.
+        part_iou: Overlap of each part that is there in truth, or was found, by its word.
+        mean_iou: Unweighted mean of `part_iou`.
+    """
+
+    accuracy: float
+    cloth_iou: float | None
+    part_iou: dict[str, float]
+    mean_iou: float
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Compare the confidence of labels with how often they are right.
+
+    Attributes:
+        error: Expected calibration error: mean over `BINS` bins of |share right - mean confidence|, weighted by points.
+        sure: Share of the points at `SURE` or above.
+        sure_right: Share of these that are right; None where there are none.
+        least_sure_right: Share of the others that are right; None likewise.
+    """
+
+    error: float
+    sure: float
+    sure_right: float | None
+    least_sure_right: float | None
+
+
+def measure_labels(truth: np.ndarray, found: np.ndarray) -> LabelScore:
+    """Measure labels, shape [n], against the true ones, shape [n]; intersection over union counts points."""
+    person = truth != Part.OTHER
+    truth, found = truth[person], found[person]
+    parts = {part.word: overlap for part in PEOPLE if (overlap := measure_overlap(truth, found, (part,))) is not None}
+    return LabelScore(
+        accuracy=float(np.mean(truth == found)),
+        cloth_iou=measure_overlap(truth, found, GARMENTS),
+        part_iou=parts,
+        mean_iou=float(np.mean(list(parts.values()))) if parts else 0.0,
+    )
+
+
+def measure_overlap(truth: np.ndarray, found: np.ndarray, parts: Iterable[int]) -> float | None:
+    """Measure the intersection over union of some parts taken together; None where neither labelling has them."""
+    wanted = [int(part) for part in parts]
+    one, other = np.isin(truth, wanted), np.isin(found, wanted)
+    either = int(np.sum(one | other))
+    return float(np.sum(one & other) / either) if either else None
+
+
+def measure_calibration(truth: np.ndarray, found: np.ndarray, confidence: np.ndarray) -> Calibration:
+    """Measure the confidence of labels, 0 to 1, shape [n]."""
+    right = truth == found
+    place = np.clip((confidence * BINS).astype(int), 0, BINS - 1)
+    count = np.bincount(place, minlength=BINS)
+    gap = np.bincount(place, right, BINS) - np.bincount(place, confidence, BINS)
+    sure = confidence >= SURE
+
+    def share(mask: np.ndarray) -> float | None:
+        return float(right[mask].mean()) if mask.any() else None
+
+    return Calibration(
+        error=float(np.abs(gap).sum() / max(1, count.sum())),
+        sure=float(sure.mean()),
+        sure_right=share(sure),
+        least_sure_right=share(~sure),
+    )

@@ -1,0 +1,40 @@
+"""Judge what became of one raw scan: the right garments, a refusal, a doubt, or a wrong answer that nobody notices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+
+from ..people import Part
+
+FOUND = 0.5
+"""A garment counts as found from this overlap with its true points: below it most of what is recovered is not it."""
+
+
+class Outcome(Enum):
+    """Name what became of a scan; only `WRONG` misleads."""
+
+    RIGHT = "right"
+    DOUBTFUL = "doubtful"
+    REFUSED = "refused"
+    WRONG = "wrong"
+
+
+def judge_outcome(
+    truth: Mapping[Part, str], found: Mapping[Part, str], overlaps: Mapping[str, float], code: str | None, refused: bool
+) -> Outcome:
+    """Judge one separation.
+
+    Args:
+        truth: Category of each garment that is worn.
+        found: Category of each garment that was found.
+        overlaps: Intersection over union of each part by its word.
+        code: Of the refusal, or of the doubt that the separation has about itself; None where it is sure.
+        refused: Whether nothing was delivered.
+    """
+    if refused:
+        return Outcome.REFUSED
+    if code is not None:
+        return Outcome.DOUBTFUL
+    right = dict(truth) == dict(found) and all(overlaps.get(part.word, 0.0) >= FOUND for part in truth)
+    return Outcome.RIGHT if right else Outcome.WRONG

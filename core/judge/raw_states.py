@@ -1,0 +1,130 @@
+"""Worsen a raw scan as other scanners and exporters would, so that the bench can say what the separation stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry import TriangleSurface
+from ..scan.repair import repair_surface
+from .damage import HOLE_RADII, cut_holes
+from .raw_file import RawFile
+
+NOISE = 0.005
+"""Standard deviation of the noise in each coordinate [m]: five times a studio scanner's, a phone's at arm's length."""
+
+HOLES = 0.10
+"""Share of the surface that is lost in the state with holes."""
+
+FEW = 10_000
+"""Vertices of a scan that was decimated for the web."""
+
+CLOUD = 50_000
+"""Points of a cloud: a person then has one every 6 mm."""
+
+
+@dataclass(frozen=True)
+class State:
+    """Name one state of a raw scan.
+
+    Attributes:
+        name: Stable name, `noise_5mm`.
+        text: What is done, for a table.
+        apply: From the file, with positions in metres, its labels and a generator, to the worse file and its labels.
+    """
+
+    name: str
+    text: str
+    apply: Callable[[RawFile, np.ndarray, np.random.Generator], tuple[RawFile, np.ndarray]]
+
+
+def worsen(raw: RawFile, labels: np.ndarray, state: State, metre: float, seed: int = 0) -> tuple[RawFile, np.ndarray]:
+    """Bring a file into a state; the same seed gives the same file.
+
+    Args:
+        raw: The scan as it is.
+        labels: True label of each of its points, shape [n].
+        state: What to do to it.
+        metre: Metres in one unit of the file.
+        seed: Seeds what is drawn.
+    """
+    in_metres = replace(raw, points=metre * raw.points)
+    worse, kept = state.apply(in_metres, labels, np.random.default_rng(seed))
+    return replace(worse, points=worse.points / metre), kept
+
+
+def _leave(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    return raw, labels
+
+
+def _add_noise(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    """Move every point; normals go, since they would still be those of the smooth surface."""
+    return replace(raw, points=raw.points + rng.normal(0.0, NOISE, raw.points.shape), normals=None), labels
+
+
+def _cut_holes(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    if len(raw.faces):
+        _, faces = cut_holes(HOLES)(raw.points, raw.faces, rng)
+        kept = np.unique(faces)
+        return replace(raw, faces=faces).take(kept), labels[kept]
+    left = np.ones(len(raw.points), bool)
+    while left.mean() > 1.0 - HOLES:
+        place = raw.points[rng.integers(len(raw.points))]
+        left &= np.linalg.norm(raw.points - place, axis=1) > rng.uniform(*HOLE_RADII)
+    kept = np.flatnonzero(left)
+    return raw.take(kept), labels[kept]
+
+
+def _drop_colours(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    return replace(raw, colours=None), labels
+
+
+def _decimate(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    """Collapse the edges of a mesh by quadric error until it has `FEW` vertices; draw as many points of a cloud."""
+    if not len(raw.faces):
+        kept = np.sort(rng.choice(len(raw.points), min(FEW, len(raw.points)), replace=False))
+        return raw.take(kept), labels[kept]
+    points, faces = _collapse(raw.points, raw.faces, FEW)
+    _, nearest = cKDTree(raw.points).query(points)
+    colours = None if raw.colours is None else raw.colours[nearest]
+    return RawFile(points, faces, None, colours), labels[nearest]
+
+
+def _collapse(points: np.ndarray, faces: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Collapse edges until about `count` vertices are left: a closed surface has two faces a vertex."""
+    import igl
+
+    whole = repair_surface(points, faces)  # the collapse takes manifolds only
+    corners = np.asfortranarray(whole.faces, np.int32)
+    points, faces, *_ = igl.qslim(np.asfortranarray(whole.vertices), corners, 2 * count, False)
+    used = np.unique(faces)
+    place = np.zeros(len(points), dtype=np.int64)
+    place[used] = np.arange(len(used))
+    return points[used], place[faces]
+
+
+def _to_cloud(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+    """Draw points evenly from the surface, or of the points of a cloud; no normals are handed on."""
+    if not len(raw.faces):
+        kept = np.sort(rng.choice(len(raw.points), min(CLOUD, len(raw.points)), replace=False))
+        return replace(raw.take(kept), normals=None), labels[kept]
+    points, face = TriangleSurface(raw.points, raw.faces).sample(CLOUD, rng)
+    corners = raw.faces[face]
+    nearest = np.argmin(np.linalg.norm(raw.points[corners] - points[:, None], axis=2), axis=1)
+    vertex = corners[np.arange(len(corners)), nearest]
+    colours = None if raw.colours is None else raw.colours[vertex]
+    return RawFile(points, np.zeros((0, 3), np.int64), None, colours), labels[vertex]
+
+
+STATES = (
+    State("as_is", "nothing", _leave),
+    State("noise_5mm", "Gaussian noise of 5 mm in every coordinate, no normals", _add_noise),
+    State("holes_10", "10 % of the surface lost in holes of 2 to 5 cm radius", _cut_holes),
+    State("no_colours", "colours dropped", _drop_colours),
+    State("decimated_10k", "decimated to 10 000 vertices", _decimate),
+    State("cloud_50k", "50 000 points of the surface, without normals", _to_cloud),
+)
+"""Every state; the first is the scan as it is."""

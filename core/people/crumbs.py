@@ -1,0 +1,55 @@
+"""Assign pieces of a part that are too small to be one to what is around them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry import find_components
+from .diffusion import Links
+
+SMALLEST = 15e-4
+"""Area below which a piece is no part [m2]: a hand's back has 80 cm2, a toddler's shoe 100; a pocket or a knee that
+looks like something else has less."""
+
+
+def give_crumbs(column: np.ndarray, points: np.ndarray, area: np.ndarray, links: Links) -> np.ndarray:
+    """Return the labels with each piece below `SMALLEST` changed to the label most frequent around it.
+
+    Args:
+        column: Label of each point, any integers, shape [n].
+        points: Positions [m], shape [n, 3].
+        area: That each point stands for [m2], shape [n].
+        links: Neighbours; pieces hang together by them.
+    """
+    column = column.copy()
+    for _ in range(len(points)):
+        same = links.pairs[column[links.pairs[:, 0]] == column[links.pairs[:, 1]]]
+        count, piece = find_components(links.count, same[:, 0], same[:, 1])
+        size = np.bincount(piece, area, count)
+        small = size < SMALLEST
+        if not small.any() or small.all():
+            break
+        given = _ask_around(column, points, piece, small, links)
+        if (given == column).all():
+            break
+        column = given
+    return column
+
+
+def _ask_around(
+    column: np.ndarray, points: np.ndarray, piece: np.ndarray, small: np.ndarray, links: Links
+) -> np.ndarray:
+    """Return the labels with every small piece's taken from the large pieces that it touches, or else is nearest to."""
+    inside = small[piece]
+    votes = np.zeros((len(small), int(column.max()) + 1))
+    for a, b in (links.pairs.T, links.pairs.T[::-1]):
+        border = inside[a] & ~inside[b]
+        np.add.at(votes, (piece[a[border]], column[b[border]]), 1.0)
+    touched = votes.sum(axis=1) > 0.0
+    given = np.where(inside & touched[piece], votes.argmax(axis=1)[piece], column)
+    alone = np.flatnonzero(inside & ~touched[piece])
+    large = np.flatnonzero(~inside)
+    if len(alone):
+        given[alone] = column[large[cKDTree(points[large]).query(points[alone])[1]]]
+    return np.asarray(given)

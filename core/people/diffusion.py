@@ -1,0 +1,96 @@
+"""Smooth what is believed of points over their neighbours, but not across steps and changes of colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix, diags, identity
+from scipy.spatial import cKDTree
+
+from ..geometry import Factor, factor_symmetric
+
+NEIGHBOURS = 8
+"""Points that each is linked with: about the ring of a triangulation."""
+
+REACH = 0.02
+"""Longest link [m]: the samples lie 7 mm apart, and where a hole tears them 2 cm still is the same cloth."""
+
+FACING = 0.3
+"""Least cosine between the normals of linked points: an arm beside the trunk and the inside of a sleeve face away."""
+
+STRENGTH = 4.0
+"""Weight of the differences between neighbours against the points' own evidence: 40 % wrong points of a patch of 40K
+become 1 % at 4, and the border between two parts is 4 samples, 3 cm, wide before it is sharpened by the labels."""
+
+
+@dataclass(frozen=True)
+class Links:
+    """Which points are neighbours, and how freely belief passes between them.
+
+    Attributes:
+        pairs: Indices of two points, each pair once, int64, shape [link_count, 2].
+        weight: In 0..1, shape [link_count].
+        count: Number of points.
+        alike: The same, weakened where colours change; None where there are none.
+    """
+
+    pairs: np.ndarray
+    weight: np.ndarray
+    count: int
+    alike: Links | None = None
+
+    @cached_property
+    def factor(self) -> Factor:
+        """The factors of I + `STRENGTH` L: 0.1 s of a person's samples, and a hundredth of it to solve with them."""
+        return factor_symmetric((identity(self.count) + STRENGTH * self.laplacian()).tocsc())
+
+    def laplacian(self) -> coo_matrix:
+        """Return L = D - W, shape [count, count]."""
+        i, j = self.pairs.T
+        both = (np.concatenate([i, j]), np.concatenate([j, i]))
+        links = coo_matrix((np.tile(self.weight, 2), both), shape=(self.count, self.count)).tocsr()
+        return diags(np.asarray(links.sum(axis=1)).ravel()) - links
+
+    def weakened(self, values: np.ndarray, scale: float) -> Links:
+        """Return the links weighed by exp(-|difference|^2 / 2 scale^2) of values, shape [count] or [count, k]."""
+        step = values[self.pairs[:, 0]] - values[self.pairs[:, 1]]
+        square = step**2 if step.ndim == 1 else (step**2).sum(axis=1)
+        return Links(self.pairs, self.weight * np.exp(-0.5 * square / scale**2), self.count)
+
+
+def link_points(points: np.ndarray, normals: np.ndarray, neighbours: int = NEIGHBOURS, reach: float = REACH) -> Links:
+    """Link each point with its nearest neighbours on the same sheet.
+
+    Args:
+        points: Positions [m], shape [n, 3].
+        normals: Unit normals, outward, shape [n, 3].
+        neighbours: How many.
+        reach: Longest link [m].
+    """
+    distance, near = cKDTree(points).query(points, neighbours + 1, distance_upper_bound=reach)
+    own = np.repeat(np.arange(len(points)), neighbours)
+    other, found = near[:, 1:].ravel(), np.isfinite(distance[:, 1:]).ravel()
+    pairs = np.sort(np.stack([own[found], other[found]], axis=1), axis=1)
+    pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
+    facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1)
+    pairs = pairs[facing > FACING]
+    return Links(pairs, np.ones(len(pairs)), len(points))
+
+
+def diffuse(posterior: np.ndarray, links: Links) -> np.ndarray:
+    """Return the posterior smoothed over the links, shape [n, k]: the u with the least
+
+        sum_i |u_i - p_i|^2 + s sum_ij w_ij |u_i - u_j|^2,  s = `STRENGTH`.
+
+    It solves (I + s L) u = p, and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an
+    M-matrix with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.) The matrix is
+    factored once for the same links.
+
+    Args:
+        posterior: Probability of each part, shape [n, k].
+        links: Neighbours.
+    """
+    smooth = np.maximum(links.factor.solve(np.ascontiguousarray(posterior)), 0.0)
+    return np.asarray(smooth / smooth.sum(axis=1, keepdims=True))

@@ -1,0 +1,181 @@
+"""Cut each garment out of a person's scan that was taken apart: what a recovery starts from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body
+from ..garment.reading import Reading
+from ..geometry import face_areas, lump, vertex_normals
+from ..geometry.point_normals import estimate_normals, orient_normals
+from ..run.errors import BadInput
+from ..run.hooks import SILENT, Hooks
+from ..scan import Pieces, Scan
+from ..scan.contours import Contour, choose_category
+from ..scan.raw import RawScan
+from ..scan.reconstruct import reconstruct
+from ..scan.thin import thin
+from .capped import cut_part
+from .confidence import garment_confidence
+from .inner_side import find_inner_side
+from .openings import Surroundings, find_openings
+from .part import GARMENTS, Part
+from .separation import FoundContour, FoundGarment, Separation
+
+LEAST_AREA = 0.02
+"""Area below which what looks like a garment is none [m2]: a bandeau or a brief has 0.05."""
+
+
+CLOUD_FACES = 300_000
+"""Triangles, two a point, that a cloud's surface is made of at most: 4 mm of a person, where the noise of the points
+that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
+
+OTHER_HALF = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"}}
+"""Openings that a top and a bottom do not have."""
+
+BORDERING = 0.015
+"""Median distance from a border to the points of another garment up to which that one covers it [m]: two samples."""
+
+
+class PartNotWorn(BadInput):
+    """The person does not wear that; name one of the garments that were found, or correct the labels file."""
+
+    code = "segment.part_unknown"
+
+
+@dataclass(frozen=True)
+class PersonSurface:
+    """A person's surface, from which every garment is cut.
+
+    Attributes:
+        scan: The surface; of a cloud it was made.
+        origin: The point of the scan's file that each vertex is, or lies nearest to, shape [vertex_count].
+    """
+
+    scan: Scan
+    origin: np.ndarray
+
+
+def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, hooks: Hooks = SILENT) -> Reading:
+    """Cut one garment out of a person's surface along a smooth line, without what is seen of its inner side.
+
+    Args:
+        person: The person.
+        separation: The same taken apart.
+        part: Which garment.
+        hooks: Cancellation.
+
+    Returns:
+        What `recover` starts from: the garment, and the body that wears it.
+
+    Raises:
+        PartNotWorn: where nothing of the scan is that.
+    """
+    whole, label = person.scan, separation.label[person.origin]
+    found = [garment for garment in separation.garments if garment.part == part]
+    if not found or not (label == part).any():
+        raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
+    hooks.check()
+    own = label == part
+    inner = find_inner_side(whole, own, separation.body, label == Part.OTHER)
+    garment, contours, holes = cut_part(whole, own & ~inner, separation.body)
+    hidden = _mark_hidden(garment, contours, found[0].contours)
+    hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
+    garment = replace(garment, hidden=hidden)
+    return Reading(Pieces(garment, None), body=separation.body, category=found[0].category or None)
+
+
+def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:
+    """Find what each garment is: its category by its openings, and what shows them.
+
+    Args:
+        raw: The person.
+        label: A `Part` for each of its points, shape [point_count].
+        confidence: Probability of each, shape [point_count].
+        body: The wearer.
+    """
+    sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
+    surface = find_surface(thin(raw), body)
+    whole, label = surface.scan, label[raw.place[surface.origin]]
+    area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
+    around = Surroundings.of(whole, label, body)
+    found = []
+    for part in GARMENTS:
+        own = label == part
+        if part not in sure or area[own].sum() < LEAST_AREA:
+            continue
+        garment, contours, _ = cut_part(whole, own, body)
+        category = choose_part_category(part, contours, garment, body)
+        openings = find_openings(garment, contours, part, around)
+        found.append(FoundGarment(part, sure[part], category, openings))
+    return tuple(found)
+
+
+def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Scan, body: Body) -> str:
+    """Choose the category of a garment of which it is known whether it is a top, a bottom or one piece.
+
+    A top that is long enough for a dress is a long top, since something else is worn below it. What is taken for a top
+    and ends at the legs has swallowed a bottom, and the other way round: it has no category, so that it is doubted.
+    """
+    stems = {contour.name.partition(".")[0] for contour in contours}
+    if not contours or stems & OTHER_HALF.get(part, set()):
+        return ""
+    category = choose_category(contours, garment.vertices, body)
+    if category == "dress" and part is not Part.ONE_PIECE:
+        above = tuple(contour for contour in contours if contour.name != "hem")
+        return choose_category(above, garment.vertices, body)
+    return category
+
+
+def mark_covered(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarray) -> np.ndarray:
+    """Mark the vertices of borders without a name along which another garment lies, bool, shape [vertex_count].
+
+    So the two tubes of trousers below a long top end above.
+    """
+    covered = np.zeros(len(garment.vertices), bool)
+    tree = cKDTree(others) if len(others) else None
+    for hole in holes:
+        if tree is not None and np.median(tree.query(garment.vertices[hole])[0]) < BORDERING:
+            covered[hole] = True
+    return covered
+
+
+def find_surface(raw: RawScan, body: Body) -> PersonSurface:
+    """Find a person's surface: a mesh has one, of a cloud it is made.
+
+    Args:
+        raw: The person.
+        body: The wearer: its normals say which side of a cloud is outside where the file does not.
+    """
+    raw = thin(raw, CLOUD_FACES) if raw.is_cloud else raw
+    points, faces, colours, origin = raw.points, raw.faces, raw.colours, raw.origin
+    if raw.is_cloud:
+        normals = estimate_normals(points) if raw.normals is None else raw.normals
+        if not raw.is_oriented:
+            normals = orient_normals(points, normals, body.vertices, vertex_normals(body.vertices, body.faces))
+        made = reconstruct(points, normals, colours)
+        points, faces, colours, origin = made.vertices, made.faces, made.colours, origin[made.nearest]
+    scan = Scan(
+        vertices=points,
+        faces=faces,
+        name=raw.name,
+        sha256=raw.sha256,
+        units=raw.units,
+        up_axis=raw.up_axis.lstrip("-"),
+        colours=colours,
+        repairs=raw.notes,
+    )
+    return PersonSurface(scan, origin)
+
+
+def _mark_hidden(garment: Scan, contours: tuple[Contour, ...], openings: tuple[FoundContour, ...]) -> np.ndarray:
+    """Mark the vertices of the contours that are only inferred, bool, shape [vertex_count]."""
+    inferred = {opening.name for opening in openings if opening.is_inferred}
+    hidden = np.zeros(len(garment.vertices), bool)
+    for contour in contours:
+        if contour.name in inferred:
+            hidden[contour.vertices] = True
+    return hidden

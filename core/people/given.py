@@ -1,0 +1,160 @@
+"""The files of a dressed person, and how a limited process hands over what it read of them: as plain arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..body import Body, is_smpl, load_smpl
+from ..garment import Pattern, load_pattern
+from ..run.records import read_record, write_record
+from ..run.sandbox import ReaderCrashed
+from ..scan import Limits, Scan, load_scan
+from ..scan.raw import RawScan
+from ..scan.refusal import LabelsMismatch
+from .labels import read_parts
+
+SHOWN_NOTES = 20
+"""Notes of a scan that are listed."""
+
+
+@dataclass(frozen=True)
+class PersonFiles:
+    """Name the files of one person.
+
+    Attributes:
+        scan: The raw scan.
+        labels: A label file with `names`, or None.
+        body: The wearer's file, or None.
+        patterns: Pattern files, by the word of the garment; under the empty word that of the only one.
+        units: A name of `UNITS`, of scan and body, or None to find it.
+        up: `y` or `z` of both, or None to find it.
+    """
+
+    scan: Path
+    labels: Path | None = None
+    body: Path | None = None
+    patterns: Mapping[str, Path] = field(default_factory=dict)
+    units: str | None = None
+    up: str | None = None
+
+
+@dataclass(frozen=True)
+class Given:
+    """What the files of a person hold.
+
+    Attributes:
+        raw: The scan.
+        label: A `Part` for each point of the file where labels were given, uint8, shape [file_count], or None.
+        wearer: The wearer's mesh, or None.
+        body: The wearer, where its file is of SMPL's format, or None.
+        patterns: Base patterns as `PersonFiles.patterns`.
+    """
+
+    raw: RawScan
+    label: np.ndarray | None = None
+    wearer: Scan | None = None
+    body: Body | None = None
+    patterns: Mapping[str, Pattern] = field(default_factory=dict)
+
+
+def read_given(files: PersonFiles, limits: Limits | None = None) -> Given:
+    """Read all files of a person.
+
+    Raises:
+        BadInput: where one cannot be used.
+    """
+    from ..scan.load_raw import load_raw
+
+    raw = load_raw(files.scan, files.units, files.up, limits)
+    label = None if files.labels is None else read_parts(files.labels, limits)
+    if label is not None and len(label) != len(raw.place):
+        raise LabelsMismatch(
+            f"{files.labels.name if files.labels else ''} holds {len(label)} labels for the {len(raw.place)} points of "
+            f"{raw.name}; give one for each point of the scan's file, in its order."
+        )
+    wearer = body = None
+    if files.body is not None and is_smpl(files.body):
+        body = load_smpl(files.body)
+    elif files.body is not None:
+        wearer = load_scan(files.body, units=files.units, up=files.up, kind="body", limits=limits)
+    return Given(raw, label, wearer, body, {word: load_pattern(path) for word, path in files.patterns.items()})
+
+
+def describe_given(given: Given) -> dict[str, Any]:
+    """Return what was understood of the files, as JSON values."""
+    raw = given.raw
+    low, high = raw.points.min(axis=0), raw.points.max(axis=0)
+    found: dict[str, Any] = {
+        "as": "person",
+        "scan": {
+            "name": raw.name, "units": raw.units, "up": raw.up_axis, "is_cloud": raw.is_cloud,
+            "vertex_count": len(raw.points), "face_count": len(raw.faces), "file_count": len(raw.place),
+            "extent_m": [round(float(side), 4) for side in high - low], "has_colours": raw.colours is not None,
+            "notes": list(raw.notes[:SHOWN_NOTES]),
+        },
+    }  # fmt: skip
+    if given.label is not None:
+        values, counts = np.unique(given.label, return_counts=True)
+        found["labels"] = {str(v): c for v, c in zip(values.tolist(), counts.tolist(), strict=True)}
+    if given.patterns:
+        found["patterns"] = {word: pattern.name for word, pattern in given.patterns.items()}
+    return found
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What was read, and as JSON what each pattern's file held beyond the pattern."""
+
+    given: Given
+    extras: tuple[str, ...] = ()
+
+
+def save_given(given: Given, path: Path) -> None:
+    """Write what was read as plain arrays."""
+    extras = tuple(json.dumps(pattern.extra) for pattern in given.patterns.values())
+    bare = {word: replace(pattern, extra={}) for word, pattern in given.patterns.items()}
+    write_record(_Kept(replace(given, patterns=bare), extras), path)
+
+
+def load_given(path: Path) -> Given:
+    """Read what `save_given` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+
+    Raises:
+        ReaderCrashed: where it is something else.
+    """
+    kept = read_record(_Kept, path)
+    try:
+        _check(kept.given.raw)
+        pairs = zip(kept.given.patterns.items(), kept.extras, strict=True)
+        return replace(kept.given, patterns={word: replace(p, extra=json.loads(text)) for (word, p), text in pairs})
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ReaderCrashed() from error
+
+
+def _check(raw: RawScan) -> None:
+    """Check that the arrays of a scan fit each other.
+
+    Raises:
+        ValueError: where they do not.
+    """
+    count, files = len(raw.points), len(raw.place)
+    rows: dict[str, tuple[np.ndarray, tuple[int, ...]]] = {
+        "points": (raw.points, (count, 3)), "faces": (raw.faces, (len(raw.faces), 3)), "place": (raw.place, (files,))
+    }  # fmt: skip
+    for name in ("normals", "colours"):
+        if (array := getattr(raw, name)) is not None:
+            rows[name] = (array, (count, 3))
+    wrong = [name for name, (array, shape) in rows.items() if array.shape != shape or array.dtype.kind not in "iuf"]
+    indices = [raw.faces.ravel(), raw.place]
+    if wrong or not count or not np.isfinite(raw.points).all():
+        raise ValueError("arrays of other shapes")
+    if any(a.size and (a.dtype.kind not in "iu" or a.min() < -1 or a.max() >= count) for a in indices):
+        raise ValueError("indices out of range")
+    if raw.faces.size and raw.faces.min() < 0:
+        raise ValueError("negative indices")

@@ -1,0 +1,171 @@
+"""What a file is taken for before anything is run: a whole person, or a garment alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..body import BodyMissing, NotHuman, fit_person, is_builtin
+from ..body.presence import LOW, ScanPartial
+from ..run.errors import BadInput
+from ..scan import Limits, Scan, describe_scan, load_pieces, load_scan
+from ..scan.load_raw import load_raw
+from ..scan.raw import RawScan
+from ..scan.refusal import MeshEmpty, NoFaces
+from .given import SHOWN_NOTES, Given, describe_given
+from .inspect_garment import find_body, inspect_file
+from .separate import check_alone
+from .whole import LEAST_HEIGHT, TALL, shows_person, stands_tall
+
+PERSON, GARMENT = "person", "garment"
+"""What a file can be taken for."""
+
+
+def inspect_person(path: Path, units: str | None = None, up: str | None = None) -> dict[str, Any]:
+    """Read a raw scan and find its wearer.
+
+    Returns:
+        What was understood, as JSON values; `as` is `person`.
+
+    Raises:
+        BadInput: where it is no person, or cannot be used.
+    """
+    raw = load_raw(path, units, up)
+    return describe_given(Given(raw)) | {"body": _describe_wearer(raw)}
+
+
+def inspect_order(
+    source: str,
+    given_as: str | None = None,
+    body: str | None = None,
+    units: str | None = None,
+    up: str | None = None,
+    is_quick: bool = False,
+) -> dict[str, Any]:
+    """Return what is understood of an uploaded scan before a job is asked for; runs in a limited process.
+
+    Args:
+        source: The file.
+        given_as: `PERSON` or `GARMENT`, or None to find it.
+        body: The description of a built-in body, or None.
+        units: A name of `UNITS`, or None to find it.
+        up: `y` or `z`, or None to find it.
+        is_quick: Read the file alone; what it is taken for is then told by its height where nobody said it.
+
+    Returns:
+        JSON values: `as`, `is_sure` (nothing but the job will see that otherwise), `scan`, `body` (the wearer that was
+        found), `category` and `contours_m` of a garment on a body, `remarks` of what speaks against that body, and
+        `needs`, the code and the message of what is missing for a job; any of these may be None.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    path, limits = Path(source), Limits(is_confined=True)
+    raw = _read_person(path, given_as, units, up)
+    is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (LOW if body is None else TALL * LEAST_HEIGHT)
+    what = given_as or (PERSON if is_high else GARMENT)
+    if what == PERSON and given_as is None and body is not None and not is_quick:
+        what = find_what(path, body, units, up, limits)
+    needs = {"code": BodyMissing.code, "message": BodyMissing().message} if what == GARMENT and body is None else None
+    found = dict.fromkeys(("body", "category", "contours_m")) | {"as": what, "needs": needs, "remarks": []}
+    found["is_sure"] = given_as is not None or not is_high or not is_quick
+    if what == PERSON and raw is not None:
+        found["scan"] = describe_given(Given(raw))["scan"] | {"has_labels": raw.labels is not None}
+        return found if is_quick else found | {"body": _find_wearer(raw, given_as is None and body is None)}
+    scan = load_scan(path, units=units, up=up, limits=limits)
+    found["scan"] = _describe_garment(scan)
+    if is_quick or needs:
+        return found
+    worn = inspect_file(path, body, units=units, up=up, limits=limits).as_dict()
+    return found | {name: worn[name] for name in ("body", "category", "contours_m", "remarks")}
+
+
+def _read_person(path: Path, given_as: str | None, units: str | None, up: str | None) -> RawScan | None:
+    """Read a raw scan; None where it is a garment, or where only a garment has so few points.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    if given_as == GARMENT:
+        return None
+    try:
+        return load_raw(path, units, up, Limits(is_confined=True))
+    except MeshEmpty:
+        if given_as == PERSON:
+            raise
+        return None
+
+
+def _describe_garment(scan: Scan) -> dict[str, Any]:
+    """Return what is known of a garment's mesh under the names that a person's scan has."""
+    known = describe_scan(scan)
+    shared = ("name", "units", "up", "extent_m", "vertex_count", "face_count", "has_colours", "has_labels")
+    return {name: known[name] for name in shared} | {
+        "is_cloud": False, "file_count": len(scan.vertices), "notes": list(scan.repairs[:SHOWN_NOTES]),
+    }  # fmt: skip
+
+
+def _find_wearer(raw: RawScan, may_be_garment: bool) -> dict[str, Any]:
+    """Describe the wearer, or say why a scan that may be a garment's is no person.
+
+    Raises:
+        BadInput: where it shows no person, or more than one.
+    """
+    try:
+        return _describe_wearer(raw)
+    except BadInput as error:
+        if may_be_garment and is_no_person(error):
+            error.message = explain_garment(error)
+        raise
+
+
+def _describe_wearer(raw: RawScan) -> dict[str, Any]:
+    """Find the wearer of a raw scan, and describe it.
+
+    Raises:
+        BadInput: where it shows no person, or more than one.
+    """
+    check_alone(raw)
+    fit = fit_person(raw.points, raw.normals, raw.is_oriented)
+    return {
+        "source": f"scan:{raw.name}",
+        "height_m": round(float(np.ptp(fit.body.vertices[:, 1])), 4),
+        "skin_rms_mm": round(1e3 * fit.skin_rms, 2),
+    }
+
+
+def find_what(
+    path: Path, body: Path | str, units: str | None = None, up: str | None = None, limits: Limits | None = None
+) -> str:
+    """Return what a file that came with a body is taken for, as a job does: who shows head, hands or feet is a person.
+
+    Args:
+        path: The file.
+        body: The wearer's file, or the description of a built-in body.
+        units: A name of `UNITS`, or None to find it.
+        up: `y` or `z`, or None to find it.
+        limits: What reading may cost.
+
+    Raises:
+        BadInput: where a file cannot be used.
+    """
+    try:
+        pieces = load_pieces(path, None if is_builtin(body) else Path(body), units=units, up=up, limits=limits)
+    except NoFaces:
+        return PERSON  # a garment is a surface
+    if not stands_tall(pieces.garment, pieces.wearer):
+        return GARMENT
+    worn = find_body(body, pieces)
+    return PERSON if worn is not None and shows_person(pieces.garment, worn) else GARMENT
+
+
+def is_no_person(error: BadInput) -> bool:
+    """Return whether a refusal may be of a garment that was scanned alone."""
+    return error.code in (NotHuman.code, ScanPartial.code)
+
+
+def explain_garment(error: BadInput) -> str:
+    """Return why a file that came without a body is no person, and what it needs where it is a garment."""
+    return f"{error.message} A garment that was scanned alone needs its wearer: --body."

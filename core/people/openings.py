@@ -1,0 +1,158 @@
+"""The openings of a garment that was found: what in the scan shows each of them, and which are only inferred."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body
+from ..geometry import TriangleSurface, unit, vertex_normals
+from ..scan import Scan
+from ..scan.contours import Contour
+from .colour import CONTRAST, to_lab
+from .confidence import contour_confidence, is_shown
+from .part import GARMENTS, Part
+from .separation import FoundContour
+
+BESIDE = 0.012
+"""Distance on either side of a border at which its two sides are compared [m]: beyond the cut's own softness of 8 mm,
+and less than half of the narrowest strap."""
+
+AROUND = 0.012
+"""Radius of what is averaged there [m]: some ten points, and a fold is wider."""
+
+SPAN = 3
+"""Vertices of a border on either side of one that tell its direction: a centimetre."""
+
+FREE = 0.2
+"""Distance up to which something else that was scanned shows that a border without anything near it is a free edge [m]:
+a wide skirt's hem hangs that far from the legs. Beyond, the scan ends there and not the garment."""
+
+LEVEL = 2e-3
+"""Step at a border that tells which side lies on the other [m]: the thickness of cloth and a scan's noise."""
+
+WAISTBAND = (0.04, 0.03)
+"""Height over the hip joints from which on a border of two garments is more likely a waistband than a hem, and how
+sharply [m]: waistbands that are seen sit 8 to 20 cm above them, tops that hang over end below, and a tucked top blouses
+over the band, so that the step alone would say that it hangs."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """A person's scan with what each point is, to look at both sides of a border.
+
+    Attributes:
+        points: Positions [m], shape [n, 3].
+        label: A `Part` for each, shape [n].
+        lab: Colours in L*a*b*, shape [n, 3], or None.
+        height: Over the body [m], shape [n].
+        hips: Height of the hip joints [m].
+    """
+
+    points: np.ndarray
+    label: np.ndarray
+    lab: np.ndarray | None
+    height: np.ndarray
+    hips: float
+
+    @classmethod
+    def of(cls, whole: Scan, label: np.ndarray, body: Body) -> Surroundings:
+        """Look at a labelled scan on its body."""
+        surface = TriangleSurface(body.vertices, body.faces)
+        found = surface.closest(whole.vertices)
+        normals = found.interpolate(vertex_normals(body.vertices, body.faces), body.faces)
+        height = ((whole.vertices - found.foot) * normals).sum(axis=1)
+        lab = None if whole.colours is None else to_lab(whole.colours) * CONTRAST
+        hips = float(0.5 * (body.joint("left_hip")[1] + body.joint("right_hip")[1]))
+        return cls(whole.vertices, label, lab, height, hips)
+
+
+@dataclass(frozen=True)
+class _Sides:
+    """What lies beyond a border, place by place.
+
+    Attributes:
+        step: By how much the garment stands out over it [m], shape [n].
+        contrast: Difference of the two sides' colours, shape [n].
+        beyond: A `Part`, shape [n]; -1 where the garment's edge is free, -2 where nothing was seen.
+        level: Height of the border over the hip joints [m].
+    """
+
+    step: np.ndarray
+    contrast: np.ndarray
+    beyond: np.ndarray
+    level: float
+
+
+def find_openings(
+    garment: Scan, contours: tuple[Contour, ...], part: Part, around: Surroundings
+) -> tuple[FoundContour, ...]:
+    """Judge each opening of a garment by what lies on its two sides.
+
+    An opening is shown by a step down from the garment to what is beyond, by a change of colour, or by a free edge with
+    the wearer further in. One that lies below another garment is inferred: that garment's hem is seen, and this one
+    goes on below it. So is one beyond which nothing was scanned.
+
+    Args:
+        garment: As it was cut out of the scan.
+        contours: Its named contours.
+        part: Which garment it is.
+        around: The scan that it was cut out of.
+    """
+    inside, outside = np.flatnonzero(around.label == part), np.flatnonzero(around.label != part)
+    trees = cKDTree(around.points[inside]), cKDTree(around.points[outside])
+    normals = vertex_normals(garment.vertices, garment.faces)
+    found = []
+    for contour in contours:
+        points, loop = garment.vertices[contour.vertices], contour.vertices
+        tangent = np.roll(points, -SPAN, axis=0) - np.roll(points, SPAN, axis=0)
+        left = BESIDE * unit(np.cross(normals[loop], unit(tangent)))  # into the garment
+        own = [inside[near] for near in trees[0].query_ball_point(points + left, AROUND)]
+        other = [outside[near] for near in trees[1].query_ball_point(points - left, AROUND)]
+        is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=FREE)[0])
+        sides = _compare(around, own, other, is_free, float(np.median(points[:, 1]) - around.hips))
+        found.append(_judge(contour.name, part, sides))
+    return tuple(found)
+
+
+def _compare(
+    around: Surroundings, own: list[np.ndarray], other: list[np.ndarray], is_free: np.ndarray, level: float
+) -> _Sides:
+    """Compare the two sides of a border, each given by the points near each of its places."""
+    step, contrast = np.zeros(len(own)), np.zeros(len(own))
+    beyond = np.where(is_free, -1, -2)
+    step[is_free] = FREE
+    for i, (a, b) in enumerate(zip(own, other, strict=True)):
+        if not len(b):
+            continue
+        beyond[i] = np.bincount(around.label[b]).argmax()
+        step[i] = around.height[a].mean() - around.height[b].mean() if len(a) else 0.0
+        if around.lab is not None and len(a):
+            contrast[i] = np.linalg.norm(around.lab[a].mean(axis=0) - around.lab[b].mean(axis=0))
+    return _Sides(step, contrast, beyond, level)
+
+
+def _judge(name: str, part: Part, sides: _Sides) -> FoundContour:
+    worn = np.isin(sides.beyond, GARMENTS)
+    covered = worn.mean() > 0.5 and _lies_below(part, sides.beyond[worn], sides.step[worn], sides.level)
+    # hair lies over clothes; of what else is none, that over which a garment stands out may be its own inside
+    over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < LEVEL))
+    covered |= bool(over.mean() > 0.5)
+    step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
+    shown = not covered and is_shown(step, sides.contrast)
+    return FoundContour(name, contour_confidence(step, sides.contrast), not shown)
+
+
+def _lies_below(part: Part, beyond: np.ndarray, step: np.ndarray, height: float) -> bool:
+    """Return whether the garment beyond a border lies on this one.
+
+    The step tells, and where it is none the border's height: below the waist the upper garment hangs over the lower.
+    """
+    other = Part(int(np.bincount(beyond).argmax()))
+    below = -float(np.median(step)) / LEVEL
+    if Part.OUTER in (part, other):
+        return below + (2.0 if other is Part.OUTER else -2.0) > 0.0
+    hanging = (WAISTBAND[0] - height) / WAISTBAND[1]
+    return below + (hanging if part is Part.LOWER else -hanging) > 0.0

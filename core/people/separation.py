@@ -1,0 +1,79 @@
+"""What is found when a person's scan is taken apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body import Body
+from ..run.errors import GarmentqError
+from .part import Part
+
+
+@dataclass(frozen=True)
+class FoundContour:
+    """Describe the border of a garment that is one of its openings.
+
+    Attributes:
+        name: One of `segment.CONTOUR_NAMES`.
+        confidence: Probability that it lies where it was found, within 2 cm.
+        is_inferred: Whether nothing in the scan shows it: then it is neither fitted nor measured.
+    """
+
+    name: str
+    confidence: float
+    is_inferred: bool
+
+
+@dataclass(frozen=True)
+class FoundGarment:
+    """Describe one garment of an outfit.
+
+    Attributes:
+        part: Which it is.
+        confidence: Mean probability of its points' labels.
+        category: One of `segment.CATEGORIES`, from its openings on the body.
+        contours: Its openings.
+    """
+
+    part: Part
+    confidence: float
+    category: str
+    contours: tuple[FoundContour, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outfit:
+    """Name one reading of what is worn.
+
+    Attributes:
+        parts: The garments, in the order of `GARMENTS`.
+        score: Log-probability, up to a constant that all readings of one scan share.
+    """
+
+    parts: tuple[Part, ...]
+    score: float
+
+
+@dataclass(frozen=True)
+class Separation:
+    """A person taken apart.
+
+    Attributes:
+        body: The wearer under the clothes, in the scan's place and pose [m].
+        label: A `Part` for each point of the file, those that were dropped included (OTHER), uint8, shape [file_count].
+        confidence: Probability of each label, float32, shape [file_count].
+        garments: What is recovered, in the order of `GARMENTS`.
+        outfits: Readings, the best first.
+        warnings: What the user should know, one sentence each.
+        problem: Why nothing should be recovered from this without a person's look, or None.
+    """
+
+    body: Body
+    label: np.ndarray
+    confidence: np.ndarray
+    garments: tuple[FoundGarment, ...]
+    outfits: tuple[Outfit, ...]
+    warnings: tuple[str, ...] = ()
+    problem: GarmentqError | None = None

@@ -1,0 +1,110 @@
+"""Find garments that whoever marked the cloth of a scan left to the skin, so that the body was fitted to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body
+from ..geometry import TriangleSurface, vertex_normals
+from .part import GARMENTS, PARTS
+from .points import PersonPoints
+
+LEAST_SHARE = 0.05
+"""Share of the samples from which on a garment counts; pieces of a cut below it are dropped, too."""
+
+MOST_LEFT = 0.25
+"""Share of what looks like one garment that is skin by the marks, above which a garment was not marked. Of a marked one
+the border, and hair that falls on it, is left: 0.13 under long hair. Of two that look like one piece the smaller,
+shorts under a shirt, is a third."""
+
+MOSTLY = 0.5
+"""Share of a label's vertices from which on the label means what they are."""
+
+OFF_BODY = 9e-3
+"""Distance from the fitted body, RMS, beyond which what was taken for skin is none [m]: bare bodies of other makes lie
+3.3 to 8.2 mm from it, skin beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin
+lay 13 to 36 mm off."""
+
+
+@dataclass(frozen=True)
+class Undeclared:
+    """Describe a garment that was taken for skin.
+
+    Attributes:
+        part: Its word: `lower`.
+        labels: The labels that are mostly it, the most frequent first; where none is, the one that most of it has;
+            empty where the scan has no labels.
+        is_whole: Whether these labels are mostly it.
+        offset: RMS distance from the body that is fitted below it instead of to it [m].
+    """
+
+    part: str
+    labels: tuple[str, ...]
+    is_whole: bool
+    offset: float
+
+    @property
+    def is_off_body(self) -> bool:
+        """Return whether it lies farther from the body than skin does."""
+        return self.offset > OFF_BODY
+
+    def tell(self) -> str:
+        """Return what the user should know and do."""
+        names = ", ".join(self.labels)
+        what = f"Label {names}" if self.labels else "What is not of the garment's colour"
+        lies = (
+            f"{what} was taken for skin, but holds what looks like a garment ({self.part}) and lies "
+            f"{1e3 * self.offset:.0f} mm (RMS) off the body below it"
+        )
+        if self.labels and self.is_whole:
+            return f"{lies}; give --cloth {','.join(self.labels)} if it is cloth."
+        return f"{lies}; give that garment a label of its own, and name it with --cloth."
+
+
+def find_undeclared(
+    points: PersonPoints,
+    told: np.ndarray,
+    marked: np.ndarray,
+    labels: np.ndarray | None,
+    fit_below: Callable[[np.ndarray], Body],
+) -> tuple[Undeclared, ...]:
+    """Find the garments among what the marks leave to the skin, and how far each lies off the body below it.
+
+    What looks like a garment to who knows no marks, and is skin by them, may be skin all the same: then a body that is
+    fitted as below cloth comes to lie in it. So each is measured; those that lie off the body are told.
+
+    Args:
+        points: The samples.
+        told: What they are without the marks, shape [n, part_count].
+        marked: Which of them are cloth by the marks, bool, shape [n].
+        labels: Label of each sample, numbers or texts, shape [n], or None.
+        fit_below: Fits the body below what is cloth, bool, shape [n].
+    """
+    found, likeliest = [], told.argmax(axis=1)
+    for part in GARMENTS:
+        own = likeliest == PARTS.index(part)
+        left = own & ~marked
+        if left.sum() < LEAST_SHARE * len(own) or left.sum() <= MOST_LEFT * own.sum():
+            continue
+        body = fit_below(marked | left)
+        _, near = cKDTree(body.vertices).query(points.positions[left])
+        outward = (vertex_normals(body.vertices, body.faces)[near] * points.normals[left]).sum(axis=1) > 0.0
+        away = TriangleSurface(body.vertices, body.faces).distance(points.positions[left])[outward]
+        offset = float(np.sqrt((away**2).mean())) if len(away) else 0.0
+        found.append(Undeclared(part.word, *_name(labels, left, marked), offset))
+    return tuple(found)
+
+
+def _name(labels: np.ndarray | None, left: np.ndarray, marked: np.ndarray) -> tuple[tuple[str, ...], bool]:
+    """Return the labels that are mostly among some samples, or else the most frequent there, and whether one is."""
+    if labels is None:
+        return (), False
+    values, counts = np.unique(labels[left], return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    is_mostly = np.array([counts[n] > MOSTLY * (~marked & (labels == values[n])).sum() for n in order])
+    chosen = values[order][is_mostly] if is_mostly.any() else values[order][:1]
+    return tuple(str(value) for value in chosen.tolist()), bool(is_mostly.any())

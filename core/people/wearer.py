@@ -1,0 +1,92 @@
+"""Find the wearer of a scan that is a body, or on which somebody marked what is cloth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body, NotHuman, PersonSettings, fit_person, refit_person, register_body
+from ..body.registration import require_fit
+from ..geometry import vertex_normals
+from ..run.hooks import SILENT, Hooks
+from ..scan import Scan
+from ..scan.raw import RawScan
+from .diffusion import link_points
+from .limbs import place_on_body
+from .part import CLOTH, PARTS
+from .points import sample_person
+from .separate import predict_parts, weigh
+from .undeclared import Undeclared, find_undeclared
+
+IS_CLOTH = np.isin(PARTS, CLOTH)
+"""Which columns of a posterior are cloth."""
+
+LEAST = 1e-6
+"""Probability that the marks leave at least to any part that they allow."""
+
+
+@dataclass(frozen=True)
+class FoundWearer:
+    """Describe who wears a garment.
+
+    Attributes:
+        body: The body.
+        undeclared: Garments that the marks leave to the skin; None where the body does not follow from marks.
+    """
+
+    body: Body
+    undeclared: tuple[Undeclared, ...] | None = None
+
+
+def fit_wearer(
+    scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT, labels: np.ndarray | None = None
+) -> FoundWearer:
+    """Find the wearer of a scan: a body's mesh is registered, below marked cloth he is found as `separate` finds him.
+
+    Nobody is refused for being scanned in part: who marked the clothes has seen that it is a person.
+
+    Args:
+        scan: The body, or the dressed person.
+        cloth: True at vertices of any garment, bool, shape [vertex_count]; None: the scan is a body's.
+        hooks: Progress and cancellation.
+        labels: Label of each vertex, numbers or texts, shape [vertex_count], by which garments among the skin are
+            named; or None.
+
+    Returns:
+        The body. Below cloth it is the fitted model, and `fit_rms` the distance of the skin to it.
+
+    Raises:
+        NotHuman: where nothing is skin, or no body comes near it.
+    """
+    if cloth is None:
+        return FoundWearer(register_body(scan.vertices, scan.faces, name=scan.name, hooks=hooks))
+    if cloth[scan.faces].all():
+        raise NotHuman(f"Nothing of the mesh is skin. {NotHuman().message}")
+    every = np.arange(len(scan.vertices))
+    normals = vertex_normals(scan.vertices, scan.faces)
+    raw = RawScan(scan.vertices, scan.faces, normals, True, None, None, every, every, scan.name)
+    bare = fit_person(raw.points, raw.normals, True, hooks, PersonSettings(refuses=False))
+    points = sample_person(raw, bare)
+    near = cKDTree(raw.points).query(points.positions)[1]
+    marked = cloth[near]
+    told, _ = predict_parts(points, bare, link_points(points.positions, points.normals))
+    posterior = _apply(marked, told)
+    fit = refit_person(bare, points.positions, points.normals, weigh(posterior), hooks)
+    weights = weigh(posterior, place_on_body(points, fit.body))
+    fit = refit_person(fit, points.positions, points.normals, weights, hooks)
+    require_fit(fit.skin_rms, fit.body)
+
+    def fit_below(chosen: np.ndarray) -> Body:
+        """Fit the body below what is cloth, bool, shape [n]."""
+        return refit_person(bare, points.positions, points.normals, weigh(_apply(chosen, told)), hooks).body
+
+    undeclared = find_undeclared(points, told, marked, None if labels is None else labels[near], fit_below)
+    return FoundWearer(replace(fit.body, source=f"scan:{scan.name}"), undeclared)
+
+
+def _apply(marked: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """Return a posterior, shape [n, part_count], by which just what is marked, bool, shape [n], is cloth."""
+    posterior = np.where(marked[:, None] == IS_CLOTH, told + LEAST, 0.0)
+    return np.asarray(posterior / posterior.sum(axis=1, keepdims=True))

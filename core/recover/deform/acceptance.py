@@ -1,0 +1,75 @@
+"""Whether a polish may be kept, and where: neither flips nor self-intersections may grow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry import HalfEdges, face_normals, self_intersections
+from .target_repair import PreparedTarget
+
+ROUNDS = 4
+"""Times that the places gone wrong are put back before the whole polish is refused."""
+
+RINGS = 4
+"""Rings of faces over which a place put back fades into the rest, in the first round; they double each round."""
+
+
+def accept_polish(
+    finer: np.ndarray, before: np.ndarray, faces: np.ndarray, target: PreparedTarget
+) -> tuple[np.ndarray, bool]:
+    """Keep a polish where it is sound.
+
+    Around faces that flip or intersect in the polished nodes and not before, the nodes fade back to where they were. If
+    flips or self-intersections still outnumber the former ones after four rounds, nothing of the polish is kept.
+
+    Args:
+        finer: Polished nodes [m], shape [node_count, 3].
+        before: Nodes before the polish [m], shape [node_count, 3].
+        faces: Shape [face_count, 3].
+        target: Its normals tell what is flipped.
+
+    Returns:
+        The nodes to go on with, and whether any of the polish is in them.
+    """
+    if not np.isfinite(finer).all():
+        return before, False
+    was_flipped, was_crossing = flipped(before, faces, target), crossing(before, faces)
+    back = np.zeros(len(before))
+    x = finer
+    for turn in range(ROUNDS):
+        now_flipped, now_crossing = flipped(x, faces, target), crossing(x, faces)
+        if now_flipped.sum() <= was_flipped.sum() and now_crossing.sum() <= was_crossing.sum():
+            return x, True
+        wrong = (now_flipped & ~was_flipped) | (now_crossing & ~was_crossing)
+        back = np.maximum(back, fade(wrong, faces, len(before), RINGS * 2**turn))
+        x = finer + back[:, None] * (before - finer)
+    return before, False
+
+
+def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
+    """Return which faces point against the target at the point closest to their centre, shape [face_count]."""
+    found = target.surface.closest(nodes[faces].mean(axis=1))
+    cosine = (face_normals(nodes, faces)[0] * found.interpolate(target.normals, target.surface.faces)).sum(1)
+    return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
+
+
+def crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return which faces intersect a face that is not their neighbour, shape [face_count]."""
+    wrong = np.zeros(len(faces), dtype=bool)
+    wrong[self_intersections(nodes, faces)] = True
+    return wrong
+
+
+def fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
+    """Return 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
+    reach = np.zeros(count)
+    reach[faces[wrong]] = 1.0
+    edges = HalfEdges.of(faces, count).edges
+    level = reach.copy()
+    for ring in range(rings):
+        grown = reach.copy()
+        np.maximum.at(grown, edges[:, 0], reach[edges[:, 1]])
+        np.maximum.at(grown, edges[:, 1], reach[edges[:, 0]])
+        level = np.maximum(level, grown * (1 - max(ring, 0) / rings))
+        reach = grown
+    return level

@@ -1,0 +1,132 @@
+"""Deform a graded drape onto a target: repair, Jacobian stage, polish, clearance from body and cloth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body import ExposedSurface, penetration_depth, project_outside, untangle_outside
+from ...garment import Garment
+from ...geometry import gradient_operator, move_towards, self_intersections, shape_gradients
+from ...run.hooks import SILENT, Hooks
+from ...scan.contours import Target
+from .acceptance import accept_polish, crossing, flipped
+from .clearance import Watch, clear_body
+from .deformation import Deformation
+from .easing import ease_stretch, iron_crossings
+from .jacobian_stage import optimise_jacobians
+from .objective import Objective
+from .polish import polish_nodes
+from .rest_metric import RestMetric
+from .settings import DeformSettings
+from .target_repair import PreparedTarget, prepare_target
+
+DEFAULT = DeformSettings()
+"""The setting that is used where none is given."""
+
+DEEP = 1e-3
+"""Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
+
+
+CLEAR = 5e-4
+"""Depth in the body that is left as it is [m]: half of what a measure allows. The smooth solve ends at its margin up to
+some tenths; beyond, cloth is in a crease. Creases are cut only then: a triangle between thighs that run into each other
+is drawn to 2.5 times its length along the cut if all steps know it, to 1.4 if it is carried out at the end."""
+
+
+def deform(
+    garment: Garment,
+    target: Target,
+    body: ExposedSurface,
+    *,
+    settings: DeformSettings = DEFAULT,
+    hooks: Hooks = SILENT,
+) -> Deformation:
+    """Deform a garment's graded drape onto the target's surface.
+
+    Thesis chapter 4 with the changes that each module's **Deviation** explains. The result keeps the garment's faces,
+    so that its pattern stays its uv map.
+
+    Args:
+        garment: The graded drape; its contours are matched with the target's by name.
+        target: The surface to be reached.
+        body: The wearer's exposed skin; the result lies outside it, but for what the body's parts pinch.
+        settings: Weights and steps.
+        hooks: Progress under the name `deform`, and cancellation at every step.
+
+    Raises:
+        Cancelled: as soon as the hooks say so.
+    """
+    hooks.progress("deform", 0.0, "repair of the target")
+    nodes = np.ascontiguousarray(garment.nodes, dtype=np.float64)
+    faces = np.ascontiguousarray(garment.faces, dtype=np.int64)
+    gradient, areas = gradient_operator(garment.rest, faces, len(nodes))
+    goal = prepare_target(target, nodes, faces, garment.contours, settings.repair)
+    metric = RestMetric(faces, garment.panel_of_face, areas, settings.metric_scale)
+    inverse = shape_gradients(garment.rest)[:, 1:]
+    objective = Objective(nodes, faces, inverse, areas, goal, body.whole, settings)
+    hooks.progress("deform", 0.1, "Jacobians")
+    stage = optimise_jacobians(nodes, gradient, areas, objective, metric, settings, hooks)
+    x, polished = stage.nodes, False
+    if settings.polish_iterations > 0:
+        finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
+        x, polished = accept_polish(finer, x, faces, goal)
+        allowed = int(crossing(nodes, faces).sum())
+        ironed = iron_crossings(x, gradient, areas, faces, allowed)
+        x = ironed if crossing(ironed, faces).any() else move_towards(ironed, x, faces)
+        eased = ease_stretch(x, gradient, areas, faces)
+        x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
+    hooks.progress("deform", 0.9, "clearance")
+    if settings.clear_body:
+        body = body.sparing_pinched
+        watch = Watch(faces, body.whole, settings.body_margin)
+        x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
+        x = x if penetration_depth(x, faces, body) <= CLEAR else project_outside(x, body, faces)
+        x = untangle_outside(x, body, faces)
+    flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
+    crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
+    depth = penetration_depth(x, faces, body)
+    hooks.progress("deform", 1.0, "done")
+    return Deformation(
+        nodes=x,
+        iterations=stage.iterations,
+        losses=stage.losses,
+        polished=polished,
+        matched=tuple(c.name for c, _ in goal.pairs),
+        normals_reversed=goal.reversed,
+        normals_unsigned=goal.unsigned,
+        spikes=goal.spikes,
+        flipped_faces=flips,
+        self_intersecting_faces=crossings,
+        body_depth=depth,
+        warnings=_warnings(garment, target, goal, flips, crossings, depth),
+    )
+
+
+def _warnings(
+    garment: Garment,
+    target: Target,
+    goal: PreparedTarget,
+    flips: tuple[int, int],
+    crossings: tuple[int, int],
+    depth: float,
+) -> tuple[str, ...]:
+    """Describe what the user should know, one sentence each."""
+    said = []
+    matched = {c.name for c, _ in goal.pairs}
+    for name in sorted({c.name for c in garment.contours} - matched):
+        said.append(f"The contour '{name}' has no trusted counterpart on the scan; that border was left free.")
+    for name in sorted({c.name for c in target.contours} - {c.name for c in garment.contours}):
+        said.append(f"The scan's contour '{name}' has no counterpart on the garment.")
+    if goal.reversed:
+        said.append("The scan's normals pointed inwards and were turned.")
+    if goal.unsigned:
+        said.append("The scan's normals disagree in sign; only their axes were used.")
+    if goal.spikes:
+        said.append(f"{goal.spikes} outlying points of the scan were moved onto their neighbours.")
+    if flips[1] > flips[0]:
+        said.append(f"{flips[1]} faces point against the scan's surface.")
+    if crossings[1] > crossings[0]:
+        said.append(f"{crossings[1]} faces of the detail mesh intersect others ({crossings[0]} in the graded drape).")
+    if depth > DEEP:
+        said.append(f"The detail mesh reaches {depth * 1e3:.1f} mm into the body; check the body's fit to the scan.")
+    return tuple(said)

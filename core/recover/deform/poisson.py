@@ -1,0 +1,59 @@
+"""From per-face Jacobians to positions: the prefactored Poisson solve (thesis eq. 4.1) as a torch function."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import torch
+
+from ...geometry import factor_symmetric
+
+PIN = 1e-10
+"""Share of the mean diagonal added to it: the solve leaves translation free, which makes the Laplacian singular."""
+
+
+class PoissonSystem:
+    """Solve for the positions whose gradients are nearest to given Jacobians.
+
+    Minimises sum_f A_f |(G x)_f - J_f|^2 (thesis eq. 4.1): (G^T A G) x = G^T A J, with zero mean over the nodes.
+
+    **Deviation**: J is the 3x2 Jacobian in the frame of the face's flat rest triangle. The third column of the thesis'
+    3x3 Jacobian is in the null space of the solve.
+    """
+
+    def __init__(self, gradient: sp.csr_matrix, areas: np.ndarray) -> None:
+        weights = sp.diags(np.repeat(areas, 2))
+        laplacian = gradient.T @ weights @ gradient
+        laplacian = laplacian + PIN * laplacian.diagonal().mean() * sp.identity(laplacian.shape[0])
+        self._factor = factor_symmetric(laplacian)
+        self._divergence = (gradient.T @ weights).tocsr()
+        self._adjoint = self._divergence.T.tocsr()
+
+    def positions(self, jacobians: np.ndarray) -> np.ndarray:
+        """Return zero-mean positions [m] from Jacobian rows, shape [2 face_count, 3]."""
+        nodes = self._factor.solve(self._divergence @ jacobians)
+        return nodes - nodes.mean(axis=0)
+
+    def pull_back(self, gradient: np.ndarray) -> np.ndarray:
+        """Return the gradient with respect to the Jacobian rows from that with respect to the positions."""
+        return np.asarray(self._adjoint @ self._factor.solve(gradient - gradient.mean(axis=0)))
+
+
+class _Solve(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
+        ctx.system = system
+        return torch.from_numpy(system.positions(jacobians.detach().numpy()))
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: torch.Tensor) -> tuple[torch.Tensor, None]:
+        return torch.from_numpy(ctx.system.pull_back(np.ascontiguousarray(gradients[0].numpy()))), None
+
+
+def solve_poisson(jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
+    """Return zero-mean positions [m], shape [node_count, 3], differentiable in the Jacobian rows."""
+    result = _Solve.apply(jacobians, system)
+    assert isinstance(result, torch.Tensor)
+    return result

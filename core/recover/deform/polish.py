@@ -1,0 +1,157 @@
+"""The polish: local-global closest-point iterations that keep triangles close to their rest stretch (ARAP)."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...body import ExposedSurface
+from ...geometry import (
+    HalfEdges,
+    TriangleSurface,
+    analyse,
+    bending_matrix,
+    factor_symmetric,
+    polar_rotations,
+    unit,
+    vertex_areas,
+    vertex_normals,
+)
+from ...run.hooks import Hooks
+from .contour_match import ContourMatch
+from .jacobian_stage import rows_to_jacobians
+from .rest_metric import RestMetric
+from .settings import DeformSettings
+from .target_repair import PreparedTarget
+
+RIGIDITY = (1e-3, 2e-4)
+"""Weight of the rest stretch beside the distance at the first and last step [m2]: 3 cm and 1.4 cm of reach."""
+
+STIFFNESS = (1e-8, 1e-9)
+"""Weight of the squared curvature at the first and last step [m4]: folds shorter than 1 cm and 0.6 cm are resisted."""
+
+POINT, PLANE, CONTOUR = 0.2, 1.0, 10.0
+"""Weights of the distance to the closest point, of its part along the normal, and of the contours' rows: a fifth along
+the surface lets triangles slide; the contours hold the border against that sliding."""
+
+NORMAL_GATE = 0.2
+"""Cosine between normals below which a match does not pull: it belongs to another layer or to a wrong fold."""
+
+BODY_PULL = 10.0
+"""Weight of a node inside the body, so that the body wins over a target that lies inside it."""
+
+
+def polish_nodes(
+    nodes: np.ndarray,
+    faces: np.ndarray,
+    gradient: sp.csr_matrix,
+    metric: RestMetric,
+    target: PreparedTarget,
+    body: ExposedSurface,
+    settings: DeformSettings,
+    hooks: Hooks,
+) -> np.ndarray:
+    """Bring nodes onto the target by alternating rotations (local) and positions (global).
+
+    Each step solves one sparse system for x that minimises
+
+        sum_i w_i (|n_i.(x_i - p_i)|^2 + 0.2 |x_i - p_i|^2) + the same for the target's vertices on the garment
+        + 10 contours + a sum_f A_f |(G x)_f - R_f S_f|^2 + b |M^-1/2 L x|^2
+
+    with p_i the closest point, R_f the rotation nearest to (G x)_f S_f^-1 and S_f the rest stretch. The plane term is
+    majorised by a point (the projection of x_i on the plane), so that x, y and z share one factor.
+
+    Args:
+        nodes: Result of the main stage [m], shape [node_count, 3].
+        faces: Shape [face_count, 3].
+        gradient: Positions to Jacobian rows.
+        metric: Rest areas, and rest stretch as the main stage left it.
+        target: The repaired target.
+        body: The exact body.
+        settings: Number of steps and the margin to the body.
+        hooks: Progress and cancellation.
+
+    Returns:
+        Polished nodes [m]; whether to keep them is the caller's to judge.
+    """
+    weighted = (gradient.T @ sp.diags(np.repeat(metric.areas, 2))).tocsr()
+    laplacian = (weighted @ gradient).tocsr()
+    mass = vertex_areas(nodes, faces)
+    solver = analyse(HalfEdges.of(faces, len(nodes)), rings=2)
+    bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
+    curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
+    goal_area = target.shares * mass.sum()
+    x = nodes.copy()
+    planes: tuple[np.ndarray, ...] = ()
+    steps = settings.polish_iterations
+    for step in range(steps):
+        part = step / max(steps - 1, 1)
+        rigidity = RIGIDITY[0] ** (1 - part) * RIGIDITY[1] ** part
+        stiffness = STIFFNESS[0] ** (1 - part) * STIFFNESS[1] ** part
+        normals = vertex_normals(x, faces)
+        matrix, right = _ahead(x, normals, mass, target)
+        back_matrix, back_right = _back(x, normals, faces, goal_area, target)
+        matrix, right = matrix + back_matrix, right + back_right
+        rows = curves.rows(x)
+        if rows is not None:
+            # rows sum to 2; scaled by the area of a strip as wide as the garment's mean edge along the border
+            weight = CONTOUR * 0.5 * rows.share * float(np.sum(mass[np.unique(rows.first)]))
+            picks = _picks(np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x))
+            matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goal)
+        if step % 5 == 0:
+            distance, out = body.measure(x)
+            planes = (out, (out * x).sum(1) - distance)
+        inside, push = _inside(x, planes, settings.body_margin)
+        weight = BODY_PULL * mass * inside
+        matrix, right = matrix + sp.diags(weight), right + weight[:, None] * (x + push)
+        rotation = polar_rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
+        right = right + rigidity * (weighted @ rotation.transpose(0, 2, 1).reshape(-1, 3))
+        system = matrix + rigidity * laplacian + stiffness * bending
+        x = factor_symmetric(system, solver).solve(right)
+        hooks.progress("deform", 0.7 + 0.2 * (step + 1) / steps, f"polish {step + 1}")
+    return np.asarray(x)
+
+
+def _gate(cosine: np.ndarray, unsigned: bool) -> np.ndarray:
+    cosine = np.abs(cosine) if unsigned else cosine
+    return np.clip((cosine - NORMAL_GATE) / (1 - NORMAL_GATE), 0.0, 1.0)
+
+
+def _ahead(
+    x: np.ndarray, normals: np.ndarray, mass: np.ndarray, target: PreparedTarget
+) -> tuple[sp.csr_matrix, np.ndarray]:
+    """Rows that pull nodes to the target."""
+    found = target.surface.closest(x)
+    foot = found.foot
+    normal = unit(found.interpolate(target.normals, target.surface.faces))
+    weight = mass * _gate((normals * normal).sum(1), target.unsigned) * ~target.on_rim(found)
+    onto = x + normal * ((foot - x) * normal).sum(1)[:, None]
+    return sp.diags(weight * (PLANE + POINT)).tocsr(), weight[:, None] * (PLANE * onto + POINT * foot)
+
+
+def _back(
+    x: np.ndarray, normals: np.ndarray, faces: np.ndarray, area: np.ndarray, target: PreparedTarget
+) -> tuple[sp.csr_matrix, np.ndarray]:
+    """Rows that pull the garment to the target's vertices."""
+    found = TriangleSurface(x, faces).closest(target.surface.vertices)
+    picks = found.interpolation(faces, len(x))
+    cover, normal = picks @ x, target.normals
+    weight = area * _gate((unit(picks @ normals) * normal).sum(1), target.unsigned)
+    goal = target.surface.vertices
+    onto = cover + normal * ((goal - cover) * normal).sum(1)[:, None]
+    matrix = (picks.T @ sp.diags(weight * (PLANE + POINT)) @ picks).tocsr()
+    return matrix, np.asarray(picks.T @ (weight[:, None] * (PLANE * onto + POINT * goal)))
+
+
+def _picks(columns: np.ndarray, values: np.ndarray, count: int) -> sp.csr_matrix:
+    rows = np.repeat(np.arange(len(columns)), columns.shape[1])
+    return sp.csr_matrix((values.reshape(-1), (rows, columns.reshape(-1))), shape=(len(columns), count))
+
+
+def _inside(x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return which nodes are nearer than the margin by the body's planes, and how far they have to go."""
+    out, height = planes
+    missing = margin + height - (x * out).sum(1)
+    # a plane says nothing about a node that has left its neighbourhood
+    near = (missing > 0) & (missing < 0.02)
+    return near, out * (missing * near)[:, None]

@@ -1,0 +1,116 @@
+"""Make a damaged target usable: spikes, orientation, and which of its borders are damage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...geometry import Closest, HalfEdges, Rim, TriangleSurface, unit, vertex_normals
+from ...scan.contours import Contour, Target, flatten_spikes, smooth_noise
+
+UNSIGNED_SHARE = 0.25
+"""Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
+
+
+@dataclass(frozen=True)
+class PreparedTarget:
+    """Describe the repaired target with what the losses need.
+
+    Attributes:
+        surface: Closest points on it.
+        normals: Unit vertex normals after the vote, shape [vertex_count, 3].
+        shares: Share of the area at each vertex, sums to 1, shape [vertex_count].
+        unsigned: Use the normals' axes only.
+        reversed: The vote turned all normals.
+        spikes: Vertices moved.
+        pairs: Matched contours, source first.
+        rim: The border that is no matched contour.
+    """
+
+    surface: TriangleSurface
+    normals: np.ndarray
+    shares: np.ndarray
+    unsigned: bool
+    reversed: bool
+    spikes: int
+    pairs: tuple[tuple[Contour, Contour], ...]
+    rim: Rim
+
+    def on_rim(self, points: Closest) -> np.ndarray:
+        """Return which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
+        return self.rim.holds(points)
+
+
+def prepare_target(
+    target: Target, nodes: np.ndarray, faces: np.ndarray, contours: tuple[Contour, ...], repair: bool
+) -> PreparedTarget:
+    """Repair a target as seen from the graded drape and match its contours by name.
+
+    Args:
+        target: The surface to be reached.
+        nodes: Graded drape [m], shape [node_count, 3].
+        faces: Its faces, shape [face_count, 3].
+        contours: Its named contours.
+        repair: Move spikes and vote on the orientation; contours are matched in any case.
+    """
+    vertices = np.array(target.vertices, dtype=np.float64)
+    spikes = np.zeros(len(vertices), dtype=bool)
+    noise = 0.0
+    if repair:
+        vertices, spikes = flatten_spikes(vertices, target.faces)
+        vertices, noise = smooth_noise(vertices, target.faces)
+    normals = vertex_normals(vertices, target.faces)
+    given = np.asarray(target.normals, dtype=np.float64)
+    against = (normals * given).sum(1) < 0
+    if noise == 0.0:  # a noisy surface's own normals say nothing about the smoothed one's
+        normals[against & ~spikes] *= -1
+    surface = TriangleSurface(vertices, target.faces)
+    turned, unsigned = False, False
+    if repair:
+        turned, unsigned = vote_orientation(surface, normals, nodes, faces)
+        normals = -normals if turned else normals
+    pairs = match_contours(contours, target.contours)
+    areas = surface.vertex_areas
+    return PreparedTarget(
+        surface=surface,
+        normals=normals,
+        shares=areas / areas.sum(),
+        unsigned=unsigned,
+        reversed=turned,
+        spikes=int(spikes.sum()),
+        pairs=pairs,
+        rim=_find_rim(target, pairs),
+    )
+
+
+def vote_orientation(
+    surface: TriangleSurface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray
+) -> tuple[bool, bool]:
+    """Decide whether the target's normals are reversed as a whole, and whether their signs mean anything."""
+    own = vertex_normals(nodes, faces)
+    cosine = (own * unit(surface.closest(nodes).interpolate(normals, surface.faces))).sum(axis=1)
+    reversed_ = bool(cosine.mean() < 0)
+    share = float(((-cosine if reversed_ else cosine) < 0).mean())
+    # signs may also disagree between neighbours: then they average out at the closest points
+    edges = surface.half_edges
+    discord = float(((normals[edges.tail] * normals[edges.head]).sum(axis=1) < 0).mean())
+    return reversed_, max(share, discord) > UNSIGNED_SHARE
+
+
+def match_contours(source: tuple[Contour, ...], target: tuple[Contour, ...]) -> tuple[tuple[Contour, Contour], ...]:
+    """Pair contours that bear the same name and are trusted on both sides; the others stay unmatched."""
+    named = {c.name: c for c in target if c.trusted and len(c.vertices) >= 3}
+    return tuple((c, named[c.name]) for c in source if c.trusted and len(c.vertices) >= 3 and c.name in named)
+
+
+def _find_rim(target: Target, pairs: tuple[tuple[Contour, Contour], ...]) -> Rim:
+    """Find the border that belongs to no matched contour; a vertex that a contour shares is the contour's."""
+    count = len(target.vertices)
+    on_contour = np.zeros(count, dtype=bool)
+    for _, contour in pairs:
+        on_contour[contour.vertices] = True
+    edges = HalfEdges.of(target.faces, count)
+    border = edges.border[~(on_contour[edges.tail] & on_contour[edges.head])[edges.border]]
+    rim = Rim.of(edges, target.faces, border)
+    return replace(rim, vertices=rim.vertices & ~on_contour)

@@ -1,0 +1,368 @@
+"""Dress a body that stands in its T-pose: from flat placed panels to a garment that hangs on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+
+from ...body import Body, SignedDistance, Tape, armpit_height, rest_body
+from ...garment import Garment
+from ...garment.parts.tops import STRAPLESS_DROP
+from ...geometry import HalfEdges, factor_symmetric
+from ...run.hooks import SILENT, Hooks
+from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .gores import fan_out, find_sides
+from .ironing import iron_crossings
+from .layer_contact import LayerContact
+from .sleeves import turn_sleeves
+from .stance import spread_legs
+from .waist import flat_length, waist_loop
+
+LIFT = 0.03
+"""How far above the body's shoulders a garment is laid [m]: a sleeve that droops then still starts above the middle of
+the stretched arm, so that its upper seam is pushed up and not down; what is too high sinks under its weight."""
+
+
+@dataclass(frozen=True)
+class DressSettings:
+    """Set the recipe of the first drape.
+
+    Attributes:
+        flatten: Distance of the flattened panels from the body's middle plane [m]; more than half the thickness of
+            the squashed body with its contact layer, so that it starts between them.
+        squash: Depth of the squashed body as a share of its own; 4 % leaves a torso 1 cm thick.
+        frames: Frames in which it is inflated; 40 move its surface by about 3 mm a frame.
+        relax: Steps that relax the welded panels' edges in their planes; 60 were enough from 5 times too long.
+        settle: Steps under gravity at the end.
+        outline: Keep the seams between front and back outside the body's outline in the middle plane.
+        iron: Lay what crosses itself smooth. Before a graded drape, which knows no layers, it gains nothing: forks laid
+            smooth come out of that with half as many crossing faces again.
+        follow: The position-based steps.
+    """
+
+    flatten: float = 0.012
+    squash: float = 0.04
+    frames: int = 40
+    relax: int = 60
+    settle: int = 60
+    outline: bool = True
+    iron: bool = True
+    follow: FollowSettings = field(default_factory=FollowSettings)
+
+
+def place(garment: Garment, body: Body, *, waist_height: float | None = None, flatten: float = 0.012) -> np.ndarray:
+    """Flatten the placed panels to both sides of the body's middle plane and shift them to where they are worn.
+
+    Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is found: a garment with a waist
+    puts it at `waist_height`, any other hangs its shoulder line on the body's. Legs are laid along the body's.
+
+    Args:
+        garment: The sewn garment, nodes where its file places them.
+        body: The body in its T-pose, facing +z.
+        waist_height: Height of the waist contour [m]; where None, where the body is as wide as it.
+        flatten: Distance from the middle plane [m].
+
+    Returns:
+        Nodes [m], shape [node_count, 3].
+    """
+    nodes = _weld_flat(garment, body)
+    pelvis = body.joint("pelvis")
+    nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
+    middle = _middle_plane(body)
+    nodes[:, 2] = middle + flatten * _side(garment)
+    waist = waist_loop(garment)
+    if waist is not None:
+        height = waist_height if waist_height is not None else _natural_edge(garment, waist, body)
+        nodes[:, 1] += height - nodes[waist, 1].mean()
+    else:
+        nodes[:, 1] += _shoulder_shift(nodes, garment.faces, body)
+    return spread_legs(nodes, garment.faces, body)
+
+
+def _natural_edge(garment: Garment, loop: np.ndarray, body: Body) -> float:
+    """Return the height of a garment's upper edge [m]: below the arms where its pattern has a neck there, no waist."""
+    edges = [
+        garment.pattern.panel(ref.panel).edges[ref.edge].contour
+        for ref, line in garment.edge_uv.items()
+        if np.isin(garment.uv_node[line], loop).all()
+    ]
+    if "neck" in edges:
+        return armpit_height(rest_body(body)) - STRAPLESS_DROP
+    return natural_height(flat_length(garment, loop), body)
+
+
+def natural_height(girth: float, body: Body) -> float:
+    """Return the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
+
+    It slides down from the narrowest place of the trunk, between pelvis and the top of the loins, until the body's
+    convex girth is the band's; a band wider than the hips stays at the pelvis.
+    """
+    low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
+    heights = np.linspace(low, high, 25)
+    tape = Tape(body)
+    girths = np.array([tape.trunk(height).value for height in heights])
+    narrowest = int(np.argmin(girths))
+    held = np.nonzero(girths[: narrowest + 1] <= girth)[0]
+    first = int(held[0]) if len(held) else narrowest
+    if first == 0 or not len(held):
+        return float(heights[first])
+    return float(np.interp(girth, girths[[first, first - 1]], heights[[first, first - 1]]))
+
+
+def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
+    """Weld the placed panels in the x, y plane without folding them over and give the nodes [m], [node_count, 3].
+
+    Sleeves are first turned to lie along the arms (`turn_sleeves`), gores to lie beside each other (`fan_out`). The
+    panels are then shifted so that the two sides of their seams lie as near as they can (least squares over one
+    translation per panel, drawn to where they stand a thousandth as much); what gap is left is closed half and half,
+    and spread into each panel as a harmonic displacement.
+    """
+    panels = garment.pattern.panels
+    rotation, origin = turn_sleeves(garment, body, LIFT)
+    flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
+    flat = fan_out(garment, flat)
+    count = np.bincount(garment.uv_node)
+    shared = np.nonzero(count[garment.uv_node] > 1)[0]
+    mean = sparse.csr_matrix(
+        (1.0 / count[garment.uv_node[shared]], (garment.uv_node[shared], np.arange(len(shared)))),
+        shape=(len(count), len(shared)),
+    )
+    gap = sparse.identity(len(shared)) - mean[garment.uv_node[shared]]
+    member = sparse.csr_matrix((np.ones(len(shared)), (np.arange(len(shared)), garment.panel_of_uv[shared])))
+    member.resize(len(shared), len(panels))
+    rows = (gap @ member).toarray()
+    normal = rows.T @ rows + 1e-3 * np.eye(len(panels))
+    flat += np.linalg.solve(normal, -rows.T @ (gap @ flat[shared]))[garment.panel_of_uv]
+    flat = flat + _spread(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
+    nodes = np.zeros((len(count), 3))
+    np.add.at(nodes[:, :2], garment.uv_node, flat)
+    nodes[:, :2] /= count[:, None]
+    return nodes
+
+
+def _spread(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Extend values at fixed vertices harmonically over a flat mesh (uniform Laplacian), shape [count, 2]."""
+    adjacency = HalfEdges.of(faces, count).adjacency
+    laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency) + 1e-9 * sparse.identity(count))
+    free = np.setdiff1d(np.arange(count), fixed)
+    result = np.zeros((count, 2))
+    result[fixed] = values
+    right = -(laplacian[free][:, fixed] @ values)
+    result[free] = factor_symmetric(laplacian[free][:, free]).solve(right)
+    return result
+
+
+def _middle_plane(body: Body) -> float:
+    """Return z of the plane that halves the body [m]: the mean of the arms' and hips' joints."""
+    names = ("left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_hip", "right_hip", "pelvis")
+    return float(np.mean([body.joint(name)[2] for name in names]))
+
+
+def _side(garment: Garment) -> np.ndarray:
+    """Find the front (+1) and the back (-1) for every node; 0 on seams between the two."""
+    total = np.zeros(len(garment.nodes))
+    count = np.zeros(len(garment.nodes))
+    np.add.at(total, garment.uv_node, find_sides(garment))
+    np.add.at(count, garment.uv_node, 1.0)
+    return total / np.maximum(count, 1.0)
+
+
+def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
+    """Return the shift in y [m] that lays the garment's upper outline above the body's, from neck to shoulder."""
+    left, right = body.joint("left_shoulder"), body.joint("right_shoulder")
+    centre, half = 0.5 * (left[0] + right[0]), 0.5 * abs(left[0] - right[0])
+    gaps = []
+    below_head = body.vertices[:, 1] < body.joint("head")[1]
+    for share in (0.65, 0.75, 0.85, 0.95):
+        for sign in (-1.0, 1.0):
+            x = centre + sign * share * half
+            skin = below_head & (np.abs(body.vertices[:, 0] - x) < 0.015)
+            cloth = _outline_height(nodes, faces, x)
+            if skin.any() and cloth is not None:
+                gaps.append(body.vertices[skin, 1].max() + LIFT - cloth)
+    return float(np.max(gaps)) if gaps else float(left[1] - nodes[:, 1].max())
+
+
+def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | None:
+    """Return the highest y of a flattened garment on the line at x [m], or None where it does not reach so far."""
+    start, end = (nodes[faces[:, ends]].reshape(-1, 3) for ends in ([0, 1, 2], [1, 2, 0]))
+    across = (start[:, 0] - x) * (end[:, 0] - x) < 0
+    if not across.any():
+        return None
+    share = (x - start[across, 0]) / (end[across, 0] - start[across, 0])
+    return float((start[across, 1] + share * (end[across, 1] - start[across, 1])).max())
+
+
+def _half(garment: Garment) -> np.ndarray:
+    """Find nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
+
+    A panel is one half's where its middle lies further out than a quarter of its width.
+    """
+    total, count = np.zeros(len(garment.nodes)), np.zeros(len(garment.nodes))
+    for i, panel in enumerate(garment.pattern.panels):
+        x = (panel.points @ panel.rotation[:2, :2].T + panel.translation[:2])[:, 0]
+        middle, width = 0.5 * (x.max() + x.min()), x.max() - x.min()
+        member = garment.uv_node[garment.panel_of_uv == i]
+        np.add.at(total, member, np.sign(middle) if abs(middle) > 0.25 * width else 0.0)
+        np.add.at(count, member, 1.0)
+    return np.sign(np.where(np.abs(total) == count, total, 0.0))
+
+
+@dataclass(frozen=True)
+class Squashed:
+    """A body whose depth is scaled about the plane z = middle.
+
+    The level set d(x, y, middle + (z - middle) / scale) is zero on the squashed surface; its gradient is returned
+    unscaled, so that distance / |gradient| is the distance to first order.
+    """
+
+    body: SignedDistance
+    middle: float
+    scale: float
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the level set's values [m] and gradients, shapes [n] and [n, 3]."""
+        mapped = points.copy()
+        mapped[:, 2] = self.middle + (points[:, 2] - self.middle) / self.scale
+        distance, gradient = self.body.measure(mapped)
+        return distance, gradient * np.array([1.0, 1.0, 1.0 / self.scale])
+
+
+@dataclass(frozen=True)
+class Flattened:
+    """The obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
+
+    body: SignedDistance
+    middle: float
+    side: np.ndarray
+    flatten: float
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] and gradients of the garment's nodes, shapes [n] and [n, 3]."""
+        flat = np.column_stack([points[:, :2], np.full(len(points), self.middle)])
+        distance, gradient = self.body.measure(flat)
+        gradient[:, 2] = 0.0
+        off_seam = np.abs(self.side) > 0.5
+        distance[off_seam] = np.abs(points[off_seam, 2] - self.middle) - self.flatten
+        gradient[off_seam] = np.sign(self.side[off_seam])[:, None] * np.array([0.0, 0.0, 1.0])
+        return distance, gradient
+
+
+@dataclass(frozen=True)
+class Sided:
+    """A body with the middle plane as an obstacle: no front node passes behind it, no back node before it.
+
+    While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
+    Seams between front and back are in that plane and stay outside the `outline` that the body cuts there: a thin body
+    pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm. Without an outline they
+    are as free as the thin body leaves them.
+    """
+
+    body: SignedDistance
+    outline: SignedDistance | None
+    middle: float
+    side: np.ndarray
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] and gradients of the garment's nodes, shapes [n] and [n, 3]."""
+        off_seam = np.abs(self.side) > 0.5
+        on_seam = np.nonzero(~off_seam)[0]
+        sign = np.sign(self.side)
+        distance, gradient = self.body.measure(points)
+        slope = np.maximum(np.linalg.norm(gradient, axis=1), 1.0)
+        ahead = sign * (points[:, 2] - self.middle)
+        nearer = off_seam & (ahead < distance / slope)
+        distance[nearer] = ahead[nearer]
+        gradient[nearer] = sign[nearer, None] * np.array([0.0, 0.0, 1.0])
+        if self.outline is not None and len(on_seam):
+            distance[on_seam], gradient[on_seam] = self.outline.measure(points[on_seam])
+            gradient[on_seam, 2] = 0.0
+        return distance, gradient
+
+
+def relax_flat(
+    threads: Threads,
+    nodes: np.ndarray,
+    side: np.ndarray,
+    half: np.ndarray,
+    distance: SignedDistance,
+    middle: float,
+    settings: DressSettings,
+) -> np.ndarray:
+    """Relax the edges of flattened, welded panels in their planes and give the nodes [m], shape [node_count, 3].
+
+    Each step moves in x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, and
+    seams between them in it, outside the outline that the body cuts there (between the legs, under the arms). What
+    belongs to one half of the wearer stays on it: the forks of trousers, drafted past the middle, are worn in it, from
+    front to back, and would otherwise lie across each other.
+    """
+    apart = 0.5 * settings.flatten
+    centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
+    flat = Flattened(distance, middle, side, settings.flatten)
+    for _ in range(settings.relax):
+        nodes = follow(threads, PbdState.at_rest(nodes), flat, 1, settings=settings.follow).nodes
+        nodes[:, 2] = middle + settings.flatten * side
+        nodes[half > 0, 0] = np.maximum(nodes[half > 0, 0], centre + apart)
+        nodes[half < 0, 0] = np.minimum(nodes[half < 0, 0], centre - apart)
+    return nodes
+
+
+def dress(
+    garment: Garment,
+    body: Body,
+    distance: SignedDistance,
+    *,
+    waist_height: float | None = None,
+    settings: DressSettings = DressSettings(),
+    hooks: Hooks = SILENT,
+    threads: Threads | None = None,
+) -> np.ndarray:
+    """Dress a body in its T-pose and give the nodes of the garment that hangs on it [m], shape [node_count, 3].
+
+    The panels are flattened to both sides of the body's middle plane and welded; their edges relax around a body
+    squashed in depth, which is then inflated to its full size while the cloth follows without weight, its seams between
+    front and back in the middle plane, so that no shoulder slips off the thin body's edge; what crosses itself then is
+    laid smooth; then gravity.
+    Skirts and trousers are held at the height of their waist, as a waistband's friction would hold them.
+
+    Args:
+        garment: The sewn garment, nodes where its file places them.
+        body: The body in its T-pose, facing +z, feet near y = 0.
+        distance: Where that body is.
+        waist_height: Height of the waist contour [m], or None for where the body is as wide as it.
+        settings: The recipe.
+        hooks: Progress and cancellation.
+        threads: The constraints of `garment` where they are at hand.
+    """
+    threads = lay_threads(garment, settings.follow.bending) if threads is None else threads
+    nodes = place(garment, body, waist_height=waist_height, flatten=settings.flatten)
+    middle = _middle_plane(body)
+    waist = waist_loop(garment)
+    height = None if waist is None else float(nodes[waist, 1].mean())
+    side = _side(garment)
+    nodes = relax_flat(threads, nodes, side, _half(garment), distance, middle, settings)
+    between = np.abs(side) < 0.5
+    outline = distance if settings.outline else None
+    for frame in range(settings.frames):
+        scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
+        obstacle = Sided(Squashed(distance, middle, scale), outline, middle, side)
+        nodes = follow(threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow).nodes
+        nodes[between, 2] = middle
+        if waist is not None and height is not None:
+            nodes[waist, 1] += height - nodes[waist, 1].mean()
+        hooks.check()
+    if settings.iron:
+        nodes = iron_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
+    state = follow(
+        threads,
+        PbdState.at_rest(nodes),
+        distance,
+        settings.settle,
+        settings=settings.follow,
+        gravity=9.81,
+        held=waist,
+        layers=LayerContact(),
+    )
+    return state.nodes

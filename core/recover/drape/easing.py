@@ -1,0 +1,46 @@
+"""Which makers' base patterns the stretch is taken out of before they are graded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...garment import Pattern, mesh_pattern, panel_area
+from ...scan.contours import TOPS, find_loops
+from .stage import DrapeSettings
+from .waist import flat_length, waist_loop
+
+FLARED = 0.7
+"""Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves
+of a circle are 0.5."""
+
+
+def needs_easing(pattern: Pattern, category: str) -> bool:
+    """Check whether a maker's base pattern is worn too long, its seams too low, unless it is eased (ADR 0056).
+
+    Tops are not: they have no seam round the trunk, nor a crotch, that could hang too low.
+
+    Args:
+        pattern: The base pattern.
+        category: What the scan is.
+
+    Raises:
+        MeshTooCoarse: where the pattern cannot be meshed as it is to be dressed.
+    """
+    if category != "skirt":
+        return category not in TOPS
+    # as finely as it is dressed: a mesh of fewer vertices may be refused
+    garment = mesh_pattern(pattern, DrapeSettings().template_vertices, sweeps=0)
+    loop = waist_loop(garment)
+    if loop is None:
+        return True
+    waist = flat_length(garment, loop)
+    hem = sum(flat_length(garment, other) for other in find_loops(garment.faces)) - waist
+    return find_flare(hem, waist, sum(map(panel_area, pattern.panels))) < FLARED
+
+
+def find_flare(hem: float, waist: float, area: float) -> float:
+    """Return what share of a full circle a skirt of some lengths [m] and area [m2] is cut as: 1 for one with a hole.
+
+    Of a ring's sector f with radii r and R, hem - waist = 2 pi f (R - r) and area = (hem + waist) (R - r) / 2.
+    """
+    return (hem - waist) * (hem + waist) / (4.0 * np.pi * area)

@@ -1,0 +1,177 @@
+"""Which side of the wearer each vertex is worn on, and how panels that stand turned around him, as gores, lie flat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from ...garment import Garment, place_points
+from ...geometry import plane_rotation
+
+TURNED = 0.95
+"""Share of a panel's level outward direction along the wearer's depth below which it stands turned around him, by 18
+degrees and more: panels that are drafted for front or back have 1."""
+
+EDGE_ON = 0.3
+"""The same below which the depth of a panel, not its direction, tells front from back."""
+
+UPRIGHT = 0.7
+"""Share of a seam's length that it rises by from which the panels on both sides of it stand beside each other; and
+share of a panel's outward direction that is level from which it stands."""
+
+
+def find_sides(garment: Garment) -> np.ndarray:
+    """Return for each vertex of a garment's flat mesh whether it is worn in front (+1) or behind (-1), shape [n].
+
+    A panel is in front or behind as a whole, but where it stands turned around the wearer: there each vertex is where
+    it is placed, and of an edge that passes from front to back one end is 0, so that none joins the two.
+    """
+    outward, depth = _outward(garment), np.array([panel.translation[2] for panel in garment.pattern.panels])
+    middle = depth.mean()
+    side = np.where(np.abs(outward) > EDGE_ON, np.sign(outward), np.sign(depth - middle))[garment.panel_of_uv]
+    turned = _is_turned(garment)[garment.panel_of_uv]
+    if not turned.any():
+        return side
+    placed = _placed(garment)[:, 2] - middle
+    edges = garment.uv_faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    crosses = placed[edges].prod(axis=1) < 0.0
+    nearer = np.take_along_axis(edges, np.abs(placed[edges]).argmin(axis=1)[:, None], axis=1)[crosses, 0]
+    placed[nearer] = 0.0
+    return np.where(turned, np.sign(placed), side)
+
+
+def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:
+    """Return where a garment's flat vertices lie [m], shape [n, 2], with turned panels beside each other as a fan.
+
+    Seen from the front, gores are as narrow as they are turned, and their sides, which slant, lie across each other.
+    Laid flat they are a fan in front and one behind, as the two halves of a circle are. Each is unrolled from the panel
+    that faces most to the front or the back: the next panel is laid where their common seam's points fit best (rigidly,
+    by least squares); a panel at the wearer's side, part of which is in front and part behind, belongs to both.
+
+    Args:
+        garment: The sewn garment, panels as its file places them.
+        flat: Where they lie seen from the front [m], shape [n, 2]; given back where no panel is turned.
+    """
+    ring = _find_ring(garment)
+    if ring is None:
+        return flat
+    side = find_sides(garment)
+    fans = [fan for sign in (1.0, -1.0) if (fan := _unroll(garment, ring, side, sign)) is not None]
+    if len(fans) == 2:
+        fans[1] = fans[1].laid_on(fans[0], garment.uv_node)
+    fan = _Fan.joined(fans)
+    places = (fan.places - fan.places.mean(axis=0)) @ plane_rotation(-float(fan.angles.mean())).T
+    places += flat[fan.mine].mean(axis=0)
+    total, count = np.zeros_like(flat), np.bincount(fan.mine, minlength=len(flat))
+    np.add.at(total, fan.mine, places)
+    return np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], flat)
+
+
+@dataclass(frozen=True)
+class _Ring:
+    """Describe panels that stand around the wearer.
+
+    Attributes:
+        panels: Their indices.
+        beside: Pairs of them that an upright seam joins.
+    """
+
+    panels: tuple[int, ...]
+    beside: frozenset[tuple[int, int]]
+
+
+@dataclass(frozen=True)
+class _Fan:
+    """Describe what lies flat in front, or behind, seen from the front.
+
+    Attributes:
+        mine: Its flat vertices, shape [k].
+        places: Where they lie [m], shape [k, 2].
+        angles: By what angle their panels are turned [rad], shape [k].
+    """
+
+    mine: np.ndarray
+    places: np.ndarray
+    angles: np.ndarray
+
+    @classmethod
+    def joined(cls, fans: list[_Fan]) -> _Fan:
+        """Return some fans as one."""
+        return cls(*(np.concatenate([getattr(fan, name) for fan in fans]) for name in ("mine", "places", "angles")))
+
+    def laid_on(self, other: _Fan, uv_node: np.ndarray) -> _Fan:
+        """Return the fan where the points that it is sewn to another by, or has in common with it, fit best."""
+        _, a, b = np.intersect1d(uv_node[self.mine], uv_node[other.mine], return_indices=True)
+        if not len(a):
+            return self
+        start, goal = self.places[a].mean(axis=0), other.places[b].mean(axis=0)
+        angle = _angle_between(self.places[a] - start, other.places[b] - goal)
+        return _Fan(self.mine, (self.places - start) @ plane_rotation(angle).T + goal, self.angles + angle)
+
+
+def _outward(garment: Garment) -> np.ndarray:
+    return np.array([panel.rotation[2, 2] for panel in garment.pattern.panels])
+
+
+def _is_turned(garment: Garment) -> np.ndarray:
+    """Check which panels stand turned around the wearer, shape [panel_count]."""
+    normals = np.array([panel.rotation[:, 2] for panel in garment.pattern.panels])
+    level = np.hypot(normals[:, 0], normals[:, 2])
+    return np.asarray((level > UPRIGHT) & (np.abs(normals[:, 2]) < TURNED * level))
+
+
+def _placed(garment: Garment) -> np.ndarray:
+    """Return the flat vertices where the pattern's file places them [m], shape [n, 3]."""
+    placed = np.zeros((len(garment.uv), 3))
+    for index, panel in enumerate(garment.pattern.panels):
+        mine = garment.panel_of_uv == index
+        placed[mine] = place_points(panel, garment.uv[mine])
+    return placed
+
+
+def _find_ring(garment: Garment) -> _Ring | None:
+    """Find the turned panels and those that stand beside one; None where there is none."""
+    turned = set(np.flatnonzero(_is_turned(garment)).tolist())
+    if not turned:
+        return None
+    index = {panel.name: i for i, panel in enumerate(garment.pattern.panels)}
+    placed, beside = _placed(garment), set()
+    for seam in garment.pattern.seams:
+        line = placed[garment.edge_uv[seam.a]]
+        length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+        pair = {index[seam.a.panel], index[seam.b.panel]}
+        if abs(line[-1, 1] - line[0, 1]) > UPRIGHT * length and pair & turned:
+            beside |= set(permutations(pair, 2))
+    return _Ring(tuple(sorted(turned.union(*beside))), frozenset(beside))
+
+
+def _unroll(garment: Garment, ring: _Ring, side: np.ndarray, sign: float) -> _Fan | None:
+    """Lay what of a ring is in front (sign 1) or behind (-1) beside each other; None where nothing of it is there."""
+    pieces, outward = {}, sign * _outward(garment)
+    for panel in ring.panels:
+        mine = np.flatnonzero((garment.panel_of_uv == panel) & (sign * side >= 0.0))
+        if (sign * side[mine] > 0.0).any():
+            pieces[panel] = mine
+    laid: dict[int, _Fan] = {}
+    waiting = [(panel, panel) for panel in sorted(pieces, key=lambda panel: -outward[panel])[:1]]
+    while waiting:
+        panel, before = waiting.pop(0)
+        if panel in laid:
+            continue
+        upward = garment.pattern.panels[panel].rotation[1, :2]
+        upward = upward / np.linalg.norm(upward)
+        places = garment.uv[pieces[panel]] @ np.array([[sign * upward[1], -sign * upward[0]], upward]).T
+        own = _Fan(pieces[panel], places, np.zeros(len(places)))
+        laid[panel] = own.laid_on(laid[before], garment.uv_node) if laid else own
+        waiting += [(other, panel) for other in sorted(pieces) if (panel, other) in ring.beside]
+    if not laid:
+        return None
+    return _Fan.joined(list(laid.values()))
+
+
+def _angle_between(source: np.ndarray, goal: np.ndarray) -> float:
+    """Return the angle [rad] that turns points onto others, both about the origin, by least squares."""
+    cross = source[:, 0] * goal[:, 1] - source[:, 1] * goal[:, 0]
+    return float(np.arctan2(cross.sum(), (source * goal).sum()))

@@ -1,0 +1,62 @@
+"""Keep layers of cloth apart during position-based steps: planes between them, and steps that cross undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry import self_intersections, undo_crossings
+from .layers import HalfSpaces, find_layers
+
+
+@dataclass(frozen=True)
+class LayerContact:
+    """Choose how layers of cloth are kept apart.
+
+    Attributes:
+        creep: Let layers that would cross move by the room they have; else their steps are undone.
+        gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
+        reach: Distance up to which layers watch each other [m]; the steps that outrun it and cross are undone.
+        push: How far the body pushes a node in a step [m]; less than half the reach, so that the layers above are found
+            and pushed along.
+    """
+
+    creep: bool = False
+    gap: float = 2e-3
+    reach: float = 10e-3
+    push: float = 4e-3
+
+    def begin(self, nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> Layers:
+        """Find the faces that cross at first, of a mesh with nodes [m], shape [node_count, 3]; they may stay so."""
+        return Layers(self, faces, edges, self_intersections(nodes, faces), HalfSpaces.none())
+
+
+@dataclass
+class Layers:
+    """Follow the layers of one cloth from step to step.
+
+    Attributes:
+        settings: Distances.
+        faces: The mesh, shape [face_count, 3].
+        edges: Its edges, each once, shape [edge_count, 2].
+        crossed: Faces that cross others, after the last step.
+        between: What keeps the layers apart in this step.
+    """
+
+    settings: LayerContact
+    faces: np.ndarray
+    edges: np.ndarray
+    crossed: np.ndarray
+    between: HalfSpaces
+
+    def planes(self, nodes: np.ndarray) -> HalfSpaces:
+        """Find what keeps the layers apart in a step from nodes [m], shape [node_count, 3]."""
+        chosen = self.settings
+        self.between = find_layers(nodes, self.faces, self.edges, self.crossed, chosen.gap, chosen.reach)
+        return self.between
+
+    def finish(self, nodes: np.ndarray, before: np.ndarray) -> None:
+        """Shorten, in place, the moves of a step that cross; both positions [m], shape [node_count, 3]."""
+        room = self.between.room(before, self.settings.reach) if self.settings.creep else None
+        self.crossed = undo_crossings(nodes, before, self.faces, self.crossed, room)

@@ -1,0 +1,44 @@
+"""Drape the shipped templates on the built-in female body: `python -m garmentq.core.recover.drape.shipped`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...body import builtin_body, project_outside
+from ...cloth import Scene, Topology, equilibrium, get_fabric
+from ...garment import list_templates, load_template, mesh_pattern
+from ...garment.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
+from ...scan.contours import name_contours
+from .dress import dress
+from .tie import pin_waist
+from .waist import waist_loop
+from .wearer import WearerGeometry
+
+WEARER = "builtin:female,height=1.70"
+"""The body that the templates were drafted for."""
+
+FABRIC = "cotton_poplin"
+"""The default fabric of a recovery."""
+
+
+def drape_library(folder: Path) -> None:
+    """Drape every template on the body it was drafted for, in T-pose, and keep its nodes beside its pattern file.
+
+    Waists are held at the height where the draft places them, as the first drape leaves them.
+    """
+    body = builtin_body(WEARER)
+    wearer = WearerGeometry(body)
+    for info in list_templates():
+        garment = mesh_pattern(load_template(info.name), DRAPED_VERTICES)
+        waist = waist_loop(garment)
+        height = None if waist is None else float(garment.nodes[waist, 1].mean())
+        nodes = dress(garment, body, wearer.grid, waist_height=height)
+        pins = pin_waist(garment.at(nodes))
+        rest = equilibrium(Scene(Topology.from_garment(garment), get_fabric(FABRIC), wearer.grid, pins), nodes)
+        nodes = project_outside(rest.nodes, wearer.exposed, garment.faces)
+        contours, _ = name_contours(nodes, garment.faces, body)
+        save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")
+
+
+if __name__ == "__main__":
+    drape_library(LIBRARY)

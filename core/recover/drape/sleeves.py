@@ -1,0 +1,125 @@
+"""Lay sleeves that were drafted for hanging arms along the arms of a T-pose, before anything is welded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body import Body
+from ...garment import Garment, Pattern
+from ...geometry import plane_rotation
+from ...scan.contours import find_loops
+
+ON_THE_ARM = np.radians(15.0)
+"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it.
+T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
+HANGING = np.radians(75.0)
+"""Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
+
+SUNK = 0.5
+"""Share of an arm's half thickness by which a cuff's upper end may lie below the arm's upper side as it is drafted. It
+must end above the arm's middle, to be pushed up, and welded and laid on the shoulders a T-shirt's came 2 cm lower."""
+
+RAISED = np.radians(45.0)
+"""Angle above the arm from which a panel that ends in an opening of its own is no sleeve's: none is drafted for raised
+arms, and from the seams of a bodice's side panel to its armhole it is 60 degrees and more."""
+
+
+def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray, np.ndarray]:
+    """Turn sleeves in the plane of the panels until they lie along the wearer's arms.
+
+    A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
+    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
+    they are. So do such as hang along the trunk, and panels whose opening lies above their seams, as the side panels of
+    a bodice with princess seams. A sleeve whose upper end would sink to the middle of the arm, which would then come
+    out through it and not through the cuff, is raised until it does not. A turned sleeve's seam with the armhole is as
+    far open as the author's pose differs from the T-pose, which welding spreads into the panels.
+
+    Args:
+        garment: The sewn garment; where its nodes are does not matter.
+        body: The body in its T-pose, facing +z.
+        lift: How far above the body's shoulders the garment is laid [m].
+
+    Returns:
+        Panel axes in the x, y plane, shape [panel_count, 2, 2], and where each panel's origin stands in it [m], shape
+        [panel_count, 2].
+    """
+    pattern = garment.pattern
+    rotation = np.stack([panel.rotation[:2, :2] for panel in pattern.panels])
+    origin = np.stack([panel.translation[:2] for panel in pattern.panels])
+    place = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
+    centre = 0.5 * (place[:, 0].min() + place[:, 0].max())
+    shoulder = 0.5 * abs(float(body.joint("left_shoulder")[0] - body.joint("right_shoulder")[0]))
+    middle = np.array([0.5 * np.ptp(place[mine, 0]) + place[mine, 0].min() for mine in _members(garment)])
+    loops = find_loops(garment.faces)
+    for side, name in ((1.0, "left"), (-1.0, "right")):
+        way = body.joint(f"{name}_wrist") - body.joint(f"{name}_shoulder")
+        arm = np.arctan2(-way[1], side * way[0])
+        upward = np.array([side * np.sin(arm), np.cos(arm)])
+        half = _half_thickness(body, name)
+        for group in _groups(pattern, side * (middle - centre) > shoulder):
+            ends = _ends(garment, place, group, loops)
+            if ends is None:
+                continue
+            cap, cuff = (points.mean(axis=0) for points in ends)
+            axis = cuff - cap
+            droop = np.arctan2(-axis[1], side * axis[0])
+            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + SUNK * half
+            if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING or arm - droop >= RAISED:
+                continue
+            raised = max(droop - arm, _raise_above(ends, side, upward, lift)) if sinks else droop - arm
+            turned = plane_rotation(side * raised)
+            rotation[group] = turned @ rotation[group]
+            origin[group] = (origin[group] - cap) @ turned.T + cap
+    return rotation, origin
+
+
+def _raise_above(ends: tuple[np.ndarray, np.ndarray], side: float, upward: np.ndarray, sunk: float) -> float:
+    """Return the least angle by which a sleeve is raised until its cuff's top is at most so far below its cap's [m].
+
+    A sleeve that is cut in one with a wide body narrows from below and from above: laid with its axis along the arm, it
+    lies below it. At most `RAISED`.
+    """
+    for angle in np.arange(0.0, RAISED, np.radians(1.0)):
+        along = plane_rotation(side * angle).T @ upward
+        cap, cuff = ((points @ along).max() for points in ends)
+        if cap - cuff <= sunk:
+            return float(angle)
+    return float(RAISED)
+
+
+def _members(garment: Garment) -> list[np.ndarray]:
+    return [garment.panel_of_uv == index for index in range(len(garment.pattern.panels))]
+
+
+def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
+    """Return the chosen panels that are sewn together, group by group."""
+    index = {panel.name: i for i, panel in enumerate(pattern.panels)}
+    label = np.arange(len(pattern.panels))
+    for seam in pattern.seams:
+        a, b = index[seam.a.panel], index[seam.b.panel]
+        if chosen[a] and chosen[b]:
+            label[label == label[b]] = label[a]
+    return [np.flatnonzero(chosen & (label == name)).tolist() for name in np.unique(label[chosen])]
+
+
+def _half_thickness(body: Body, name: str) -> float:
+    """Return half the height of an upper arm of a body in its T-pose [m], within 1 cm of its middle."""
+    shoulder, elbow = body.joint(f"{name}_shoulder"), body.joint(f"{name}_elbow")
+    middle = 0.5 * (shoulder + elbow)
+    near = (np.abs(body.vertices[:, 0] - middle[0]) < 0.01) & (np.abs(body.vertices[:, 1] - middle[1]) < 0.1)
+    return 0.5 * float(np.ptp(body.vertices[near, 1])) if near.any() else 0.0
+
+
+def _ends(
+    garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return a sleeve's places at cap and cuff [m], shape [n, 2] each, or None where a group has not both."""
+    inside = np.isin(garment.panel_of_uv, group)
+    count = np.bincount(garment.uv_node)
+    own = np.bincount(garment.uv_node[inside], minlength=len(count))
+    cuffs = [loop for loop in loops if (own[loop] == count[loop]).all()]
+    cap = inside & (own[garment.uv_node] < count[garment.uv_node])
+    if len(cuffs) != 1 or not cap.any():
+        return None
+    cuff = inside & np.isin(garment.uv_node, cuffs[0])
+    return place[cap], place[cuff]

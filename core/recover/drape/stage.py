@@ -1,0 +1,306 @@
+"""The drape stage: a template on the wearer before grading, and the graded pattern at equilibrium after it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...body import Body, find_hanging_arms, project_outside, skin, unskin, untangle_outside, weights_at
+from ...cloth import (
+    Drape,
+    Fabric,
+    Scene,
+    SelfContact,
+    SolveSettings,
+    SteadyRotation,
+    Stop,
+    Topology,
+    equilibrium,
+    soften,
+)
+from ...garment import Garment, Pattern, mesh_pattern, resample
+from ...geometry import deformation_gradients, principal_stretches
+from ...run.hooks import SILENT, Hooks
+from ...scan.contours import Target, find_loops, name_contours, smoothed_length
+from .carry import take_pose
+from .dress import DressSettings, dress, place
+from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .tie import pin_waist, place_waist
+from .waist import flat_lengths, waist_loop
+from .wearer import WearerGeometry
+
+PLACED = 0.1
+"""Distance of placed panels from the middle plane where their contours are named [m]: deeper than the bones bend."""
+
+CAUGHT = 1.5
+"""Stretch of the first thousandth of a dressed pattern's faces at rest from which it is dressed again, on a finer mesh.
+A T-shirt that was caught had 4.7, wide trousers whose legs were caught in each other 3.0, ones whose hems were caught
+under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five of these, from 1.31 on, have 1.32 to 1.52 on
+the finer mesh, too."""
+
+EASED_GRAVITY = 0.5
+"""Weight of cloth that is eased [m/s2], a twentieth of its own: cloth that does not stretch hangs alike under both, and
+skirts do not float."""
+
+
+@dataclass(frozen=True)
+class DrapeSettings:
+    """Set both drapes.
+
+    Attributes:
+        template_vertices: Vertices of the template's mesh; 1500 resolve a T-shirt with edges of 2.5 cm, enough for the
+            measures that grading takes, and dress in under 2 s.
+        pose_steps: Position-based steps that let the skinned cloth find its place on the posed body.
+        ease_steps: Position-based steps under little weight that take the stretch out of a template in the pose. Under
+            its own weight the sweeps do not converge: a dress hung 12 cm too low, its straps stretched to 1.6, its
+            waist seam on the hips. 40 steps leave 1 to 3 % of that.
+        settle_steps: Position-based steps without weight before Newton. The registered mesh is stretched by up to half
+            in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not converge on
+            4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
+        apart: The cloth does not pass through itself at rest. Not where a pattern is still to be graded or fitted.
+        dress: The first drape.
+        follow: The position-based steps in the pose.
+        solve: The equilibrium.
+    """
+
+    template_vertices: int = 1500
+    pose_steps: int = 60
+    ease_steps: int = 0
+    settle_steps: int = 15
+    apart: bool = False
+    dress: DressSettings = field(default_factory=DressSettings)
+    follow: FollowSettings = field(default_factory=FollowSettings)
+    solve: SolveSettings = field(default_factory=SolveSettings)
+
+    def eased(self) -> DrapeSettings:
+        """Return the same for a template whose stretch would be graded."""
+        return replace(self, ease_steps=40)
+
+
+def waist_height(target: Target, body: Body) -> float | None:
+    """Return the height of the target's waist contour carried back to the T-pose [m], or None where none is known."""
+    waist = target.waist
+    if waist is None:
+        return None
+    points = target.vertices[waist.vertices]
+    return float(unskin(points, weights_at(body, points, rest=False), body.transforms)[:, 1].mean())
+
+
+def drape_template(
+    pattern: Pattern,
+    wearer: WearerGeometry,
+    target: Target | None = None,
+    *,
+    carry: bool = False,
+    settings: DrapeSettings = DrapeSettings(),
+    hooks: Hooks = SILENT,
+) -> Garment:
+    """Mesh, sew and dress a base pattern on the wearer, in the wearer's pose, and name its contours.
+
+    The first drape happens on the T-pose; the cloth is then carried into the pose with the skin around it and settles
+    on the wearer's own mesh. Where the target has a waist, the garment's waist is tied to it. Where an opening goes
+    round nothing, the wearer is dressed again with seams that are free in the middle plane.
+
+    Args:
+        pattern: The base pattern.
+        wearer: The wearer's geometry.
+        target: Says where the waist sits, or None for the body's own waist.
+        carry: Carry what hangs from a target's waist, and sleeves of hanging arms, with the skin, too. Skinned instead,
+            which does for a start of grading and takes a second less, cloth between the legs can be pinched, and an
+            armhole ends in the armpit.
+        settings: Resolution and steps.
+        hooks: Progress and cancellation.
+
+    Returns:
+        The draped garment; `contours` named on the wearer.
+    """
+    garment = mesh_pattern(pattern, settings.template_vertices)
+    threads = lay_threads(garment, settings.dress.follow.bending)
+    hooks.progress("template", 0.1, "dressing the T-pose")
+    hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
+    loops = len(find_loops(garment.faces))
+    # The way into the pose is long, so what is lost is looked for before it.
+    if settings.dress.outline and (kept := _openings(hung, garment, wearer.rest)) < loops:
+        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
+        freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
+        hung = freed if _openings(freed, garment, wearer.rest) > kept else hung
+    worn = _take_pose(garment, threads, hung, wearer, target, carry, settings, hooks)
+    lost = settings.dress.outline and len(worn.contours) < loops
+    return name_as_placed(worn, wearer.rest) if lost else worn
+
+
+def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
+    """Count the openings that go round something of the body."""
+    return len(name_contours(nodes, garment.faces, body)[0])
+
+
+def _dress(
+    garment: Garment,
+    threads: Threads,
+    wearer: WearerGeometry,
+    target: Target | None,
+    settings: DressSettings,
+    hooks: Hooks,
+) -> np.ndarray:
+    """Dress the T-pose, the waist where the target has it, and give the nodes [m], shape [node_count, 3]."""
+    return dress(
+        garment,
+        wearer.rest,
+        wearer.rest_grid,
+        waist_height=None if target is None else waist_height(target, wearer.body),
+        settings=settings if target is None else replace(settings, iron=False),
+        hooks=hooks,
+        threads=threads,
+    )
+
+
+def _take_pose(
+    garment: Garment,
+    threads: Threads,
+    nodes: np.ndarray,
+    wearer: WearerGeometry,
+    target: Target | None,
+    carry: bool,
+    settings: DrapeSettings,
+    hooks: Hooks,
+) -> Garment:
+    """Carry what hangs on the T-pose (nodes [m], shape [node_count, 3]) into the wearer's pose; name its contours."""
+    hooks.progress("template", 0.6, "taking the pose")
+    body = wearer.body
+    waist = waist_loop(garment)
+    if target is None or carry or (waist is None and not hangs_in_sleeves(target, body)):
+        nodes, _ = take_pose(threads, nodes, wearer.way, wearer.grid, held=waist)
+    else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
+        nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
+    if waist is not None and target is not None:
+        nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
+        start, steps = PbdState.at_rest(nodes), settings.pose_steps
+        nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist).nodes
+    if settings.ease_steps:
+        start, steps = PbdState.at_rest(nodes), settings.ease_steps
+        nodes = follow(
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=EASED_GRAVITY, held=waist
+        ).nodes
+    return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
+
+
+def hangs_in_sleeves(target: Target, body: Body) -> bool:
+    """Return whether the wearer's arms hang in sleeves.
+
+    Carried into that pose, cloth is pushed 7 cm down out of the closed armpit; draped as if it could pass through
+    itself, sleeves and sides end inside each other there.
+    """
+    return bool(find_hanging_arms(body)) and any(contour.name.startswith("cuff") for contour in target.contours)
+
+
+def name_as_placed(worn: Garment, rest: Body) -> Garment:
+    """Name a worn garment's contours as its placed panels go round the T-pose, where that names more of them.
+
+    Trousers that are far too long for their wearer crumple about the feet, and their legs' ends then go round nothing;
+    flat, they hang over the feet. Lengths are those of the worn contours.
+    """
+    contours, _ = name_contours(place(worn, rest, flatten=PLACED), worn.faces, rest)
+    if len(contours) <= len(worn.contours):
+        return worn
+    lengths = [smoothed_length(worn.nodes[contour.vertices]) for contour in contours]
+    return worn.at(worn.nodes, tuple(replace(c, length=length) for c, length in zip(contours, lengths, strict=True)))
+
+
+def remesh(garment: Garment, vertex_count: int) -> Garment:
+    """Mesh a garment's pattern anew with a number of vertices, where the garment is."""
+    mesh = mesh_pattern(garment.pattern, vertex_count)
+    return mesh.at(resample(garment, garment.nodes, mesh))
+
+
+def drape_graded(
+    garment: Garment,
+    wearer: WearerGeometry,
+    fabric: Fabric,
+    target: Target,
+    *,
+    rotation: SteadyRotation | None = None,
+    stop: Stop | None = None,
+    settings: DrapeSettings = DrapeSettings(),
+    hooks: Hooks = SILENT,
+) -> tuple[Garment, Drape]:
+    """Drape a graded pattern at full resolution, to equilibrium, outside the wearer's exact mesh.
+
+    Args:
+        garment: The graded pattern's mesh, nodes near the target: where the equilibrium is looked for.
+        wearer: The wearer's geometry.
+        fabric: The cloth.
+        target: Where its waist, if any, holds the garment's.
+        rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
+        stop: Asked after each leg of the equilibrium whether to stop.
+        settings: Steps.
+        hooks: Progress and cancellation.
+
+    Returns:
+        The garment at rest with named contours, and the drape with its residual.
+    """
+    nodes, pins = garment.nodes.copy(), pin_waist(garment, target)
+    if pins is not None:
+        nodes[pins.nodes] = pins.points
+    hooks.progress("drape", 0.1, "settling")
+    threads = lay_threads(garment, settings.follow.bending)
+    held = None if pins is None else pins.nodes
+    start, steps = PbdState.at_rest(nodes), settings.settle_steps
+    nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
+    hooks.progress("drape", 0.3, "equilibrium")
+    topology = Topology.from_garment(garment)
+    contact = SelfContact.of(topology) if settings.apart else None
+    scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, self_contact=contact)
+    drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
+    nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
+    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.apart else nodes
+    contours, _ = name_contours(nodes, garment.faces, wearer.body)
+    return garment.at(nodes, contours), drape
+
+
+def measure_stretch(worn: Garment) -> float:
+    """Return by how much all but a thousandth of a worn garment's faces are stretched at most."""
+    stretches = principal_stretches(deformation_gradients(worn.nodes, worn.faces, worn.rest))
+    return float(np.quantile(stretches[:, 0], 0.999))
+
+
+def redrape(
+    garment: Garment,
+    wearer: WearerGeometry,
+    fabric: Fabric,
+    target: Target,
+    *,
+    rotation: SteadyRotation | None = None,
+    settings: DrapeSettings = DrapeSettings(apart=True),
+    hooks: Hooks = SILENT,
+) -> tuple[np.ndarray, Drape]:
+    """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
+
+    Nothing is taken from the scan but the waist by which the garment hangs. What settles so may hang in other folds
+    than a drape that starts on the scan, and shows what the pattern is worth on its own. The cloth keeps apart from
+    itself.
+
+    Args:
+        garment: The pattern's mesh; the result is of its topology, its nodes do not matter.
+        wearer: The wearer's geometry.
+        fabric: The cloth.
+        target: Where its waist, if any, holds the garment's.
+        rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
+        settings: Steps.
+        hooks: Progress and cancellation.
+
+    Returns:
+        Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
+    """
+
+    def dress_and_settle(chosen: DrapeSettings) -> tuple[Garment, Drape]:
+        worn = drape_template(garment.pattern, wearer, target, carry=True, settings=chosen, hooks=hooks)
+        placed = garment.at(resample(worn, worn.nodes, garment))
+        return drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=chosen, hooks=hooks)
+
+    draped, drape = dress_and_settle(settings)
+    if measure_stretch(draped) > CAUGHT:
+        # a sleeve of few faces can be caught beside an arm, and a leg on the other; what is caught stays so at rest
+        again = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
+        draped, drape = min((draped, drape), again, key=lambda found: measure_stretch(found[0]))
+    return draped.nodes, drape

@@ -1,0 +1,60 @@
+"""The geometry of the wearer: everything a stage may ask about where the body is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...body import Body, DistanceGrid, ExposedSurface, rest_body
+from .carry import Way
+
+
+@dataclass(frozen=True)
+class WearerGeometry:
+    """The wearer's body with every answer to where it is: distance grids, exposed skin, frames of its pose.
+
+    Each takes up to a second and is computed when it is first asked for.
+
+    Attributes:
+        body: The wearer.
+        offset: How far its skin was moved out from the registered body [m], shape [vertex_count]; None for not at all.
+    """
+
+    body: Body
+    offset: np.ndarray | None = None
+
+    @cached_property
+    def rest(self) -> Body:
+        """Return the same person in the T-pose."""
+        return rest_body(self.body)
+
+    @cached_property
+    def grid(self) -> DistanceGrid:
+        """Return the distance to the wearer's own mesh in its pose."""
+        return DistanceGrid.from_mesh(self.body.vertices, self.body.faces)
+
+    @cached_property
+    def rest_grid(self) -> DistanceGrid:
+        """Return the distance to `rest`."""
+        return DistanceGrid.from_mesh(self.rest.vertices, self.rest.faces)
+
+    @cached_property
+    def exposed(self) -> ExposedSurface:
+        """Return the exposed skin of the wearer's own mesh: what delivered meshes are cleared of and measured by."""
+        return ExposedSurface.of(self.body)
+
+    @cached_property
+    def way(self) -> Way:
+        """Return the frames in which the wearer takes the pose."""
+        return Way.of(self.body, self.exposed)
+
+    def raised(self, heights: np.ndarray) -> WearerGeometry:
+        """Return the geometry of a wearer whose skin lies further out by heights [m], shape [vertex_count].
+
+        Every field is that of the moved mesh: whoever asks it sees one body.
+        """
+        return replace(
+            self, body=self.body.raised(heights), offset=heights if self.offset is None else self.offset + heights
+        )

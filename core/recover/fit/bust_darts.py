@@ -1,0 +1,160 @@
+"""Cut bust darts into a graded pattern of the library, where the scan's cloth is pointed as only darts make it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment import EdgeRef, Garment, Pattern
+from ...garment.editing.darts import find_darts
+from ...run.errors import GarmentqError
+from ..case import Case
+from ..grade import (
+    LEAST_WIDTH,
+    BustPoints,
+    PanelChange,
+    SlideSettings,
+    TrunkCurvature,
+    can_be_meshed,
+    find_bust_points,
+    find_parts,
+    lay_coarsely,
+)
+from .dart_cutting import cut_darts
+from .dart_search import (
+    INSIDE,
+    Mouth,
+    PlannedDart,
+    find_corners,
+    find_depths,
+    list_mouths,
+    mirror_of,
+    reflect_point,
+)
+from .panel_change import LEAST_ANGLE, describe_dart, fit_cut, strains_of
+from .wedge import Wedge, wanted_strain
+
+BELOW_ARM = 0.04
+"""Least distance of the mouth's middle from the side seam's ends [m]: a bust dart's mouth is 3 to 7 cm wide, and begins
+below the armhole's seam allowance."""
+
+ALONG = np.cos(np.radians(45.0))
+"""A seam whose chord is nearer to the warp than to the weft runs along the side."""
+
+TOGETHER = 0.08
+"""Distance from the point within which another dart's end is a part of it [m]: a waist dart's is 2.5 cm below it, and
+slides."""
+
+SYMMETRIC = 0.05
+"""Largest distance of one point from the other one's mirror image in the panel [m]."""
+
+
+@dataclass(frozen=True)
+class DartedGarment:
+    """Describe a slid garment, whose front may have bust darts now.
+
+    Attributes:
+        garment: Its mesh, nodes on the target.
+        base: The base pattern with the same darts.
+        changes: The darts, one each; empty where there are none.
+    """
+
+    garment: Garment
+    base: Pattern
+    changes: tuple[PanelChange, ...] = ()
+
+
+def add_bust_darts(slid: Garment, graded: Garment, case: Case, settings: SlideSettings) -> DartedGarment:
+    """Cut bust darts into a slid pattern where the cloth is pointed there, and slide its seams again.
+
+    Without them the side seam goes to the front, to where a front as long as the back is wide enough, and a waist seam
+    goes up. They are kept where they come out wide enough and the front is less strained with them: that they are there
+    is told by the curvature, and what strain is left by the other seams, too.
+
+    Args:
+        slid: The pattern's coarse mesh as `slide_seams` left it, nodes on the target.
+        graded: The graded pattern's mesh that it was made of.
+        case: The scan, the wearer and the base pattern.
+        settings: How the seams were slid.
+    """
+    found = DartedGarment(slid, case.base)
+    points = find_bust_points(TrunkCurvature.of(case.target, case.body))
+    plan = None if points is None else plan_bust_darts(slid, points)
+    if plan is None or plan.angle < LEAST_ANGLE:
+        return found
+    _, strain = lay_coarsely(graded, settings.isometry)
+    try:
+        cut = cut_darts(slid, wanted_strain(slid, strain), case.base, (plan,))
+        garment, carried = fit_cut(cut, slid, strain, case, settings)
+    except (GarmentqError, np.linalg.LinAlgError):  # a front that cannot be meshed or fitted is no better
+        return found
+    name = slid.pattern.panels[plan.panel].name
+    strains = strains_of(slid, strain)[name], strains_of(garment, carried)[name]
+    widths = [dart.width(garment.pattern) for dart in cut.darts]
+    if strains[1] >= strains[0] or min(widths) < LEAST_WIDTH or not can_be_meshed(garment):
+        return found
+    changes = (
+        describe_dart(garment.pattern, dart, "added", width, strains)
+        for dart, width in zip(cut.darts, widths, strict=True)
+    )
+    return DartedGarment(garment, cut.base, tuple(changes))
+
+
+def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
+    """Plan a dart from a side seam to the bust, with its mirror image.
+
+    Where a dart ends can be seen, where it begins cannot: it can be turned about its apex to any edge. The trade's
+    usual one begins at the side seam below the armhole (W. Aldrich, Metric Pattern Cutting for Women's Wear: underarm
+    dart), and the nearest place there is taken. Its angle is what other darts leave that end there, too.
+
+    Args:
+        garment: The slid pattern's mesh, nodes on the target.
+        points: Where the cloth is pointed.
+
+    Returns:
+        None where the panel there is not its own mirror image, or has no room for it.
+    """
+    nearest = np.linalg.norm(garment.nodes[garment.uv_node][:, None] - points.places[None], axis=2).argmin(axis=0)
+    index, other = (int(each) for each in garment.panel_of_uv[nearest])
+    mirror = mirror_of(garment, index)
+    if mirror is None or not mirror.source == mirror.target == other:
+        return None
+    left, right = garment.uv[nearest[0]], reflect_point(mirror, garment.uv[nearest[1]])
+    own = garment.uv[garment.panel_of_uv == index]
+    inner = own[find_depths(garment, index) >= INSIDE]
+    mouths = _side_mouths(garment, index)
+    if np.linalg.norm(left - right) > SYMMETRIC or not len(inner) or not mouths:
+        return None
+    middle = 0.5 * (left + right)
+    apex = inner[np.linalg.norm(inner - middle, axis=1).argmin()]
+    mouth = min(mouths, key=lambda one: float(np.linalg.norm(one.place - apex)))
+    others = [dart for dart in find_darts(garment.pattern) if dart.panel == garment.pattern.panels[index].name]
+    folded = sum(
+        dart.angle(garment.pattern)
+        for dart in others
+        if float(np.linalg.norm(dart.ends(garment.pattern)[1] - middle)) < TOGETHER
+    )
+    return PlannedDart(index, mouth, Wedge(mouth.place, apex), points.angle - folded)
+
+
+def _side_mouths(garment: Garment, index: int) -> list[Mouth]:
+    """List where a dart may begin at the side seams of a panel: where it is sewn, along the warp, to its own part."""
+    pattern = garment.pattern
+    drawn, part = pattern.panels[index], find_parts(pattern)
+    number = {panel.name: i for i, panel in enumerate(pattern.panels)}
+    sewn = {ref: other for seam in pattern.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
+    warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
+    corners = find_corners(garment, index)
+
+    def is_at_side(mouth: Mouth) -> bool:
+        other = sewn.get(EdgeRef(drawn.name, mouth.edge))
+        chord = drawn.points[(mouth.edge + 1) % len(drawn.points)] - drawn.points[mouth.edge]
+        return (
+            other is not None
+            and part[number[other.panel]] == part[index]
+            and abs(float(chord @ warp)) > ALONG * float(np.linalg.norm(chord))
+            and float(np.linalg.norm(corners - mouth.place, axis=1).min(initial=np.inf)) >= BELOW_ARM
+        )
+
+    return [mouth for mouth in list_mouths(garment, index) if is_at_side(mouth)]

@@ -1,0 +1,70 @@
+"""Close darts of a fitted garment: its pattern, its base pattern, and where its nodes go."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ...garment import EdgeRef, Garment, Pattern, equalise_seams, find_symmetry
+from ...garment.editing.darts import Dart, close_dart
+from .dart_cutting import CutGarment, OpenPanel, relax_panels
+from .dart_search import relax_panel
+
+
+def asked_width(garment: Garment, strain: np.ndarray, dart: Dart) -> float:
+    """Return how wide the least strain makes the mouth of a dart [m].
+
+    Args:
+        garment: The flat panels, fitted to the cloth on the target.
+        strain: Wanted strain of each face, shape [face_count, 2, 2].
+        dart: Of the garment's pattern.
+    """
+    index = [panel.name for panel in garment.pattern.panels].index(dart.panel)
+    count = len(garment.pattern.panels[index].points)
+    panel = relax_panel(garment, strain, index)
+    first = int(np.flatnonzero(garment.panel_of_uv == index)[0])
+    ends = [garment.edge_uv[EdgeRef(dart.panel, (dart.first + k) % count)][0] - first for k in (0, 2)]
+    apart = np.diff(panel.uv[ends] + panel.motion[ends], axis=0)[0]
+    sides = np.diff(panel.uv[ends], axis=0)[0]
+    # sides that have run through each other ask for no dart at all
+    return float(np.linalg.norm(apart)) if float(apart @ sides) > 0.0 else 0.0
+
+
+def close_darts(garment: Garment, strain: np.ndarray, base: Pattern, darts: Collection[Dart]) -> CutGarment:
+    """Close darts of a fitted garment and of its base pattern.
+
+    The control point at each mouth stays; in the base pattern it comes to lie on the line between its neighbours, so
+    that the outline is smooth there.
+
+    Args:
+        garment: The flat panels, fitted to the cloth on the target.
+        strain: Wanted strain of each face, shape [face_count, 2, 2].
+        base: The base pattern.
+        darts: Of both patterns.
+    """
+    names = {dart.panel for dart in darts}
+    pattern, like = relax_panels(garment, strain, base, names)
+    for dart in sorted(darts, key=lambda dart: (dart.panel, dart.first), reverse=True):
+        pattern, like = close_dart(pattern, dart), _straightened(close_dart(like, dart), dart)
+    opened = {}
+    for index, panel in enumerate(garment.pattern.panels):
+        if panel.name in names:
+            flat = relax_panel(garment, strain, index)
+            motion = flat.motion
+            opened[index] = OpenPanel(flat, (), 0.0, motion, flat.uv + motion, flat.faces, np.arange(len(flat.uv)))
+    symmetry = find_symmetry(like)
+    even = equalise_seams(pattern, like=like, symmetry=symmetry)
+    return CutGarment(garment, opened, pattern, even, equalise_seams(like, symmetry=symmetry), (), ())
+
+
+def _straightened(pattern: Pattern, dart: Dart) -> Pattern:
+    """Return a pattern whose control point at a closed mouth is on the line between its neighbours."""
+    points = pattern.panel(dart.panel).points
+    number = dart.first if dart.first < len(points) else dart.first - 1
+    before, here, after = (points[(number + k) % len(points)] for k in (-1, 0, 1))
+    way = after - before
+    along = float((here - before) @ way) / float(way @ way)
+    moved = points.copy()
+    moved[number] = before + along * way
+    return pattern.with_points({dart.panel: moved})

@@ -1,0 +1,239 @@
+"""Where in a panel a dart would take strain that no flat shape of it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment import EdgeRef, Garment, Mirror, edge_length, find_symmetry
+from ...geometry import signed_areas
+from .wedge import FlatPanel, Wedge
+
+LEAST_LENGTH, MOST_LENGTH = 0.06, 0.22
+"""Of a dart [m]: front skirt darts are 9 cm long and back ones 13, a bodice's reach from the waist to 2.5 cm below the
+bust point, 16 to 18 cm; a shorter one is a tuck."""
+
+OFF_WARP = np.radians(25.0)
+"""Largest angle between a dart's axis and the warp. Cloth tells where a dart ends, not where it begins: a maker can
+turn one about its apex to any edge. Waist and shoulder darts are drawn along the grain, within 15 degrees; so are
+ours."""
+
+NEARLY = 0.9
+"""Of all darts that end where the best one does and take this share of what it takes, the one that runs most along the
+warp is chosen."""
+
+APART = 0.06
+"""Least distance of the apexes of a dart and its mirror image in one panel [m]: nearer they would be one dart on the
+middle line, where a panel that is cut on the fold has a seam instead."""
+
+INSIDE = 0.025
+"""Least distance of an apex from the outline [m]: nearer it is a seam's ease."""
+
+FROM_CORNER = 0.03
+"""Least distance of a mouth from a panel's corner [m]: nearer it is the corner that is cut otherwise."""
+
+CORNER = np.radians(30.0)
+"""An outline that turns by more than this has a corner."""
+
+
+@dataclass(frozen=True)
+class Mouth:
+    """Name a place on a panel's outline.
+
+    Attributes:
+        edge: The edge.
+        segment: Number of the segment of its mesh whose middle it is.
+        place: Where it is [m], shape [2].
+    """
+
+    edge: int
+    segment: int
+    place: np.ndarray
+
+
+@dataclass(frozen=True)
+class PlannedDart:
+    """Describe a dart that is to be cut, with its mirror image in this panel or another one.
+
+    Attributes:
+        panel: Index of the panel.
+        mouth: Where it begins.
+        wedge: Mouth and apex in the panel's axes.
+        angle: At the apex [rad].
+    """
+
+    panel: int
+    mouth: Mouth
+    wedge: Wedge
+    angle: float
+
+    @property
+    def width(self) -> float:
+        """Return its intake [m]."""
+        return 2.0 * self.wedge.length * float(np.tan(self.angle / 2.0))
+
+
+@dataclass(frozen=True)
+class Proposal(PlannedDart):
+    """Describe a dart that takes strain.
+
+    Attributes:
+        before, after: Root mean square of the strain that no flat shape takes, without it and with it, over the panel
+            and its mirror image.
+    """
+
+    before: float
+    after: float
+
+    @property
+    def share(self) -> float:
+        """Return by which share it lowers the sum of the squared strain."""
+        return 1.0 - (self.after / self.before) ** 2
+
+
+def relax_panel(garment: Garment, strain: np.ndarray, index: int) -> FlatPanel:
+    """Return a panel with the strain that no flat shape of it takes.
+
+    Args:
+        garment: The flat panels.
+        strain: Wanted strain of each face, as `wanted_strain` gives it, shape [face_count, 2, 2].
+        index: The panel's.
+    """
+    first = int(np.flatnonzero(garment.panel_of_uv == index)[0])
+    own, faces = garment.panel_of_uv == index, garment.panel_of_face == index
+    return FlatPanel.of(garment.uv[own], garment.uv_faces[faces] - first, strain[faces])
+
+
+def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
+    """Return the root mean square over panels of a strain whose square sums up to so much [m2]."""
+    area = sum(float(np.abs(signed_areas(panel.uv[panel.faces])).sum()) for panel in panels)
+    return float(np.sqrt(max(square, 0.0) / area))
+
+
+def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal | None:
+    """Find the dart that takes most of a panel's strain, by an exhaustive search over its mesh.
+
+    A panel and its mirror image get darts together, by what both take.
+
+    Args:
+        garment: The flat panels, fitted to the cloth on the target.
+        strain: Wanted strain of each face, shape [face_count, 2, 2].
+        index: The panel's.
+
+    Returns:
+        The best; None where no dart that is open takes any, or there is no room for one.
+    """
+    panel = relax_panel(garment, strain, index)
+    places = [
+        (mouth, wedge) for mouth in list_mouths(garment, index) for wedge in _wedges(garment, panel, index, mouth)
+    ]
+    if not places:
+        return None
+    wedges = [wedge for _, wedge in places]
+    loads, panels, is_apart = panel.loads(wedges), [panel], np.ones(len(wedges), dtype=bool)
+    mirror = mirror_of(garment, index)
+    images = [] if mirror is None else [reflect(mirror, wedge) for wedge in wedges]
+    if mirror is not None and mirror.target == index:
+        loads = loads + panel.loads(images)
+        between = np.array([image.apex - wedge.apex for image, wedge in zip(images, wedges, strict=True)])
+        is_apart = np.linalg.norm(between, axis=1) >= APART
+    pull, stiffness = panel.respond(loads)
+    if mirror is not None and mirror.target != index:
+        other = relax_panel(garment, strain, mirror.target)
+        also = other.respond(other.loads(images))
+        panels, pull, stiffness = [panel, other], pull + also[0], stiffness + also[1]
+    gains = np.where((pull > 0.0) & is_apart, pull**2 / stiffness, 0.0)
+    if gains.max() <= 0.0:
+        return None
+    apex = wedges[int(np.argmax(gains))].apex
+    ends_there = np.array([np.array_equal(wedge.apex, apex) for wedge in wedges])
+    turned = np.array([_off_warp(garment, index, wedge) for wedge in wedges])
+    best = int(np.argmin(np.where(ends_there & (gains >= NEARLY * gains.max()), turned, np.inf)))
+    square = sum(float(each.left @ each.left) for each in panels)
+    before, after = rms_strain(panels, square), rms_strain(panels, square - float(gains[best]))
+    return Proposal(index, places[best][0], wedges[best], float(pull[best] / stiffness[best]), before, after)
+
+
+def mirror_of(garment: Garment, index: int) -> Mirror | None:
+    """Return how a panel is mirrored, to itself or to another one; None where it is not, or is another one's image."""
+    return next((mirror for mirror in find_symmetry(garment.pattern).mirrors if mirror.source == index), None)
+
+
+def is_image(garment: Garment, index: int) -> bool:
+    """Check whether a panel is the mirror image of another one, which stands for both."""
+    mirrors = find_symmetry(garment.pattern).mirrors
+    return any(mirror.target == index != mirror.source for mirror in mirrors)
+
+
+def reflect(mirror: Mirror, wedge: Wedge) -> Wedge:
+    """Return the mirror image of a wedge, which opens as wide to the other side."""
+    return Wedge(reflect_point(mirror, wedge.mouth), reflect_point(mirror, wedge.apex))
+
+
+def reflect_point(mirror: Mirror, point: np.ndarray) -> np.ndarray:
+    """Return the mirror image of a point of a panel [m], shape [2]."""
+    return np.asarray(point @ mirror.rotation.T + mirror.shift)
+
+
+def list_mouths(garment: Garment, index: int) -> list[Mouth]:
+    """List the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
+    panel = garment.pattern.panels[index]
+    sewn = {ref for seam in garment.pattern.seams if seam.a.panel != seam.b.panel for ref in (seam.a, seam.b)}
+    corners = find_corners(garment, index)
+    found = []
+    for i, edge in enumerate(panel.edges):
+        ref = EdgeRef(panel.name, i)
+        if ref not in sewn and edge.contour != "waist":
+            continue
+        if edge_length(panel, i) < FROM_CORNER:
+            continue
+        line = garment.uv[garment.edge_uv[ref]]
+        for k, place in enumerate(0.5 * (line[1:] + line[:-1])):
+            if not len(corners) or np.linalg.norm(corners - place, axis=1).min() >= FROM_CORNER:
+                found.append(Mouth(i, k, place))
+    return found
+
+
+def find_corners(garment: Garment, index: int) -> np.ndarray:
+    """Return the corners of a panel's outline as it is meshed [m], shape [count, 2]."""
+    panel, found = garment.pattern.panels[index], []
+    for i in range(len(panel.edges)):
+        here = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
+        before = garment.uv[garment.edge_uv[EdgeRef(panel.name, (i - 1) % len(panel.edges))]]
+        (a, b), (c, d) = here[1] - here[0], before[-1] - before[-2]
+        if abs(np.arctan2(c * b - d * a, a * c + b * d)) > CORNER:
+            found.append(here[0])
+    return np.array(found).reshape(-1, 2)
+
+
+def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: Mouth) -> list[Wedge]:
+    """List the wedges that begin at a place, along the warp into the panel."""
+    drawn = garment.pattern.panels[index]
+    line = garment.uv[garment.edge_uv[EdgeRef(drawn.name, mouth.edge)]]
+    along = line[mouth.segment + 1] - line[mouth.segment]
+    inward = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
+    away = panel.uv - mouth.place
+    length = np.linalg.norm(away, axis=1)
+    fits = (length >= LEAST_LENGTH) & (length <= MOST_LENGTH) & (away @ inward > 0.5 * length)
+    fits &= np.abs(away @ warp) >= np.cos(OFF_WARP) * length
+    fits &= find_depths(garment, index) >= INSIDE
+    return [Wedge(mouth.place, panel.uv[i]) for i in np.flatnonzero(fits)]
+
+
+def _off_warp(garment: Garment, index: int, wedge: Wedge) -> float:
+    """Return the angle between a wedge's axis and its panel's warp [rad]."""
+    grain = garment.pattern.panels[index].grainline
+    axis = wedge.apex - wedge.mouth
+    along = abs(float(axis @ np.array([-np.sin(grain), np.cos(grain)]))) / wedge.length
+    return float(np.arccos(min(along, 1.0)))
+
+
+def find_depths(garment: Garment, index: int) -> np.ndarray:
+    """Return the distance of a panel's vertices from those of its outline [m], shape [vertex_count]."""
+    drawn = garment.pattern.panels[index]
+    rim = garment.uv[np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)] for i in range(len(drawn.edges))])]
+    own = garment.uv[garment.panel_of_uv == index]
+    return np.asarray(np.linalg.norm(own[:, None] - rim[None], axis=2).min(axis=1))

@@ -1,0 +1,38 @@
+"""Make a recovered pattern's curves fair, and its flat mesh with them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ...garment import Garment, Pattern, fair_curves, redraw
+from ...garment.errors import PanelCrossing, PanelDegenerate
+from ...garment.validity import check_outline
+from .locks import held_points
+from .rim_corners import ProvedCorner
+
+
+def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:
+    """Return a garment whose boundary has no corner where its base pattern has none and the scan proves none.
+
+    Nodes stay. It comes back as it is where nothing has to bend, or a panel would cross itself.
+
+    Args:
+        garment: The recovered pattern, meshed.
+        base: The base pattern.
+        held: Effective coordinates that locks hold, bool, shape [p]; see `find_held`.
+        proved: Corners that the scan proves.
+    """
+    pattern = garment.pattern
+    corners = [(panel.name, i) for panel in pattern.panels for i in range(len(panel.points))]
+    still = {corner for corner, is_held in zip(corners, held_points(base, held), strict=True) if is_held}
+    fair = fair_curves(pattern, base, still, {corner.join: corner.angle for corner in proved})
+    if fair is pattern:
+        return garment
+    try:
+        for panel in fair.panels:
+            check_outline(panel)
+    except (PanelCrossing, PanelDegenerate):
+        return garment
+    return redraw(garment, fair)

@@ -1,0 +1,96 @@
+"""What the user locks: panels and single control points that the fit leaves as they were graded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...garment import Pattern, equalise_seams, find_symmetry
+from ...geometry import fit_rigid
+from ...run.errors import BadInput
+
+_ROUNDS = 40
+"""Most turns between equal seams and held points; each halves what is left, so 40 take a decimetre below 1e-12 m."""
+
+
+class LockUnknown(BadInput):
+    """A lock names no panel or point of the pattern; `garmentq templates show NAME` lists its panels."""
+
+    code = "fit.lock_unknown"
+
+
+def find_held(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
+    """Return which effective coordinates locks hold, shape [p]: those of locked panels, points and their mirror images.
+
+    Args:
+        pattern: The pattern that is fitted.
+        like: The template: tells the symmetry.
+        locks: `panel:NAME` and `point:PANEL/INDEX`, the control point at which edge INDEX of the panel begins, from 0;
+            other words are passed over.
+
+    Raises:
+        LockUnknown: where a lock names no panel, or no control point of its panel.
+    """
+    locked = np.zeros(len(pattern.points), dtype=bool)
+    for word in locks:
+        kind, _, name = word.partition(":")
+        if kind == "panel":
+            locked[_points_of(pattern, name, word)] = True
+        elif kind == "point":
+            panel, _, index = name.rpartition("/")
+            points = _points_of(pattern, panel, word)
+            count = points.stop - points.start
+            if not index.isdecimal() or int(index) >= count:
+                raise LockUnknown(
+                    f"the lock '{word}' names no control point: '{panel}' has those from 0 to {count - 1}."
+                )
+            locked[points.start + int(index)] = True
+    rows = find_symmetry(like).matrix.toarray()[np.repeat(locked, 2)]
+    return np.asarray((rows != 0.0).any(axis=0))
+
+
+def _points_of(pattern: Pattern, name: str, word: str) -> slice:
+    """Return where a panel's control points are in `Pattern.points`."""
+    names = [panel.name for panel in pattern.panels]
+    if name not in names:
+        raise LockUnknown(f"the lock '{word}' names no panel of the pattern; it has {', '.join(names)}.")
+    index = names.index(name)
+    return slice(int(pattern.point_starts[index]), int(pattern.point_starts[index + 1]))
+
+
+def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+    """Return the pattern with held effective coordinates as in `start`, its other seams made equal to them.
+
+    A panel of which only some points are held is first laid on them as it is: where a flat panel lies means nothing,
+    and its free points come along.
+    """
+    symmetry = find_symmetry(like)
+    fixed = symmetry.reduce(start.points).ravel()[held]
+    pattern = _lay_on_held(pattern, start, like, held)
+    for _ in range(_ROUNDS):
+        effective = symmetry.reduce(pattern.points).ravel()
+        away = float(np.abs(effective[held] - fixed).max())
+        effective[held] = fixed
+        held_pattern = like.with_points(symmetry.expand(effective))
+        if away < 1e-9:
+            return held_pattern
+        pattern = equalise_seams(held_pattern, like=like, symmetry=symmetry)
+    return held_pattern
+
+
+def held_points(like: Pattern, held: np.ndarray) -> np.ndarray:
+    """Find the control points that held effective coordinates leave no freedom, bool, shape [point_count]."""
+    follows = abs(find_symmetry(like).matrix) @ (~held).astype(float)
+    found: np.ndarray = (follows.reshape(-1, 2) == 0.0).all(axis=1)
+    return found
+
+
+def _lay_on_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+    """Move each panel rigidly so that its held points come to lie where `start` has them, by least squares."""
+    still = held_points(like, held)
+    points, goal = pattern.points.copy(), start.points
+    for first, end in zip(pattern.point_starts[:-1], pattern.point_starts[1:], strict=True):
+        own = np.arange(first, end)[still[first:end]]
+        if not 0 < len(own) < end - first:
+            continue
+        points[first:end] = fit_rigid(points[own], goal[own]).apply(points[first:end])
+    return pattern.with_points(points)

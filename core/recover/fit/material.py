@@ -1,0 +1,230 @@
+"""Find how stiff in bending a registered garment's cloth is, and say what one drape tells of the other parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...cloth import Fabric, FabricEstimate, load_fabrics
+from ...garment import Pattern
+from ...run.checkpoints import load, save
+from ...run.hooks import SILENT, Hooks
+from .settings import MaterialSettings
+from .shape import ShapeProblem, keep_seams
+
+if TYPE_CHECKING:
+    from ...cloth import Drape
+
+MEMBRANE = ("H00", "H01", "H11", "H22")
+"""The membrane stiffnesses, in the order of the posterior's parameters; k follows them."""
+
+_TORN = 3.0
+"""Standard deviations by which the nearest drape's folding may be off before folds and misfit count as contradicting
+each other: then k stands in for something that the simulator does not have, and is not known."""
+
+FOUND = ", bending found from the scan"
+"""What a fabric's title ends with where its k is not the named fabric's."""
+
+_EVEN = 0.5
+"""A parameter counts as identified where the drape leaves at most half of the prior's standard deviation."""
+
+
+def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
+    """Return mean and standard deviation of ln(parameter / density) over the library, the deviation widened."""
+    logs = np.log([getattr(fabric, name) / fabric.density for fabric in load_fabrics()])
+    return float(logs.mean()), settings.widen * float(logs.std())
+
+
+def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
+    """Return the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
+
+    S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
+    grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
+    """
+    from ...cloth import Energy, Scene
+
+    only = replace(problem.fabric, H00=0.0, H01=0.0, H11=0.0, H22=0.0, k=1.0, density=0.0)
+    return Energy(Scene(problem.scene.first.topology, only)).value(nodes)
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Stiffnesses that were tried: the checkpoint `fit.fabric`.
+
+    Attributes:
+        rows: ln(k / density), ln of the folding, ln of the loss.
+    """
+
+    rows: tuple[tuple[float, float, float], ...]
+
+
+def fit_bending(
+    problem: ShapeProblem, settings: MaterialSettings | None = None, hooks: Hooks = SILENT
+) -> tuple[Fabric, FabricEstimate]:
+    """Estimate k of the cloth of a registered garment, at the density of the problem's fabric.
+
+    Equilibria from the registered nodes over the library's range of k / density, widened; then
+
+        -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
+
+    with S `folding`, L the registered loss, its noise unknown, and the library's prior; both curves interpolated.
+    Two more equilibria beside the best sharpen it.
+
+    **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a scan
+    with a measure that does not ask where the folds are cannot get caught.
+
+    Returns:
+        The fabric with the found k, or as it was given where the drape does not tell k; and what is known of it. Where
+        the nearest drape folds far more or less than the target, its k is returned, but not as identified.
+    """
+    settings = settings or MaterialSettings()
+    fabric = problem.fabric
+    mean, spread = ratio_prior("k", settings)
+    ratios = np.log([each.k / each.density for each in load_fabrics()])
+    low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
+    wanted = np.log(folding(problem, problem.garment.nodes))
+    kept = load(hooks, "fit.fabric", _Tried, problem.garment.nodes)
+    rows = [] if kept is None else list(kept.rows)
+
+    def sample(at: float) -> None:
+        if any(abs(row[0] - at) < 1e-9 for row in rows):
+            return
+        stiffer = problem.with_fabric(replace(fabric, k=fabric.density * float(np.exp(at))))
+        drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
+        folds, loss = (
+            float(np.log(value)) for value in (folding(problem, drape.nodes), problem.loss.value(drape.nodes))
+        )
+        rows.append((at, folds, loss))
+        save(hooks, "fit.fabric", _Tried(tuple(rows)), problem.garment.nodes)
+
+    def cost(fine: np.ndarray) -> np.ndarray:
+        from scipy.interpolate import PchipInterpolator
+
+        known = np.array(sorted(rows))
+        folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
+        away = (folds - wanted) / settings.folding_spread
+        return np.asarray(0.5 * away**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
+
+    grid = np.linspace(low, high, settings.values)
+    for n, at in enumerate(grid):
+        hooks.progress("fit", 0.3 * n / len(grid), "looking for the cloth's bending stiffness")
+        sample(float(at))
+    fine = np.linspace(low, high, 801)
+    best = float(fine[np.argmin(cost(fine))])
+    for side in (-1.0, 1.0):
+        sample(float(np.clip(best + 0.25 * side * (grid[1] - grid[0]), low, high)))
+    value, std = _moments(fine, cost(fine))
+    std = max(std, settings.least_std)
+    identified = std < _EVEN * spread
+    if not identified:
+        note = (
+            f"not identifiable, the given fabric's: one drape leaves it open by a factor {np.exp(std):.1f} either way"
+        )
+        return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
+    k = fabric.density * float(np.exp(value))
+    bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
+    torn = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - wanted) / settings.folding_spread
+    if abs(torn) > _TORN:
+        bound += f"; not identifiable: the nearest drape folds {'more' if torn > 0.0 else 'less'} than the scan"
+    return _found(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _TORN, bound))
+
+
+def refine_bending(
+    fabric: Fabric, k: float, std: float, estimate: FabricEstimate, settings: MaterialSettings | None = None
+) -> tuple[Fabric, FabricEstimate]:
+    """State k as the fit through the simulator left it, `std` its standard deviation.
+
+    Returns:
+        The fabric with that k, and what is known of it; as `fit_bending` gives them.
+    """
+    settings = settings or MaterialSettings()
+    return _found(fabric, k, replace(estimate, std=max(std, settings.least_std), note=""))
+
+
+def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
+    """Return the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
+    within = f"within a factor {np.exp(estimate.std):.1f} (one standard deviation)"
+    note = f"fitted: ratio to the assumed weight, {within}{estimate.note}"
+    kept = tuple(pair for pair in fabric.sources if pair[0] != "k")
+    title = fabric.title or fabric.name
+    if not title.endswith(FOUND):
+        title += FOUND
+    return replace(fabric, title=title, k=k, sources=(*kept, ("k", note))), replace(estimate, value=k, note=note)
+
+
+def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
+    """Return mean and standard deviation of exp(-cost) over an even grid."""
+    weight = np.exp(cost.min() - cost)
+    weight /= weight.sum()
+    middle = float(weight @ fine)
+    return middle, float(np.sqrt(weight @ (fine - middle) ** 2))
+
+
+def posterior(
+    problem: ShapeProblem,
+    fabric: Fabric,
+    pattern: Pattern,
+    drape: Drape,
+    loss: float,
+    settings: MaterialSettings | None = None,
+) -> tuple[np.ndarray, tuple[FabricEstimate, ...], float]:
+    """Describe how well control points, k and membrane stiffnesses are known, by the Gauss-Newton matrix and residual.
+
+        covariance = (n / (2 L) J^T W J + prior^-1)^-1
+
+    over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size comes from
+    the misfit L itself, n from how far it is alike (`count_independent`). The stiffnesses that are stated are
+    `fabric`'s; the problem's own membrane may be softened.
+
+    Returns:
+        Standard deviation of each control point [m], shape [point_count, 2]; an estimate of each membrane stiffness;
+        and the standard deviation of ln k.
+    """
+    from scipy.linalg import block_diag
+
+    settings = settings or MaterialSettings()
+    names = (*MEMBRANE, "k")
+    parameters = replace(problem.scene.parameters, fabric=names)
+    rest = problem.scene.linearise(problem.away(pattern, problem.fabric), drape.nodes, drape.anchors)
+    moves = rest.push(*parameters.rates(rest.scene))
+    shape_count = parameters.count - len(names)
+    spreads = np.array([ratio_prior(name, settings)[1] for name in names])
+    if problem.bending is not None:
+        spreads[-1] = problem.bending
+    matrix = 0.5 * problem.observations(drape.nodes) / loss * problem.loss.curvature(moves)
+    matrix += block_diag(problem.precision[:shape_count, :shape_count], np.diag(1.0 / spreads**2))
+    seams = keep_seams(pattern, problem.scene.like, problem.scene.locked)
+    free = np.zeros((parameters.count, seams.shape[1] + len(names)))
+    free[:shape_count, : seams.shape[1]] = seams
+    free[shape_count:, seams.shape[1] :] = np.eye(len(names))
+    covariance = free @ np.linalg.inv(free.T @ matrix @ free) @ free.T
+    expand = problem.scene.symmetry.matrix.toarray()
+    points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
+    left = np.sqrt(np.diag(covariance)[shape_count:])
+    estimates = tuple(_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE))
+    return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates, float(left[-1])
+
+
+def _membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
+    """State a membrane stiffness as it was given: it was not fitted, whatever the drape might tell."""
+    told = "the drape leaves it open" if std >= _EVEN * spread else "the drape bears on it, but it is not fitted"
+    return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {told}")
+
+
+def state_density(fabric: Fabric) -> FabricEstimate:
+    """State the weight: a drape at rest depends on ratios to it alone."""
+    note = "not identifiable: a drape at rest fixes only the other parameters' ratios to it; the library's value"
+    logs = np.log([each.density for each in load_fabrics()])
+    return FabricEstimate("density", fabric.density, float(logs.std()), float(logs.std()), False, note)
+
+
+def nearest_fabrics(fabric: Fabric, count: int = 3) -> tuple[str, ...]:
+    """Name the fabrics of the library that bend most alike under their own weight: nearest in ln(k / density)."""
+    at = np.log(fabric.k / fabric.density)
+
+    def away(other: Fabric) -> float:
+        return abs(float(np.log(other.k / other.density) - at))
+
+    return tuple(each.name for each in sorted(load_fabrics(), key=away)[:count])

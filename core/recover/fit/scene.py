@@ -1,0 +1,125 @@
+"""What is simulated while a pattern is fitted: one mesh whose rest shape and fabric follow from parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...cloth import Fabric
+from ...garment import Garment, Pattern, Symmetry, check_outline, find_symmetry, map_controls
+from ...garment.errors import PanelCrossing, PanelDegenerate
+from ...geometry import signed_areas
+from .locks import keep_held
+
+if TYPE_CHECKING:
+    from ...body import DistanceGrid
+    from ...cloth import AtRest, Parameters, Scene, Solver
+
+
+@dataclass(frozen=True)
+class FitScene:
+    """The cloth of a fit and what acts on it, by how far its parameters are from the first pattern's.
+
+    Parameters are the effective control points x0, y0, x1, ... [m], then logarithms of the fabric's that are fitted.
+
+    Attributes:
+        garment: The mesh of the first pattern, contours named; nodes where the fit starts.
+        like: The template: tells symmetry and the ratios of gathered seams.
+        first: The cloth of the first pattern, and what acts on it.
+        parameters: How rest shape and fabric follow.
+        solver: Analysed for the mesh.
+        locked: Which effective coordinates stay, shape [shape_count].
+    """
+
+    garment: Garment
+    like: Pattern
+    first: Scene
+    parameters: Parameters
+    solver: Solver
+    locked: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        garment: Garment,
+        like: Pattern,
+        scene: Scene,
+        fabric: tuple[str, ...] = (),
+        locked: np.ndarray | None = None,
+    ) -> FitScene:
+        """Prepare the fit of a garment's pattern in a scene of its mesh.
+
+        Args:
+            garment: The first pattern's mesh, contours named, nodes where the fit starts.
+            like: The template.
+            scene: The cloth of the garment's own topology, and what acts on it.
+            fabric: Names of the fabric's parameters that are fitted, too.
+            locked: Which effective coordinates stay, shape [shape_count]; None where none does.
+        """
+        from ...cloth import Parameters, make_solver
+
+        symmetry = find_symmetry(like)
+        parameters = Parameters.of_garment(garment, map_controls(garment), symmetry, fabric)
+        none = np.zeros(symmetry.matrix.shape[1], dtype=bool)
+        solver = make_solver(scene.topology.pattern)
+        return cls(garment, like, scene, parameters, solver, none if locked is None else locked)
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """Return the template's symmetry."""
+        return find_symmetry(self.like)
+
+    @property
+    def fabric(self) -> Fabric:
+        """Return the cloth at first."""
+        return self.first.fabric
+
+    def with_fabric(self, fabric: Fabric) -> FitScene:
+        """Return the same with another cloth at first."""
+        return replace(self, first=replace(self.first, fabric=fabric))
+
+    def with_body(self, body: DistanceGrid) -> FitScene:
+        """Return the same on another body."""
+        return replace(self, first=replace(self.first, body=body))
+
+    def with_folds_held(self) -> FitScene:
+        """Return the same with the internal friction that holds the folds in which the fit starts."""
+        from ...cloth import BendingFriction
+
+        friction = BendingFriction.at(self.first.topology, self.garment.nodes)
+        return replace(self, first=replace(self.first, bending_friction=friction))
+
+    def effective(self, pattern: Pattern) -> np.ndarray:
+        """Return the effective control points x0, y0, x1, ... of a pattern [m], shape [shape_count]."""
+        return self.symmetry.reduce(pattern.points).ravel()
+
+    def at(self, away: np.ndarray) -> Scene:
+        """Return the scene so far from the first parameters, shape [p]."""
+        return self.parameters.move(self.first, away)
+
+    def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> AtRest:
+        """Return the derivative of the drape that stopped at nodes and friction's anchors [m], [node_count, 3] each."""
+        from ...cloth import linearise_at
+
+        return linearise_at(self.at(away), nodes, anchors, self.solver)
+
+    def with_locks(self, pattern: Pattern) -> Pattern:
+        """Return a pattern with what is locked as it was first."""
+        return keep_held(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
+
+    def is_sound(self, pattern: Pattern, least: float = 0.0) -> bool:
+        """Check that no panel folds over, and that every triangle of the mesh keeps more than a share of its area."""
+        try:
+            for panel in pattern.panels:
+                check_outline(panel)
+        except (PanelCrossing, PanelDegenerate):
+            return False
+        return self.least_share(pattern) > least
+
+    def least_share(self, pattern: Pattern) -> float:
+        """Compute the smallest share of its first area that a flat triangle has; negative where one turned over."""
+        mesh = self.garment
+        moved = mesh.uv + map_controls(mesh).apply(pattern.points - mesh.pattern.points)
+        return float((signed_areas(moved[mesh.uv_faces]) / signed_areas(mesh.rest)).min())

@@ -1,0 +1,26 @@
+"""Mesh a pattern anew and transfer another mesh's drape to it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body import Body
+from ...garment import Garment, Pattern, mesh_pattern, resample
+from ...scan.contours import name_contours
+
+
+def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
+    """Mesh a pattern anew and transfer the drape of another mesh of it, contours named.
+
+    Meshed anew, because triangles that are moved along with many points get thin in narrow corners.
+
+    Args:
+        pattern: What to mesh; panels and seams as `garment`'s.
+        count: Vertices, about.
+        garment: A mesh of the same panels.
+        nodes: Positions of that one [m], shape [node_count, 3].
+        body: The wearer, on whom the contours are named.
+    """
+    mesh = mesh_pattern(pattern, count)
+    placed = resample(garment, nodes, mesh)
+    return mesh.at(placed, name_contours(placed, mesh.faces, body)[0])

@@ -1,0 +1,162 @@
+"""How far flat panels are from isometric to the cloth on a scan, and how much of it a dart in a panel would take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...garment import Garment
+from ...geometry import (
+    Factor,
+    deformation_gradients,
+    factor_symmetric,
+    gradient_operator,
+    shape_gradients,
+    signed_areas,
+)
+
+HOLD = 1e-9
+"""Stiffness that takes a panel's rigid motions, by the mean of its matrix's diagonal: nothing pulls along them."""
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """Describe a dart that might be cut into a panel.
+
+    Attributes:
+        mouth: Middle of its mouth, on the panel's outline [m], shape [2].
+        apex: Where it ends within the panel [m], shape [2].
+    """
+
+    mouth: np.ndarray
+    apex: np.ndarray
+
+    @property
+    def length(self) -> float:
+        """Return the distance of the apex from the mouth [m]."""
+        return float(np.linalg.norm(self.apex - self.mouth))
+
+
+def wanted_strain(garment: Garment, strain: np.ndarray) -> np.ndarray:
+    """Return by how much each flat face is off the one that its cloth in space asks for, shape [face_count, 2, 2].
+
+    With F the map from the flat face to space, U the strain that the cloth is believed to have and R the isometry
+    nearest to F U, the cloth asks for J = U^-1 R^T F; what is returned is the symmetric part of J - I.
+
+    Args:
+        garment: The flat panels and their nodes on the target.
+        strain: U, shape [face_count, 2, 2].
+    """
+    slope = deformation_gradients(garment.nodes, garment.faces, garment.rest)
+    left, _, right = np.linalg.svd(slope @ strain, full_matrices=False)
+    wanted = np.linalg.solve(strain, np.swapaxes(left @ right, 1, 2) @ slope)
+    return np.asarray(0.5 * (wanted + np.swapaxes(wanted, 1, 2)) - np.eye(2))
+
+
+@dataclass(frozen=True)
+class FlatPanel:
+    """Describe the strain of one panel that no flat shape of it takes out.
+
+    To first order a panel whose vertices move by u misses the wanted strain e by sum_f A_f |e_f - sym(grad u)_f|^2.
+    Its least over u is the strain that is left; a dart is a jump of u.
+
+    Attributes:
+        uv: Flat vertices [m], shape [vertex_count, 2].
+        faces: Indices into `uv`, shape [face_count, 3].
+        operator: From u, (x0, y0, ...), to the strain (xx, yy, sqrt(2) xy) of each face times the root of its area [m],
+            shape [3 face_count, 2 vertex_count].
+        factor: Of operator^T operator.
+        left: The strain that is left, in the operator's units, shape [3 face_count].
+        motion: The u that leaves it [m], shape [vertex_count, 2].
+    """
+
+    uv: np.ndarray
+    faces: np.ndarray
+    operator: sp.csr_matrix
+    factor: Factor
+    left: np.ndarray
+    motion: np.ndarray
+
+    @classmethod
+    def of(cls, uv: np.ndarray, faces: np.ndarray, strain: np.ndarray) -> FlatPanel:
+        """Relax a panel.
+
+        Args:
+            uv: Flat vertices [m], shape [vertex_count, 2].
+            faces: Indices into `uv`, shape [face_count, 3].
+            strain: Wanted strain of each face, symmetric, shape [face_count, 2, 2].
+        """
+        gradient, area = gradient_operator(uv[faces], faces, len(uv))
+        across, up = gradient[0::2].tocoo(), gradient[1::2].tocoo()
+        half = np.sqrt(0.5)
+        rows, columns, values = [], [], []
+        for row, axis, part, share in (
+            (0, 0, across, 1.0),
+            (1, 1, up, 1.0),
+            (2, 0, up, half),
+            (2, 1, across, half),
+        ):
+            rows.append(3 * part.row + row)
+            columns.append(2 * part.col + axis)
+            values.append(share * part.data * np.sqrt(area[part.row]))
+        shape = (3 * len(faces), 2 * len(uv))
+        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+        operator = sp.csr_matrix(entries, shape=shape)
+        matrix = sp.csc_matrix(operator.T @ operator)
+        factor = factor_symmetric(matrix + HOLD * matrix.diagonal().mean() * sp.identity(shape[1], format="csc"))
+        wanted = _pack(strain, area)
+        motion = factor.solve(operator.T @ wanted)
+        return cls(uv, faces, operator, factor, wanted - operator @ motion, motion.reshape(-1, 2))
+
+    def jump(self, wedge: Wedge) -> tuple[np.ndarray, np.ndarray]:
+        """Return what a wedge of one radian, opened to the left of its axis seen from the mouth, does to cut faces.
+
+        Returns:
+            The faces that the axis cuts, shape [n]; by how much their corners to its left and before its apex move [m],
+            shape [n, 3, 2].
+        """
+        axis = (wedge.apex - wedge.mouth) / wedge.length
+        away = self.uv - wedge.apex
+        along, side = (away @ axis)[self.faces], (axis[0] * away[:, 1] - axis[1] * away[:, 0])[self.faces]
+        is_left = side > 0.0
+        cut = is_left.any(axis=1) & ~is_left.all(axis=1) & (along.min(axis=1) < 0.0)
+        faces = np.flatnonzero(cut)
+        moves = is_left[faces] & (along[faces] < 0.0)
+        # Below the apex what is to the left turns clockwise about it, away from the axis.
+        turned = np.stack([away[:, 1], -away[:, 0]], axis=1)[self.faces[faces]]
+        return faces, np.where(moves[..., None], turned, 0.0)
+
+    def loads(self, wedges: Sequence[Wedge]) -> np.ndarray:
+        """Return the strain that each of some wedges of one radian puts on the faces, shape [3 face_count, count]."""
+        gradients, area = shape_gradients(self.uv[self.faces]), np.abs(signed_areas(self.uv[self.faces]))
+        found = np.zeros((3 * len(self.faces), len(wedges)))
+        for k, wedge in enumerate(wedges):
+            faces, jump = self.jump(wedge)
+            slope = np.einsum("fci,fcj->fij", jump, gradients[faces])
+            strain = 0.5 * (slope + np.swapaxes(slope, 1, 2))
+            rows = (3 * faces[:, None] + np.arange(3)).reshape(-1)
+            found[rows, k] = _pack(strain, area[faces])
+        return found
+
+    def respond(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how wedges work on the strain that is left: its square falls by 2 a p - a^2 s at an angle of a [rad].
+
+        Args:
+            loads: Of the wedges, shape [3 face_count, count].
+
+        Returns:
+            Pull p and stiffness s of each [m2], shape [count] each.
+        """
+        right = self.operator.T @ loads
+        stiffness = (loads**2).sum(axis=0) - (right * self.factor.solve(right)).sum(axis=0)
+        # Vertices on both sides of an open dart lie further apart without strain: what it loads is no strain of theirs.
+        return -loads.T @ self.left, stiffness
+
+
+def _pack(strain: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Return symmetric strains as (xx, yy, sqrt(2) xy) times the root of the area, shape [3 face_count]."""
+    found = np.stack([strain[:, 0, 0], strain[:, 1, 1], np.sqrt(2.0) * strain[:, 0, 1]], axis=1)
+    return (np.sqrt(area)[:, None] * found).ravel()

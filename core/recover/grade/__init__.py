@@ -1,0 +1,74 @@
+"""Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
+
+from .bust_points import BustPoints, find_bust_points
+from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template
+from .completion import complete_target
+from .cut_name import name_recovered, tell_cut
+from .dart_changes import LEAST_WIDTH, PanelChange
+from .distances import ContourMeasure, compare_contours, position_along
+from .flattening import (
+    FlatteningSettings,
+    fit_control_points,
+    mean_width,
+    narrow_panels,
+    seam_rows,
+    solve_sewn,
+    stretch_between,
+)
+from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
+from .hem_corners import HemShare, share_by_hems
+from .isometry import Isometry, IsometrySettings
+from .parts import find_parts
+from .proportion import Proportions, area_growth, find_proportions
+from .registration import RegistrationSettings, register_coarsely
+from .sliding import SlideSettings, can_be_meshed, lay_coarsely, slide_seams, solve_isometry
+from .strain import believed_strain, hidden_folds
+from .trunk_curvature import TrunkCurvature
+
+__all__ = [
+    "LEAST_WIDTH",
+    "BustPoints",
+    "Candidate",
+    "Choice",
+    "ContourMeasure",
+    "FlatteningSettings",
+    "GradeSettings",
+    "Grading",
+    "HemShare",
+    "Isometry",
+    "IsometrySettings",
+    "PanelChange",
+    "Proportions",
+    "RegistrationSettings",
+    "SlideSettings",
+    "TemplateMissing",
+    "TrunkCurvature",
+    "area_growth",
+    "believed_strain",
+    "can_be_meshed",
+    "choose_cut",
+    "choose_template",
+    "compare_contours",
+    "complete_target",
+    "find_bust_points",
+    "find_parts",
+    "find_proportions",
+    "fit_control_points",
+    "grade_pattern",
+    "hidden_folds",
+    "lay_coarsely",
+    "mean_width",
+    "move_pattern",
+    "name_recovered",
+    "narrow_panels",
+    "position_along",
+    "register_coarsely",
+    "seam_rows",
+    "share_by_hems",
+    "slide_seams",
+    "solve_isometry",
+    "solve_sewn",
+    "step_without_folds",
+    "stretch_between",
+    "tell_cut",
+]

@@ -1,0 +1,35 @@
+"""The cloth that hanging arms hide: no scan shows it, so it is neither drawn to the scan nor lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...body import Body, lies_under_arm
+from ...garment import Garment
+from .parts import find_parts
+
+
+@dataclass(frozen=True)
+class Armpits:
+    """Describe which nodes of a worn garment lie between the trunk and a hanging arm.
+
+    Attributes:
+        hidden: Nodes there: the scan's nearest surface is another piece of cloth, shape [node_count].
+        held: Those of them on seams between parts, as the end of an armhole: they stay where they are worn, for what
+            lies between them and the cloth that is seen tells the lengths of side and sleeve, shape [node_count].
+    """
+
+    hidden: np.ndarray
+    held: np.ndarray
+
+    @classmethod
+    def of(cls, garment: Garment, body: Body) -> Armpits:
+        """Find them where the garment is worn now; none where no arm hangs."""
+        hidden = lies_under_arm(garment.nodes, body)
+        part = find_parts(garment.pattern)[garment.panel_of_uv]
+        first, last = np.full(len(garment.nodes), len(part)), np.full(len(garment.nodes), -1)
+        np.minimum.at(first, garment.uv_node, part)
+        np.maximum.at(last, garment.uv_node, part)
+        return cls(hidden, hidden & (first != last))

@@ -1,0 +1,249 @@
+"""Choose the base pattern for a target: the template, and the parts in which the scan shows another cut."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+from ...body import Body
+from ...garment import Pattern, flat_contours, list_templates, load_template, name_cut
+from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
+from ...garment.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck
+from ...run.errors import BadInput
+from ...scan.contours import Target
+from ..drape import outgrown_measures
+from .cut_search import search_cuts
+from .hem_gores import HemGores, find_gores
+from .sleeve_length import fit_sleeve
+from .trunk_curvature import TrunkCurvature
+from .waist_seam import has_curved_waist, sew_waist
+
+STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
+"""The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
+shorter, but no seam is added."""
+
+
+KEPT = 3
+"""Cuts that a result names, the chosen one among them."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Name one cut that was compared with a scan.
+
+    Attributes:
+        template: Name by which it is drafted.
+        misfit: How unlike the scan it is: root of the sum of squares of the deviation of its girths along the garment
+            (of the lengths of its contours, where the scan does not show them) and of the distance between necklines,
+            both relative.
+        girths: The first of the two; None where the scan does not show its girths.
+        neckline: The second; None where it has no neckline to be compared.
+    """
+
+    template: str
+    misfit: float
+    girths: float | None = None
+    neckline: float | None = None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Describe the base pattern that was chosen for a target.
+
+    Attributes:
+        template: Its name.
+        pattern: Drafted with the parts and measures that the scan shows.
+        candidates: The best cuts, the chosen one first; empty where the user named it.
+        notes: What the user should know, one sentence each.
+    """
+
+    template: str
+    pattern: Pattern
+    candidates: tuple[Candidate, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+class TemplateMissing(BadInput):
+    """No template fits this garment; name one with --template NAME or give a pattern file."""
+
+    code = "template.none_fits"
+
+
+def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = None) -> Choice:
+    """Choose template and parts for a target by its contours.
+
+    The template is that of `rank_templates`, with the sleeves and the girths that the scan shows. A garment with a neck
+    then gets the necklines, in front and behind, whose lines are nearest to the scan's (`fit_necklines`): the shipped
+    one where they agree or differ in depth only, which grading mends, or else one drafted with the scan's proportion of
+    depth to width. Grading moves control points and never makes a corner, so a V has to be there before it. It is
+    drafted to the wearer's measures where the library's size does not go over him.
+
+    Args:
+        target: The target.
+        body: The wearer.
+        parts: Choices of parts that the user fixed, by part. What garments of the target's category have no place for
+            is noted and left out: of a person's clothes, each takes what concerns it.
+
+    Raises:
+        TemplateMissing: where there is no template for the category.
+        PartUnknown, PartsConflict: where the user's parts are none, or cannot be sewn to each other.
+    """
+    wanted, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
+    found: dict[str, tuple[int, Candidate, Cut]] = {}
+    for one in _rank_cuts(target, body, wanted, gores):
+        for named, line in _with_necklines(one.cut, fits, wanted):
+            name = name_cut(one.template, named)
+            candidate = Candidate(name, math.hypot(one.misfit, line or 0.0), one.girths, line)
+            found.setdefault(name, (one.missing, candidate, named))
+    (_, chosen, cut), *others = found.values()
+    others.sort(key=lambda each: (each[0], each[1].misfit))
+    name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:KEPT]
+    notes = [
+        f"A {target.category} has no {part}; '{part}={word}' was left out."
+        for part, word in wanted.items()
+        if not cut.has_place_for(part)
+    ]
+    if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
+        notes.append(gores.tell(cut))
+    measures = outgrown_measures(body)
+    usual = cut == CUTS.get(name) and measures is None
+    pattern = load_template(name) if usual else draft_cut(cut, measures, name)
+    return Choice(name, pattern, candidates, tuple(notes))
+
+
+@dataclass(frozen=True)
+class _Ranked:
+    """A cut but for its necklines: contours that only it or the scan has, its misfit, and whether that is of girths."""
+
+    template: str
+    cut: Cut
+    missing: int
+    misfit: float
+    girths: float | None = None
+
+
+def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_Ranked]:
+    """Rank the cuts but for their necklines, the chosen one first.
+
+    Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
+    those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them. A
+    dress or jumpsuit whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell.
+    Gores that the user chose flare as those that the scan's hem shows.
+    """
+    ranked, templates = [], rank_templates(target, list(CUTS))
+    curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
+    for template, missing, misfit in templates:
+        fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
+        cut = CUTS[template].choose(fixed)
+        cut = cut if gores is None else gores.flare(cut)
+        cut = sew_waist(cut, wanted) if curved else cut
+        ranked.append(_Ranked(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit))
+    least = ranked[0].missing
+    fitting = [(one.template, one.cut) for one in ranked if one.missing == least]
+    fits = search_cuts(target, body, fitting, wanted, curved=curved)
+    if not fits:
+        return ranked
+    rest = [one for one in ranked if one.missing > least]
+    return [_Ranked(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
+
+
+def choose_template(target: Target, names: Sequence[str]) -> str:
+    """Name the shipped template that a target is graded from: the first of `rank_templates`.
+
+    Raises:
+        TemplateMissing: where there is none for the category.
+    """
+    return rank_templates(target, names)[0][0]
+
+
+def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:
+    """Rank the templates that a target can be graded from, best first.
+
+    The templates of the target's category compete. First the one whose open contours have the target's names: no
+    grading makes a cuff out of an armhole. Among those, the one whose contours are in shape nearest to the target's
+    (`contour_misfit`): the least has to be graded then. The first in the library's order wins a tie.
+
+    Args:
+        target: The target; its category was chosen from its contours and the bones they encircle.
+        names: The templates there are.
+
+    Returns:
+        Of each template its name, the number of contours that only one of both has, and the root of `contour_misfit`.
+
+    Raises:
+        TemplateMissing: where there is none for the category.
+    """
+    infos = [info for info in list_templates() if info.name in names]
+    fitting = [info.name for info in infos if info.category == target.category]
+    fitting = fitting or [info.name for info in infos if info.category == STAND_IN.get(target.category)]
+    if not fitting:
+        raise TemplateMissing(
+            f"no template fits the category '{target.category}'; name one of {', '.join(names)} with --template."
+        )
+    lengths = {contour.name: contour.length for contour in target.contours if contour.trusted}
+    wanted = {contour.name for contour in target.contours}
+    measured = [flat_contours(load_template(name)) for name in fitting]
+    costs = [(len(wanted ^ set(flat)), contour_misfit(lengths, flat)) for flat in measured]
+    order = sorted(range(len(fitting)), key=lambda i: costs[i])
+    return [(fitting[i], costs[i][0], math.sqrt(costs[i][1])) for i in order]
+
+
+def _with_necklines(
+    cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str]
+) -> Iterator[tuple[Cut, float | None]]:
+    """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
+
+    What the user fixed stays. A crew neck and a scoop are one line in two depths, and the cut's own stays for both. The
+    pattern has another size than the scan, so a neckline keeps the scan's proportion of depth to half width. A V is cut
+    straight: the bow that its line seems to have is that of the shoulder, which no cylinder unrolls.
+    """
+    if fits is None or cut.bodice is Bodice.NONE:
+        yield cut, None
+        return
+    fronts, backs = (
+        _unfixed(ranked, part in fixed, getattr(cut, part))
+        for part, ranked in (("neckline", fits.front), ("back_neckline", fits.back))
+    )
+    for front, back in product(fronts, backs):
+        yield (
+            _with_throat(_with_throat(cut, front, "neckline"), back, "back_neckline"),
+            math.hypot(front.misfit, back.misfit),
+        )
+
+
+def _unfixed(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
+    """Return the fits that are candidates: all, or the fixed neckline's own where it is among them."""
+    if not fixed:
+        return ranked
+    return tuple(fit for fit in ranked if _is_one(fit.throat.kind, own)) or ranked[:1]
+
+
+def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
+    """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
+    kind = fit.throat.kind
+    if _is_one(kind, getattr(cut, part)):
+        return cut
+    changed = cut.choose({part: str(kind)})
+    depth = half_neck(changed) * fit.throat.depth / fit.half_width
+    return replace(changed, neck_depth=depth) if part == "neckline" else replace(changed, back_depth=depth)
+
+
+def _is_one(one: Neckline, other: Neckline) -> bool:
+    """Check whether two necklines are the same line, in depths that grading turns into each other."""
+    return one is other or {one, other} == {Neckline.CREW, Neckline.SCOOP}
+
+
+def contour_misfit(target: dict[str, float], template: dict[str, float]) -> float:
+    """Measure how unlike in shape two garments' contours are: the variance of ln(target length / template length).
+
+    A common factor is size, which any template takes on, and does not count; what is left is flare and taper. Only
+    contours that both have are compared.
+    """
+    shared = sorted(set(target) & set(template))
+    ratios = [math.log(target[name] / template[name]) for name in shared]
+    if len(ratios) < 2:
+        return 0.0
+    mean = sum(ratios) / len(ratios)
+    return sum((ratio - mean) ** 2 for ratio in ratios) / len(ratios)

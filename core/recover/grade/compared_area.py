@@ -1,0 +1,100 @@
+"""The area by which sister panels are compared: between their corners, and what hems add to that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment import EdgeRef, Panel, Pattern, polygon_area
+from ...garment.curves import chord, edge_area
+from .parts import edges_until
+
+STRAIGHT = 1e-3
+"""Area beside a row of edges, in squares of the distance between its ends, below which it is straight: a hem that is a
+rounding hollow is a hem."""
+
+
+@dataclass(frozen=True)
+class ComparedArea:
+    """Compute the area of a panel without what the curves of necklines, armholes and caps take or add.
+
+        A = P(corners) + sum over hems of e |chord|^2
+
+    The curves of seams, and of openings that cut into their panel (a neckline, a waist, an armhole without a sleeve),
+    may be as deep as they are. A hem counts in full: of a circle's halves nothing else lies beside the line that their
+    corners are on.
+
+    Notation:
+        P: Area of a polygon [m2].
+        e: Area between an edge and its chord in squared chords, `edge_area`.
+
+    Attributes:
+        panel: The panel's name.
+        hems: Its open edges that do not belong to an opening that cuts in.
+    """
+
+    panel: str
+    hems: tuple[int, ...]
+
+    @classmethod
+    def of(cls, pattern: Pattern, name: str) -> ComparedArea:
+        """Return what counts of a panel."""
+        panel, hems = pattern.panel(name), list[int]()
+        for row in _open_rows(pattern, panel):
+            corners = panel.points[[*row, (row[-1] + 1) % len(panel.edges)]]
+            outside = polygon_area(corners) + sum(_beside(panel, i) for i in row)
+            if outside >= -STRAIGHT * float(((corners[-1] - corners[0]) ** 2).sum()):
+                hems += row
+        return cls(name, tuple(hems))
+
+    def measure(self, pattern: Pattern) -> float:
+        """Return the area [m2]."""
+        panel = pattern.panel(self.panel)
+        return polygon_area(panel.points) + sum(_beside(panel, i) for i in self.hems)
+
+    def rates(self, pattern: Pattern) -> np.ndarray:
+        """Return the derivative of the area by all points [m], shape [point_count, 2]."""
+        return area_rates_by_points(pattern, self.panel, self.hems)
+
+    def curves(self) -> Iterator[EdgeRef]:
+        """Yield the edges whose curves count."""
+        return (EdgeRef(self.panel, i) for i in self.hems)
+
+
+def area_rates_by_points(pattern: Pattern, name: str, curves: Iterable[int]) -> np.ndarray:
+    """Return the derivative of a panel's area by all points [m], shape [point_count, 2].
+
+    Args:
+        pattern: The pattern.
+        name: The panel's name.
+        curves: Its edges whose curves count and grow with their chords; the others count as their chords.
+    """
+    start, points = pattern.first_points[name], pattern.panel(name).points
+    count = len(points)
+    apart = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
+    own = np.column_stack([apart[:, 1], -apart[:, 0]])
+    for i in curves:
+        change = 2.0 * edge_area(pattern.panel(name).edges[i]) * (points[(i + 1) % count] - points[i])
+        own[(i + 1) % count] += change
+        own[i] -= change
+    rates = np.zeros((len(pattern.points), 2))
+    rates[start : start + count] = own
+    return rates
+
+
+def _open_rows(pattern: Pattern, panel: Panel) -> Iterator[list[int]]:
+    """Yield the edges of a panel that are sewn to nothing, row by row."""
+    sewn = {ref.edge for seam in pattern.seams for ref in (seam.a, seam.b) if ref.panel == panel.name}
+    count = len(panel.edges)
+    for before in sorted(sewn, key=lambda edge: (edge + 1) % count):
+        row = edges_until(before, count, 1, sewn)
+        if row:
+            yield row
+
+
+def _beside(panel: Panel, index: int) -> float:
+    """Return the area between an edge and its chord [m2]."""
+    start, end = chord(panel, index)
+    return edge_area(panel.edges[index]) * float((end - start) @ (end - start))

@@ -1,0 +1,50 @@
+"""Name the cut that a recovered pattern has: grading changes proportions, and a pencil skirt may come out A-line."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from ...body import Body
+from ...garment import Pattern, find_cut, name_cut
+from ...garment.parts import CUTS, PARTS, Cut, differing_parts
+from ..drape import measure_wearer
+from .cut_search import NEAR, fit_cut, is_sewn_otherwise, other_cuts, profile_flat, rank_fits
+
+PROPORTIONED = ("skirt", "legs")
+"""Parts whose choices differ in nothing but widths, as far as they are sewn alike."""
+
+
+def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collection[str] = ()) -> str:
+    """Return the name of the cut that a pattern graded from a template of the library has.
+
+    The cut stays the template's unless another one that is sewn alike and differs in the line of its skirt or its legs
+    has girths clearly nearer to the pattern's: its misfit, together with what the right cut's is, too, is below `NEAR`
+    of the template's.
+
+    Args:
+        pattern: The recovered pattern.
+        template: Name of the base pattern that it was graded from.
+        body: The wearer, to whose measures the cuts are drafted.
+        fixed: Parts that the user chose, which stay.
+    """
+    own = find_cut(template)
+    kept = (set(PARTS) - set(PROPORTIONED)) | set(fixed)
+    alike = [cut for cut in other_cuts(own, kept) if not is_sewn_otherwise(cut, own)]
+    seen = profile_flat(pattern) if len(alike) > 1 else None
+    if seen is None:
+        return template
+    measures = measure_wearer(body)
+    fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures)) is not None]
+    ranked = rank_fits(fits, own, NEAR)
+    return template if not ranked or ranked[0].cut == own else _name(ranked[0].cut)
+
+
+def tell_cut(cut: str, template: str) -> tuple[str, ...]:
+    """Return what the user should know of a cut that is not its template's; nothing where it is."""
+    return () if cut == template else (f"Graded from '{template}' the pattern has the girths of '{cut}'.",)
+
+
+def _name(cut: Cut) -> str:
+    """Return the shortest name of a cut, behind the template whose parts it shares most of."""
+    stems = (stem for stem, one in CUTS.items() if one.category == cut.category)
+    return name_cut(min(stems, key=lambda stem: len(differing_parts(CUTS[stem], cut))), cut)

@@ -1,0 +1,224 @@
+"""Search the cut whose flat pattern has the scan's girths: skirt, legs, waist and bodice, before anything is draped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from ...body import Body
+from ...garment import BodyMeasures, Pattern, mesh_pattern
+from ...garment.parts import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts, draft_cut
+from ...run.errors import BadInput
+from ...scan.contours import Target
+from ..drape import measure_wearer
+from .girth_profile import GirthProfile, profile_pattern, profile_target
+from .waist_seam import sew_waist
+
+VERTICES = 400
+"""Of a candidate's flat mesh: its girths are within 0.1 to 0.5 % of those of 1500 vertices."""
+
+STATIONS = 40
+"""Places along the garment at which two profiles are compared."""
+
+BELOW_ARMS = 0.02
+"""How far below the sleeves the comparison begins [m]: above, level lines run into them."""
+
+LAST = 0.03
+"""How far above the lower end the comparison ends [m]: hems rest on feet, and teeth of a cut are there."""
+
+DILATIONS = np.linspace(0.90, 1.20, 31)
+"""Factors of a garment's length by its draft's that are tried: it may be made for a shorter or a taller wearer."""
+
+UNLIKE = 0.02
+"""What the girths of the right cut differ by all the same, relative: stretch, folds cut short and a garment that is not
+made for its wearer leave 0.01 to 0.04."""
+
+CLEAR_SHAPE, CLEAR_SEAMS = 0.5, 0.6
+"""Shares of its misfit below which the cut that contours chose is left: for one of other proportions, and for one that
+is sewn otherwise. Grading mends proportions and adds no seam, so seams need less. Of 52 drawn cuts none then has fewer
+right parts than by contours alone; at 0.7 for both, of 110 parts 93 are right instead of 84, and one cut has fewer."""
+
+NEAR = 0.85
+"""Of the others, one with fewer changes is chosen as long as none has a misfit below this share of its own."""
+
+SEWN_OTHERWISE = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
+"""Skirts whose seams are not those of two plain panels."""
+
+
+@dataclass(frozen=True)
+class CutFit:
+    """Describe how well the girths of one cut fit a scan's.
+
+    Attributes:
+        template: The template that it is named by.
+        cut: Its parts.
+        misfit: Standard deviation along the garment of the logarithm of the ratio of both girths; size is no matter.
+    """
+
+    template: str
+    cut: Cut
+    misfit: float
+
+    @property
+    def total(self) -> float:
+        """Return the misfit together with what the right cut's is, too."""
+        return float(np.hypot(self.misfit, UNLIKE))
+
+
+def search_cuts(
+    target: Target,
+    body: Body,
+    templates: Sequence[tuple[str, Cut]],
+    fixed: Iterable[str] = (),
+    *,
+    curved: bool = False,
+) -> tuple[CutFit, ...]:
+    """Rank the cuts that a garment may have by its girths, the chosen one first.
+
+    The first template is what lengths of contours chose. It stays unless others have clearly nearer girths
+    (`rank_fits`).
+
+    Args:
+        target: The target.
+        body: The wearer, to whose measures every candidate is drafted.
+        templates: Names and cuts of the templates that have the target's contours, the best by contours first.
+        fixed: Parts that the user chose, which stay.
+        curved: The cloth is curved across the waist, so that only cuts with a seam there compete (`sew_waist`).
+
+    Returns:
+        The candidates; none where the scan does not show its girths from end to end.
+    """
+    seen = profile_target(target)
+    if seen is None:
+        return ()
+    usual, measures = templates[0][1], measure_wearer(body)
+    fits: list[CutFit] = []
+
+    def fit(template: str, cut: Cut) -> None:
+        found = fit_cut(template, cut, seen, measures)
+        if found is not None:
+            fits.append(found)
+
+    for template, cut in templates:
+        fit(template, cut)
+    if fits and CLEAR_SEAMS * fits[0].total > UNLIKE:  # else no cut can be clearly better
+        for template, cut in _variants(templates, set(fixed), curved):
+            fit(template, cut)
+    return rank_fits(fits, usual, NEAR if curved else CLEAR_SHAPE)
+
+
+def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
+    """Return the standard deviation of ln(seen / drawn girth) along the garment.
+
+    Both begin at the waist, or below the arms, and the drawn one is as much longer or shorter, within `DILATIONS`, as
+    fits best: crotch and hips of a garment sit lower or higher than its wearer's. A drawn garment that ends sooner goes
+    on as it ends; one that ends later is cut off, for grading makes it longer or shorter. A common factor is size,
+    which any cut takes on.
+    """
+    begin = seen.arms + BELOW_ARMS
+    end = max(float(seen.distances[-1]) - LAST, begin + LAST)
+    at = np.linspace(begin, end, STATIONS)
+    wanted = np.log(np.interp(at, seen.distances, seen.girths))
+    last = len(drawn.distances) // 6
+    slope = (drawn.girths[-1] - drawn.girths[-last]) / (drawn.distances[-1] - drawn.distances[-last])
+    there = drawn.arms + (at - seen.arms) / DILATIONS[:, None]
+    girths = np.interp(there, drawn.distances, drawn.girths)
+    beyond = np.maximum(there - drawn.distances[-1], 0.0)
+    girths = np.maximum(girths + slope * beyond, 0.5 * girths)
+    return float((wanted - np.log(girths)).std(axis=1).min())
+
+
+def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHAPE) -> tuple[CutFit, ...]:
+    """Return fits by their misfit, the chosen one first; none where the usual cut itself is not among them.
+
+    The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
+    is much nearer than. `clear_shape` is the share of its misfit below which one of other proportions is: more where
+    the usual cut is not the one that contours chose, but the same with a seam that they do not tell.
+    """
+    ranked = sorted(fits, key=lambda fit: fit.misfit)
+    chosen = next((fit for fit in fits if fit.cut == usual), None)
+    if chosen is None:
+        return ()
+    most = chosen.total
+    shares = (CLEAR_SEAMS if is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
+    clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
+    if clear:
+        rivals = [fit for fit in clear if NEAR * fit.total <= clear[0].total]
+        chosen = min(rivals, key=lambda fit: _changes(fit.cut, usual))
+    return (chosen, *(fit for fit in ranked if fit is not chosen))
+
+
+def is_sewn_otherwise(cut: Cut, usual: Cut) -> bool:
+    """Check whether a cut has seams that another has not: grading can make none."""
+    changed = cut.skirt is not usual.skirt and (cut.skirt in SEWN_OTHERWISE or usual.skirt in SEWN_OTHERWISE)
+    return changed or (cut.waist, cut.waistband, cut.panels) != (usual.waist, usual.waistband, usual.panels)
+
+
+def _changes(cut: Cut, usual: Cut) -> int:
+    """Count the parts in which a cut is another, and the number of its panels: six gores have the girths of four."""
+    return len(differing_parts(cut, usual)) + (cut.panels_around != usual.panels_around)
+
+
+def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:
+    """Yield what templates become with other parts that girths show, each cut once."""
+    met = {_plain(cut) for _, cut in templates}
+    for template, own in templates:
+        for other in other_cuts(own, fixed) if own.panels == 2 else ():
+            cut = _at_waist(other, fixed) if curved else other
+            if _plain(cut) not in met:
+                met.add(_plain(cut))
+                yield template, cut
+
+
+def _at_waist(cut: Cut, fixed: set[str]) -> Cut:
+    """Return a cut sewn at the waist, with the darts of its own skirt."""
+    return sew_waist(cut if "shaping" in fixed else replace(cut, shaping=Shaping.NONE), fixed)
+
+
+def _plain(cut: Cut) -> Cut:
+    """Return a cut with the necklines' usual depths, which girths do not tell."""
+    return replace(cut, neck_depth=None, back_depth=None)
+
+
+def other_cuts(cut: Cut, fixed: set[str]) -> Iterator[Cut]:
+    """Yield a cut with every other choice of the parts that show in girths and keep its kind."""
+    open_parts = {part: words for part, words in _open_parts(cut).items() if part not in fixed}
+    for words in product(*open_parts.values()):
+        yield cut.choose(dict(zip(open_parts, words, strict=True)))
+
+
+def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
+    """Return the choices of each part that shows in girths; a bodice's only where neither skirt nor legs are below."""
+    found: dict[str, list[str]] = {}
+    if cut.skirt is not Skirt.NONE:
+        found["skirt"] = [word for word in PARTS["skirt"] if word not in ("none", "pleated")]
+    if cut.legs not in (Legs.NONE, Legs.SHORT):
+        found["legs"] = [word for word in PARTS["legs"] if word not in ("none", "short")]
+    if cut.bodice is not Bodice.NONE and cut.skirt is Skirt.NONE and cut.legs is Legs.NONE:
+        found["bodice"] = [word for word in PARTS["bodice"] if word not in ("none", "strapless")]
+    for part in ("waist", "waistband"):
+        if cut.has_place_for(part):
+            found[part] = list(PARTS[part])
+    return found
+
+
+def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures) -> CutFit | None:
+    """Return how well the girths of a cut drafted to measures fit; None where it cannot be sewn or meshed."""
+    try:
+        pattern = draft_cut(cut, measures)
+    except BadInput:
+        return None
+    drawn = profile_flat(pattern)
+    return None if drawn is None else CutFit(template, cut, compare_girths(seen, drawn))
+
+
+def profile_flat(pattern: Pattern) -> GirthProfile | None:
+    """Return the girths of a pattern; None where it has no two ends or no mesh as coarse as that."""
+    try:
+        garment = mesh_pattern(pattern, VERTICES, sweeps=0)
+    except BadInput:
+        return None
+    return profile_pattern(garment)

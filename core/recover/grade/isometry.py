@@ -1,0 +1,374 @@
+"""Panels and the cloth on a surface, isometric to each other: one linear system for nodes and control points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...body import Body
+from ...garment import Garment, Pattern, equalise_seams, redraw
+from ...geometry import ClosedCurve, TriangleSurface, gradient_operator, lump, shape_gradients
+from ...scan.contours import Target, name_contours
+from .armpits import Armpits
+from .flattening import narrow_panels, solve_sewn
+from .freedom import Freedom
+from .grading import is_sound, move_pattern
+from .proportion import Proportions, find_proportions
+from .registration import match_surface
+from .seen_seams import SeenSeam, find_seen_seams
+
+if TYPE_CHECKING:
+    from ...cloth import BlockPattern, Solver
+
+NEWTON_REACH = 10.0
+"""Reach of Gauss-Newton steps at last [m]: that only holds a node that nothing else holds."""
+
+NEWTON_PROPORTION = 0.0003
+"""Their cost of a rule's standard deviation: as much as a strain of 1.7 %, which is what unlike cloth leaves after
+them. With 3 % panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
+
+NEWTON_SEEN = 0.005
+"""Their distance of a seam from where the cloth's curvature shows it that costs as much as a strain of 1 [m]."""
+
+HALVINGS = 5
+"""Times that a step is tried, shorter each time."""
+
+
+@dataclass(frozen=True)
+class IsometrySettings:
+    """Set the joint fit of pattern and place.
+
+    Attributes:
+        vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.1 s. Seams move as a whole.
+        steps: Steps at most; most garments rest after 5 to 10.
+        surface: A node that is this far from the target's tangent plane [m] costs as much per area as a strain of 1.
+            4 mm keeps nodes on the surface and lets a fold be cut short.
+        border: The same for a node on an open contour, across the contour [m].
+        along: Share of that cost for sliding along the contour, which is not seen.
+        newton: True for Gauss-Newton steps on Green's strain, False for steps with the rotations held (`Isometry`).
+        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
+            there where nothing else holds a node. Gauss-Newton steps begin with `reach_first`, and it doubles from
+            step to step up to this: 1 m moves a seam by a few centimetres at once.
+        farthest: No node goes further in one Gauss-Newton step [m], or its closest point on the target is another
+            one's: two edges of the mesh.
+        proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
+            strain of 3 % everywhere, which is what unlike cloth and folds leave.
+        believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment
+            hangs from its neck, or is tight, it strains by more than the 3 % of cloth that hangs free: clipped to 3 %,
+            panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
+        facing: As in the coarse registration.
+        curves: True where the handles of curves move, too.
+        keep: Damping of the parameters, relative to the mean diagonal of their matrix.
+        stay: Cost by area of a panel's strain from where the fit began; 0 lets panels go wherever isometry leads.
+        stay_band: The same for panels narrower than 12 cm.
+        stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; where
+            it is not 0 these nodes are not held in place but go where their panels lead them. A drape sags in the
+            armpit, and lengths measured from there are wrong by as much.
+        seen: A node of a seam that is this far from where curvature shows it (`find_seen_seams`) [m] costs as
+            much per area as a strain of 1; 0: that is not looked for.
+    """
+
+    vertices: int = 1000
+    steps: int = 24
+    surface: float = 0.004
+    border: float = 0.002
+    along: float = 0.05
+    newton: bool = False
+    reach: float = 3.0
+    reach_first: float = 1.0
+    farthest: float = 0.06
+    proportion: float = 0.001
+    believed: float = 0.10
+    facing: float = 0.3
+    curves: bool = False
+    keep: float = 1e-4
+    stay: float = 0.0
+    stay_band: float = 0.0
+    stay_hidden: float = 0.0
+    seen: float = 0.0
+
+    def by_newton(self, curves: bool = False) -> IsometrySettings:
+        """Return the same by Gauss-Newton steps, the handles of curves free or not."""
+        return replace(
+            self,
+            newton=True,
+            curves=curves,
+            reach=NEWTON_REACH,
+            proportion=NEWTON_PROPORTION,
+            seen=NEWTON_SEEN,
+        )
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Describe a garment's strain and place to first order.
+
+    Attributes:
+        strain: E as vectors of the same length, shape [face_count, k].
+        by_nodes: Its rates by a face's corners, shape [face_count, k, corner, coordinate].
+        by_flat: Its rates by the parameters, turned about, shape [face_count, k, parameter_count].
+        area: Of each face, flat [m2].
+        mass: Of each node [m2].
+        held: What holds each node on the target, shape [node_count, 3, 3].
+        pulled: What pulls it there, shape [node_count, 3].
+    """
+
+    strain: np.ndarray
+    by_nodes: np.ndarray
+    by_flat: np.ndarray
+    area: np.ndarray
+    mass: np.ndarray
+    held: np.ndarray
+    pulled: np.ndarray
+
+
+@dataclass(frozen=True)
+class Isometry:
+    """Describe what stays the same from step to step.
+
+    Minimises over the nodes x and the parameters c of the pattern (`Freedom`) at once
+
+        sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + seams + w A sum_k r_k^2
+        + sum_f b_f A_f |J_f G_f - I|^2
+
+    by linear least squares again and again; the nodes are eliminated from each. With the rotations R_f held for a step,
+    E = F - R U J (a local-global scheme); a seam creeps then, which momentum helps (`solve_isometry`). By Gauss-Newton
+    steps on Green's strain, E = (F^T F - J^T U^2 J) / 2, which is blind to how a face is turned, it slides over a bend
+    at once. Seams stay equal to first order and are equalised after each step.
+
+    Notation: E_f by how much the cloth misses what is wanted; F_f the map from face f's present flat shape to 3D, J_f
+    the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target, R_f the isometry
+    nearest to F_f U_f; q_v, n_v closest point and normal on the target, l `surface`; r_k what the rules of
+    `Proportions` and `Freedom` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at the
+    start, b_f `stay`, `stay_band` or `stay_hidden`.
+
+    Attributes:
+        goal: The target.
+        hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
+        loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
+        borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
+        seams: Nodes of seams whose place is seen, and the planes they lie in.
+        strain: U, shape [face_count, 2, 2].
+        freedom: What may move of the pattern.
+        proportions: Rules to keep.
+        start: The pattern at the start.
+        anchor: Matrix of the last sum, shape [parameter_count, parameter_count].
+        coupled: Which nodes share a face.
+        slots: Where each face's blocks go, shape [face_count, 6].
+        solver: Analysed for it.
+        settings: How.
+    """
+
+    goal: TriangleSurface
+    hidden: np.ndarray
+    loose: np.ndarray
+    borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
+    seams: tuple[SeenSeam, ...]
+    strain: np.ndarray
+    freedom: Freedom
+    proportions: Proportions
+    start: Pattern
+    anchor: np.ndarray
+    coupled: BlockPattern
+    slots: np.ndarray
+    solver: Solver
+    settings: IsometrySettings
+
+    @classmethod
+    def of(
+        cls,
+        garment: Garment,
+        target: Target,
+        body: Body,
+        like: Pattern,
+        strain: np.ndarray,
+        settings: IsometrySettings,
+    ) -> Isometry:
+        """Prepare the fit of a garment whose nodes lie on the target.
+
+        Args:
+            garment: The mesh to start from.
+            target: The scan's surface with named contours.
+            body: The wearer, on whom the contours are named.
+            like: The template: tells symmetry and proportions.
+            strain: U of each face, shape [face_count, 2, 2].
+            settings: How.
+        """
+        from ...cloth import BlockPattern, make_solver
+
+        borders = []
+        for contour in name_contours(garment.nodes, garment.faces, body)[0]:
+            other = target.contour(contour.name)
+            # Where none is to be trusted it stays where registration left it: panels that end nowhere would shrink.
+            loop = garment.nodes[contour.vertices]
+            if other is not None and other.trusted:
+                loop = target.vertices[other.vertices]
+            borders.append((contour.vertices, ClosedCurve(loop)))
+        armpits = Armpits.of(garment, body)
+        hidden, loose = armpits.hidden, np.zeros_like(armpits.hidden)
+        if settings.stay_hidden > 0.0 and armpits.held.any():
+            loose[garment.faces[hidden[garment.faces].any(axis=1)]] = True  # beside them lies what scans have instead
+        on_border = [node for line, _ in borders for node in line]
+        hidden[on_border] = loose[on_border] = False
+        hidden &= ~loose
+        freedom = Freedom.of(like, settings.curves)
+        coupled, (slots,) = BlockPattern.of(len(garment.nodes), garment.faces)
+        return cls(
+            goal=TriangleSurface(target.vertices, target.faces),
+            hidden=hidden,
+            loose=loose,
+            borders=tuple(borders),
+            seams=find_seen_seams(garment, target, body) if settings.seen else (),
+            strain=strain,
+            freedom=freedom,
+            proportions=find_proportions(like),
+            start=garment.pattern,
+            anchor=_anchor(garment, freedom, loose, settings),
+            coupled=coupled,
+            slots=slots,
+            solver=make_solver(coupled),
+            settings=settings,
+        )
+
+    def step(self, garment: Garment, reach: float) -> Garment:
+        """Return the garment after one step, which is halved until no panel folds over; at last it stays as it is."""
+        change, moved = self._solve(self._linearise(garment), garment, reach)
+        share, follow = 1.0, redraw if self.freedom.has_curves else move_pattern
+        if self.settings.newton:
+            share = min(1.0, self.settings.farthest / max(float(np.linalg.norm(moved, axis=1).max()), 1e-9))
+        for _ in range(HALVINGS):
+            pattern = equalise_seams(self.freedom.move(garment.pattern, share * change), like=garment.pattern)
+            if is_sound(pattern, garment.pattern):
+                return follow(garment, pattern).at(garment.nodes + share * moved)
+            share /= 2.0
+        return garment
+
+    def _linearise(self, garment: Garment) -> _Model:
+        """Return strain and place of a garment with their rates."""
+        gradients = shape_gradients(garment.rest)
+        slope = np.einsum("fkc,fkd->fcd", garment.nodes[garment.faces], gradients)
+        on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
+        rates = _slope_rates(garment, on_uv, self.freedom)
+        if self.settings.newton:
+            wanted = self.strain @ self.strain
+            strain = _as_vector(0.5 * (np.swapaxes(slope, 1, 2) @ slope - wanted))
+            # the rate of F^T F / 2 by corner k's coordinate c is sym(g_k x (row c of F))
+            by_nodes = _as_vector(np.einsum("fki,fcj->fijkc", gradients, slope))
+            by_flat = _as_vector(np.einsum("fia,fjap->fijp", wanted, rates))
+        else:
+            wanted = self._turn_strain(slope)
+            count = len(slope)
+            strain = (slope - wanted).reshape(count, 6)
+            by_nodes = np.einsum("fkd,ce->fcdke", gradients, np.eye(3)).reshape(count, 6, 3, 3)
+            by_flat = np.einsum("fca,fdap->fcdp", wanted, rates).reshape(count, 6, -1)
+        return _Model(strain, by_nodes, by_flat, area, *self._hold(garment, area))
+
+    def _turn_strain(self, slope: np.ndarray) -> np.ndarray:
+        """Return R U, shape [face_count, 3, 2], R the isometry nearest to F U."""
+        left, _, right = np.linalg.svd(slope @ self.strain, full_matrices=False)
+        return np.asarray(left @ right @ self.strain)
+
+    def _solve(self, model: _Model, garment: Garment, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the change of the parameters and of the nodes [m], shape [node_count, 3]."""
+        count, parameters = len(garment.nodes), model.by_flat.shape[2]
+        weighted = model.area[:, None, None, None] * model.by_nodes
+        blocks = np.zeros((len(self.coupled.rows), 3, 3))
+        for slots, (i, j) in zip(self.slots.T, zip(*np.triu_indices(3), strict=True), strict=True):
+            block = np.einsum("fsc,fsd->fcd", weighted[:, :, i], model.by_nodes[:, :, j])
+            turned = slots < 0
+            np.add.at(blocks, slots[~turned], block[~turned])
+            np.add.at(blocks, ~slots[turned], np.swapaxes(block[turned], 1, 2))
+        blocks[self.coupled.diagonal] += model.held + (model.mass / reach**2)[:, None, None] * np.eye(3)
+        if not self.solver.factor(self.coupled.assemble(blocks)):
+            raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
+
+        def gather(rates: np.ndarray) -> np.ndarray:
+            """Sum what faces ask of strain, shape [face_count, k, n], over their nodes, shape [3 node_count, n]."""
+            found = np.zeros((count, 3, rates.shape[2]))
+            np.add.at(found, garment.faces, np.einsum("fskc,fsp->fkcp", weighted, rates))
+            return found.reshape(3 * count, -1)
+
+        coupling = gather(model.by_flat)
+        load = (model.pulled - gather(model.strain[:, :, None]).reshape(-1, 3)).ravel()
+        alone, follow = self.solver.solve(load), self.solver.solve(coupling)
+        flat = model.by_flat.reshape(-1, parameters)
+        by_area = np.repeat(model.area, model.strain.shape[1])
+        own = flat.T @ (by_area[:, None] * flat)
+        matrix = own - coupling.T @ follow
+        if self.settings.newton:
+            matrix += np.diag(np.diag(own)) / reach**2
+        right = flat.T @ (by_area * model.strain.ravel()) + coupling.T @ alone
+        change = self._solve_pattern(garment.pattern, matrix, right, float(model.area.sum()))
+        return change, (alone + follow @ change).reshape(-1, 3)
+
+    def _hold(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return each node's area, what holds it on the target, shape [n, 3, 3], and pulls it there, shape [n, 3]."""
+        chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
+        mass = lump(area, garment.faces, count)
+        own = TriangleSurface(nodes, garment.faces).vertex_normals
+        found, seen = match_surface(self.goal, nodes, own, chosen.facing)
+        for rim, _ in self.borders:
+            seen[rim] = False
+        seen &= ~self.loose
+        normal = self.goal.face_normals[found.face]
+        held = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
+        held[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
+        away = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
+        for rim, loop in self.borders:
+            near = loop.closest(nodes[rim])
+            tangent = loop.tangents[near.segment]
+            across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
+            held[rim] = (mass[rim] / chosen.border**2)[:, None, None] * across
+            away[rim] = near.foot - nodes[rim]
+        pulled = np.einsum("vij,vj->vi", held, away)
+        for seam in self.seams:
+            stiff = mass[seam.nodes] / chosen.seen**2
+            held[seam.nodes] += stiff[:, None, None] * np.outer(seam.normal, seam.normal)
+            pulled[seam.nodes] -= (stiff * seam.miss(nodes))[:, None] * seam.normal
+        return mass, held, pulled
+
+    def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
+        """Return the change of the parameters under equal seams, pulled by rules and start."""
+        damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
+        matrix = matrix + self.anchor + damping * np.eye(len(matrix))
+        if self.anchor.any():
+            right = right - self.anchor @ self.freedom.away(pattern, self.start)
+        pull = self.settings.proportion * area
+        for missing, rates in (self._measure_proportions(pattern), self.freedom.shape_rules(pattern)):
+            matrix = matrix + pull * rates.T @ rates
+            right = right + pull * rates.T @ missing
+        rows = self.freedom.seam_rows(pattern)
+        return solve_sewn(matrix, right, rows, np.zeros(len(rows)))
+
+    def _measure_proportions(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the rules of proportion miss, and its rates by the parameters."""
+        missing, by_points = self.proportions.linearise(pattern)
+        if not self.freedom.has_curves:
+            return missing, by_points @ self.freedom.points
+        return missing, self.freedom.combine(by_points, self.proportions.curve_rates(pattern))
+
+
+def _anchor(garment: Garment, freedom: Freedom, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
+    """Return the matrix that holds the panels' shape where it is, by the parameters."""
+    on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
+    narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
+    stay = np.where(narrow, settings.stay_band, settings.stay)
+    unseen = loose[garment.faces].any(axis=1)
+    weight = area * np.where(unseen, np.maximum(stay, settings.stay_hidden), stay)
+    rates = _slope_rates(garment, on_uv, freedom).reshape(4 * len(area), -1)
+    return np.asarray(rates.T @ (np.repeat(weight, 4)[:, None] * rates))
+
+
+def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: Freedom) -> np.ndarray:
+    """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, parameter_count]."""
+    flat = freedom.rates(garment).reshape(len(garment.uv), -1)
+    return np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)
+
+
+def _as_vector(matrix: np.ndarray) -> np.ndarray:
+    """Return the symmetric parts of 2x2 matrices, shape [n, 2, 2, ...], as vectors as long, shape [n, 3, ...]."""
+    shear = (matrix[:, 0, 1] + matrix[:, 1, 0]) / np.sqrt(2.0)
+    return np.stack([matrix[:, 0, 0], matrix[:, 1, 1], shear], axis=1)

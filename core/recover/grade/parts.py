@@ -1,0 +1,119 @@
+"""Which panels of a pattern belong together: seams counted as the eye counts them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import takewhile
+
+import numpy as np
+
+from ...garment import Panel, Pattern, edge_length
+from ...geometry import find_components
+from .flattening import SHORT
+
+MIRRORED = 0.99
+"""Least ratio of lengths that mirror each other: equal, but for the author's rounding."""
+
+
+def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
+    """Count the seams between each two panels, by their names in order.
+
+    Edges that are sewn to the same other panel, and between which only darts or edges shorter than `SHORT` lie, are one
+    seam: programs cut a waist seam into as many edges as there are darts in it.
+    """
+    partner = _partners(pattern)
+    sides: dict[tuple[str, str], list[int]] = {}
+    for panel in pattern.panels:
+        for other, count in _count_around(panel, partner).items():
+            first, second = sorted((panel.name, other))
+            sides.setdefault((first, second), []).append(count)
+    return Counter({pair: min(counts) for pair, counts in sides.items()})
+
+
+def find_parts(pattern: Pattern) -> np.ndarray:
+    """Return which panels are graded as one, as a number for each panel, shape [panel_count].
+
+    Panels that are sewn to each other along two seams or more, as a front and its back, share girth and height.
+    """
+    at = {panel.name: i for i, panel in enumerate(pattern.panels)}
+    pairs = [(at[a], at[b]) for (a, b), count in count_seams(pattern).items() if count >= 2]
+    rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    return find_components(len(at), rows[:, 0], rows[:, 1])[1]
+
+
+def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:
+    """Find the pairs of control points across from each other at both ends of a panel's two armholes.
+
+    A panel of a part of several, as a front with its back, that is sewn to other parts along two stretches which mirror
+    each other has armholes: one pair is across the shoulders, the other across the chest. Numbers count the pattern's
+    points.
+    """
+    part = dict(zip((panel.name for panel in pattern.panels), find_parts(pattern), strict=True))
+    members = Counter(part.values())
+    partner = _partners(pattern)
+    found = []
+    for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
+        if members[part[panel.name]] < 2:
+            continue
+        sewn = [partner.get((panel.name, i)) for i in range(len(panel.edges))]
+        away = [name is not None and part[name] != part[panel.name] for name in sewn]
+        stretches = _stretches(away, [name == panel.name for name in sewn])
+        for n, (start, end) in enumerate(stretches):
+            for begin, close in stretches[n + 1 :]:
+                if are_mirrored(panel.points, (start, end), (begin, close)):
+                    at = int(first)
+                    found.append(((at + end, at + begin), (at + close, at + start)))
+    return tuple(found)
+
+
+def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
+    """Return the panel that each sewn edge, by panel and number, is sewn to."""
+    partner = {}
+    for seam in pattern.seams:
+        partner[seam.a.panel, seam.a.edge] = seam.b.panel
+        partner[seam.b.panel, seam.b.edge] = seam.a.panel
+    return partner
+
+
+def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
+    """Return first point and last of each run of edges that are sewn away; darts within a run do not end it."""
+    count = len(away)
+    runs = [away[i] or dart[i] for i in range(count)]
+    found = []
+    for start in (i for i in range(count) if runs[i] and not runs[i - 1]):
+        run = list(takewhile(lambda i: runs[i % count], range(start, start + count)))
+        if any(away[i % count] for i in run):
+            found.append((start, (run[-1] + 1) % count))
+    return found
+
+
+def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Return whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
+
+    def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
+        lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]
+        return min(lengths) > MIRRORED * max(lengths)
+
+    return alike(one, other) and alike((one[0], other[0]), (one[1], other[1]))
+
+
+def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[str]:
+    """Count the edges of a panel that are sewn to each other panel, those joined across darts or short edges as one."""
+    sewn = [(i, partner.get((panel.name, i))) for i in range(len(panel.edges)) if edge_length(panel, i) >= SHORT]
+    sewn = [(i, name) for i, name in sewn if name != panel.name]
+    count: Counter[str] = Counter()
+    for n, (i, name) in enumerate(sewn):
+        before, last = sewn[n - 1]
+        bridged = last == name and (i - before) % len(panel.edges) != 1
+        if name is not None:
+            count[name] += 0 if bridged else 1
+    return Counter({name: max(number, 1) for name, number in count.items()})
+
+
+def edges_until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
+    """Return the edges after one up to the next stop, running forwards or backwards."""
+    found, at = [], (start + turn) % count
+    while at not in stops:
+        found.append(at)
+        at = (at + turn) % count
+    return found

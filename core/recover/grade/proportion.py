@@ -1,0 +1,362 @@
+"""What grading keeps of a base pattern where no scan can tell: proportions of sister panels, directions of edges."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment import EdgeRef, Pattern, edge_length, panel_area
+from ...garment.handles import area_rates, handles_of, length_rates
+from .compared_area import ComparedArea, area_rates_by_points
+from .flattening import SHORT, kept_vectors
+from .parts import across_armholes, are_mirrored, count_seams, edges_until
+
+ALIKE = 0.6
+"""Least ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
+
+AREA_SPREAD = 0.03
+"""Standard deviation that is believed of ln of a ratio of areas; five published patterns, graded by their authors' own
+program by up to a factor of two, keep it within 2.5 %."""
+
+COUNTED = 0.5
+"""Least share of a panel's area that counts where areas are compared: of two discs that are sewn together nothing does,
+of the panels of 60 patterns of three makers 0.56 and more."""
+
+LENGTH_SPREAD = 0.05
+"""The same of a ratio of lengths of two edges in the same place of sister panels; there it is within 5 %."""
+
+NOTCH_SPREAD = 0.2
+"""The same of the lengths of two edges that follow each other on one seam: nothing of the cloth tells where along a
+smooth seam the point between them lies. A dress and shorts that their authors' program graded keep it within 0.3, 0.2
+in the root mean square: the hip stays, the hem goes down."""
+
+WIDTH_SPREAD = 0.04
+"""The same of a bodice's width across the shoulders by that across the chest, from armhole to armhole: eight garments
+of three makers keep it within 8 %, 3.5 % in the root mean square. Where a shoulder is smooth nothing else tells where
+the armhole crosses it."""
+
+UNLIKE = 1.7
+"""Ratio of lengths from which two sisters' open contours are cut in other lines: a V by its back has twice, a crew neck
+1.5."""
+
+THREAD_SPREAD = np.radians(1.0)
+"""Standard deviation of the angle between an edge and the thread that it follows: it is drawn along it or it is not."""
+
+TURN_SPREAD = np.radians(3.0)
+"""The same of any other edge's direction: there armholes, caps and crotches turn by up to 3 degrees and grow by up to
+half: grading changes lengths more than directions."""
+
+ON_THREAD = np.radians(1.0)
+"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it: a slip of the pen."""
+
+DIRECTION_SHARE = 0.1
+"""Cost of one standard deviation of a direction by that of a ratio: enough where the cloth says nothing, and a tenth of
+what it says about a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 changed nothing more."""
+
+
+@dataclass(frozen=True)
+class Proportions:
+    """Describe what grading a garment keeps.
+
+    Attributes:
+        sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts,
+            where that is at least `COUNTED`.
+        areas: ln of the compared area of the first by that of the second, shape [sister_count].
+        edges: Edges in the same place of two sisters, neither sewn to the other.
+        lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
+        notched: Edges that follow each other on one seam between two panels.
+        notches: ln of the length of the first by that of the second, shape [notch_count].
+        widths: Two pairs of points each: of a panel, across at the one and at the other end of its armholes, as
+            `across_armholes` gives them; then of two sisters, across at the same place of the seams between them, and
+            across an open contour that is far longer on the one.
+        width_ratios: ln of the first distance by the second, shape [width_pair_count].
+        vectors: Vectors along short edges and across darts, as `kept_vectors` gives them, shape [k, 2 point_count].
+        drawn: Those of the base pattern, in standard deviations, shape [k].
+        directed: Longer edges whose direction is kept: all but the seams between sisters, whose taper makes the girth.
+        across: Unit vector across the chord of each, shape [directed_count, 2].
+        spread: Standard deviation of its direction [rad], shape [directed_count].
+    """
+
+    sisters: tuple[tuple[ComparedArea, ComparedArea], ...]
+    areas: np.ndarray
+    edges: tuple[tuple[EdgeRef, EdgeRef], ...]
+    lengths: np.ndarray
+    notched: tuple[tuple[EdgeRef, EdgeRef], ...]
+    notches: np.ndarray
+    widths: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
+    width_ratios: np.ndarray
+    vectors: np.ndarray
+    drawn: np.ndarray
+    directed: tuple[EdgeRef, ...]
+    across: np.ndarray
+    spread: np.ndarray
+
+    def linearise(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
+        """Return what each rule misses, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
+
+        Both in standard deviations of a ratio; curves follow their chords. An edge that lies far off its direction is
+        believed to be cut otherwise: it is weighed as by Cauchy's distribution, d sum ln(1 + (angle / s)^2), s its
+        `spread`, d `DIRECTION_SHARE`.
+        """
+        missing, rates, points = [], [], pattern.points
+        for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
+            now, by = a.measure(pattern), b.measure(pattern)
+            missing.append((ratio - np.log(now / by)) / AREA_SPREAD)
+            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / AREA_SPREAD)
+        for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
+            now = np.log(_length(pattern, edge) / _length(pattern, sister))
+            missing.append((ratio - now) / LENGTH_SPREAD)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / LENGTH_SPREAD)
+        for (one, other), ratio in zip(self.widths, self.width_ratios, strict=True):
+            now, rate = _ln_distance(pattern, one)
+            by, by_rate = _ln_distance(pattern, other)
+            missing.append((ratio - (now - by)) / WIDTH_SPREAD)
+            rates.append((rate - by_rate) / WIDTH_SPREAD)
+        for (edge, after), ratio in zip(self.notched, self.notches, strict=True):
+            now = np.log(_length(pattern, edge) / _length(pattern, after))
+            missing.append((ratio - now) / NOTCH_SPREAD)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, after)) / NOTCH_SPREAD)
+        for ref, across, spread in zip(self.directed, self.across, self.spread, strict=True):
+            start, end = pattern.ends_of(ref)
+            chord = points[end] - points[start]
+            scaled = across / float(np.linalg.norm(chord)) / spread
+            angle = float(scaled @ chord)
+            trust = np.sqrt(DIRECTION_SHARE / (1.0 + angle**2))
+            row = np.zeros((len(pattern.points), 2))
+            row[end], row[start] = trust * scaled, -trust * scaled
+            missing.append(-trust * angle)
+            rates.append(row)
+        missing += list(self.drawn - self.vectors @ points.ravel())
+        others = np.array([rate.ravel() for rate in rates]).reshape(-1, 2 * len(pattern.points))
+        return np.array(missing), np.concatenate([others, self.vectors])
+
+    def curve_rates(self, pattern: Pattern) -> np.ndarray:
+        """Return the rates of the rules by the handles of all curves, shape [rule_count, 2 handle_count].
+
+        In the order and the units of `linearise`; only areas and lengths have any.
+        """
+        size = 2 * len(handles_of(pattern))
+
+        def ratios(pairs: tuple[tuple[EdgeRef, EdgeRef], ...], spread: float) -> np.ndarray:
+            found = [length_rates(pattern, {a: 1 / _length(pattern, a), b: -1 / _length(pattern, b)}) for a, b in pairs]
+            return np.array(found).reshape(-1, size) / spread
+
+        areas = []
+        for a, b in self.sisters:
+            now, by = 1 / a.measure(pattern), -1 / b.measure(pattern)
+            areas.append(area_rates(pattern, {**dict.fromkeys(a.curves(), now), **dict.fromkeys(b.curves(), by)}))
+        return np.concatenate(
+            [
+                np.array(areas).reshape(-1, size) / AREA_SPREAD,
+                ratios(self.edges, LENGTH_SPREAD),
+                np.zeros((len(self.widths), size)),
+                ratios(self.notched, NOTCH_SPREAD),
+                np.zeros((len(self.directed) + len(self.drawn), size)),
+            ]
+        )
+
+
+def find_proportions(like: Pattern) -> Proportions:
+    """Find the panels of a base pattern that are cut in proportion, and the directions of their edges.
+
+    Front and back are sewn along two seams or more and are alike in area. Where a smooth surface hides the seam
+    between them the scan cannot say how its girth is shared out; the base pattern can, and grading keeps it. Nor does a
+    cloth's shape tell a hem that is cut a little askew, or where an armhole lies that fits its sleeve's cap like a
+    piece of a puzzle; who grades a pattern keeps their directions, and hems along the thread.
+    """
+    seams = count_seams(like)
+    sisters, edges = [], []
+    for (first, second), count in sorted(seams.items()):
+        ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
+        if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
+            sisters.append((first, second))
+            edges += _same_place(like, first, second)
+    pairs = [(ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters]
+    compared = tuple(
+        pair for pair in pairs if all(one.measure(like) >= COUNTED * panel_area(like.panel(one.panel)) for one in pair)
+    )
+    areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
+    lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
+    directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
+    vectors = kept_vectors(like)
+    drawn = vectors @ like.points.ravel()
+    widths = (
+        *across_armholes(like),
+        *(width for pair in sisters for width in _across_sisters(like, *pair)),
+        *(width for pair in sisters for width in _across_openings(like, *pair)),
+    )
+    notched = _on_one_seam(like)
+    notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
+    ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
+    return Proportions(
+        compared, np.array(areas), tuple(edges), np.array(lengths), notched, np.array(notches), widths,
+        np.array(ratios), vectors, drawn, directed, across, spread,
+    )  # fmt: skip
+
+
+def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
+    """Return the edges that are no seam between sisters, unit vectors across their chords and their spreads."""
+    between = {
+        ref for seam in like.seams if frozenset((seam.a.panel, seam.b.panel)) in sisters for ref in (seam.a, seam.b)
+    }
+    directed, across, spread = [], [], []
+    for panel in like.panels:
+        warp = np.array([-np.sin(panel.grainline), np.cos(panel.grainline)])
+        for i, edge in enumerate(panel.edges):
+            ref = EdgeRef(panel.name, i)
+            if ref in between or edge_length(panel, i) < SHORT:
+                continue
+            chord = panel.points[(i + 1) % len(panel.points)] - panel.points[i]
+            chord = chord / np.linalg.norm(chord)
+            off = min(abs(float(warp @ chord)), abs(float(warp[0] * chord[1] - warp[1] * chord[0])))
+            directed.append(ref)
+            across.append((-chord[1], chord[0]))
+            spread.append(THREAD_SPREAD if edge.kind == "line" and off < np.sin(ON_THREAD) else TURN_SPREAD)
+    return tuple(directed), np.array(across).reshape(-1, 2), np.array(spread)
+
+
+def _same_place(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
+    """Pair the edges of two sister panels that lie between the same two of their common seams.
+
+    The second panel is run through the other way round, as its edges meet the first's along a reversed seam. Stretches
+    between seams with unlike numbers or kinds of edges are left out.
+    """
+    partner = _sewn_edges(like, first, second)
+    count, other = len(like.panel(first).edges), len(like.panel(second).edges)
+    pairs = []
+    for start in sorted(partner):
+        mine = edges_until(start, count, 1, set(partner))
+        end = (mine[-1] + 1 if mine else start + 1) % count
+        theirs = edges_until(partner[start], other, -1, set(partner.values()))
+        meets = (theirs[-1] - 1 if theirs else partner[start] - 1) % other
+        if not mine or partner[end] != meets or len(mine) != len(theirs):
+            continue
+        alike = [
+            like.panel(first).edges[i].kind == like.panel(second).edges[j].kind
+            for i, j in zip(mine, theirs, strict=True)
+        ]
+        if all(alike):
+            pairs += [(EdgeRef(first, i), EdgeRef(second, j)) for i, j in zip(mine, theirs, strict=True)]
+    return pairs
+
+
+def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Pair the widths of two sister panels between the points within two seams that join them and mirror each other.
+
+    Where a side is smooth, its seam can wander to the front at the waist and to the back at the hip. The ends of the
+    seams are left out: `_same_place` keeps hems and necklines, `across_armholes` the chest.
+    """
+    panel = like.panel(first)
+    mine, theirs = like.first_points[first], like.first_points[second]
+    runs = _common_seams(like, first, second)
+    found = []
+    for n, run in enumerate(runs):
+        for other in runs[n + 1 :]:
+            ends = (run[0][0], run[-1][0]), (other[0][0], other[-1][0])
+            if len(run) != len(other) or not are_mirrored(panel.points, *ends):
+                continue
+            for (a, sister_a), (b, sister_b) in zip(run[1:-1], other[-2:0:-1], strict=True):
+                found.append(((mine + a, mine + b), (theirs + sister_a, theirs + sister_b)))
+    return found
+
+
+def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Pair the widths of two sister panels at an open contour that is far longer on the one: a V in front.
+
+    Both begin where the same two seams end. In the trade's drafts they are as wide within 1 cm (W. Aldrich, Metric
+    Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). Contours that are
+    alike in length are kept by it (`_same_place`).
+    """
+    panel, sister, found = like.panel(first), like.panel(second), []
+    mine, theirs = like.first_points[first], like.first_points[second]
+    runs = sorted(_common_seams(like, first, second))
+    for run, following in zip(runs, [*runs[1:], *runs[:1]], strict=True):
+        (start, there), (end, back) = run[-1], following[0]
+        between = edges_until((start - 1) % len(panel.edges), len(panel.edges), 1, {end})
+        opposite = edges_until((back - 1) % len(sister.edges), len(sister.edges), 1, {there})
+        if not between or not opposite or not all(panel.edges[i].contour for i in between):
+            continue
+        lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
+        if max(lengths) > UNLIKE * min(lengths):
+            found.append(((mine + start, mine + end), (theirs + there, theirs + back)))
+    return found
+
+
+def _common_seams(like: Pattern, first: str, second: str) -> list[list[tuple[int, int]]]:
+    """List the seams between two panels as runs of points of the first, each with the second's that it is sewn to."""
+    partner = _sewn_edges(like, first, second)
+    count, other = len(like.panel(first).edges), len(like.panel(second).edges)
+
+    def goes_on(edge: int) -> bool:
+        return partner.get((edge + 1) % count) == (partner[edge] - 1) % other
+
+    runs = []
+    for start in sorted(
+        edge for edge in partner if (edge - 1) % count not in partner or not goes_on((edge - 1) % count)
+    ):
+        edges = [start]
+        while goes_on(edges[-1]) and len(edges) < count:
+            edges.append((edges[-1] + 1) % count)
+        run = [(edge, (partner[edge] + 1) % other) for edge in edges]
+        runs.append([*run, ((edges[-1] + 1) % count, partner[edges[-1]])])
+    return runs
+
+
+def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
+    """Return the edges of a panel that are sewn to another, each with the edge of that."""
+    return {
+        here.edge: there.edge
+        for seam in like.seams
+        for here, there in ((seam.a, seam.b), (seam.b, seam.a))
+        if here.panel == first and there.panel == second
+    }
+
+
+def _on_one_seam(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
+    """Pair the edges that follow each other on one seam between two panels, on the first of both by name.
+
+    Closed darts between them are left out: where along a smooth waist a dart lies, the cloth does not tell either.
+    """
+    sewn = {ref: other for seam in like.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
+    found = []
+    for ref, other in sewn.items():
+        following, before = _past_darts(like, ref, 1, sewn), _past_darts(like, other, -1, sewn)
+        if ref.panel < other.panel and sewn.get(following) == before:
+            found.append((ref, following))
+    return tuple(pair for pair in found if min(_length(like, each) for each in pair) >= SHORT)
+
+
+def _past_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
+    """Return the edge next to one in a panel, forwards or backwards, past darts, whose two edges are sewn together."""
+    count = len(like.panel(ref.panel).edges)
+    at = (ref.edge + turn) % count
+    while sewn.get(EdgeRef(ref.panel, at)) == EdgeRef(ref.panel, (at + turn) % count):
+        at = (at + 2 * turn) % count
+    return EdgeRef(ref.panel, at)
+
+
+def _ln_distance(pattern: Pattern, pair: tuple[int, int]) -> tuple[float, np.ndarray]:
+    """Return the logarithm of the distance of two control points [m] and its rates [1/m], shape [point_count, 2]."""
+    one, other = pair
+    apart = pattern.points[other] - pattern.points[one]
+    rates = np.zeros((len(pattern.points), 2))
+    rates[other] = apart / float(apart @ apart)
+    rates[one] = -rates[other]
+    return float(np.log(np.linalg.norm(apart))), rates
+
+
+def _length(pattern: Pattern, ref: EdgeRef) -> float:
+    return edge_length(pattern.panel(ref.panel), ref.edge)
+
+
+def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
+    """Return d ln length / d points of an edge [1/m], shape [point_count, 2]: a curve follows its chord."""
+    return _ln_distance(pattern, pattern.ends_of(ref))[1]
+
+
+def area_growth(pattern: Pattern) -> np.ndarray:
+    """Compute d ln A / d points of all panels' area A together, curves with it [1/m], shape [point_count, 2]."""
+    rates = [area_rates_by_points(pattern, panel.name, range(len(panel.edges))) for panel in pattern.panels]
+    return np.sum(rates, axis=0) / sum(panel_area(panel) for panel in pattern.panels)

@@ -1,0 +1,79 @@
+"""Places where the curvature of the cloth shows a seam, which nothing else tells on a smooth surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...body import Body
+from ...garment import EdgeRef, Garment
+from ...scan.contours import Target
+from .parts import across_armholes
+from .shoulder_points import find_shoulder_points
+from .trunk_curvature import TrunkCurvature
+from .waist_seam import find_waist_line, is_waist_seam
+
+
+@dataclass(frozen=True)
+class SeenSeam:
+    """Describe nodes of a seam and the plane in which the cloth shows them.
+
+    Attributes:
+        nodes: Their indices, shape [n].
+        normal: Of the plane, shape [3].
+        offset: Of the plane along its normal [m].
+    """
+
+    nodes: np.ndarray
+    normal: np.ndarray
+    offset: float
+
+    def miss(self, nodes: np.ndarray) -> np.ndarray:
+        """Return how far its nodes are off the plane [m], given all nodes [m]; shape [n]."""
+        return np.asarray(nodes[self.nodes] @ self.normal - self.offset)
+
+
+def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenSeam, ...]:
+    """Find the nodes of a drafted garment whose place on the target its curvature shows.
+
+    How high a smooth waist is sewn: in front two panels can share the cloth at any height. How wide shoulders are cut:
+    an armhole can cross them anywhere.
+
+    Args:
+        garment: The mesh, nodes on the target.
+        target: The scan's surface.
+        body: The wearer.
+    """
+    pattern = garment.pattern
+    waist = [seam.a for seam in pattern.seams if is_waist_seam(pattern, seam)]
+    armholes = across_armholes(pattern)
+    if not waist and not armholes:
+        return ()
+    cloth = TrunkCurvature.of(target, body)
+    found = []
+    line = find_waist_line(cloth) if waist else None
+    if line is not None:
+        nodes = np.unique(garment.uv_node[np.concatenate([garment.edge_uv[ref] for ref in waist])])
+        found.append(SeenSeam(nodes[line.is_seen_at(garment.nodes[nodes])], line.normal, line.offset))
+    points = find_shoulder_points(cloth) if armholes else None
+    if points is not None:
+        ends = np.unique([_nodes_of_points(garment)[list(pair)] for pairs in armholes for pair in pairs])
+        across, up, _ = ((garment.nodes[ends] - cloth.origin) @ cloth.axes.T).T
+        for sign, place in zip((1.0, -1.0), points, strict=True):
+            here = sign * across > 0.0
+            top = ends[here][int(np.argmax(up[here]))]
+            offset = float(cloth.origin @ cloth.axes[0] + place[0])
+            found.append(SeenSeam(np.array([top]), cloth.axes[0], offset))
+    return tuple(found)
+
+
+def _nodes_of_points(garment: Garment) -> np.ndarray:
+    """Return the node at each control point of the pattern, shape [point_count]."""
+    return np.array(
+        [
+            garment.uv_node[garment.edge_uv[EdgeRef(panel.name, i)][0]]
+            for panel in garment.pattern.panels
+            for i in range(len(panel.points))
+        ]
+    )

@@ -1,0 +1,89 @@
+"""By how much the cloth on a target is strained, as a coarse mesh sees it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...garment import Garment
+from ...geometry import self_intersections, signed_areas
+from .flattening import garment_stretch, narrow_panels
+
+MOST_HIDDEN = 0.8
+"""Least length of a coarse edge by that of the folds under it; tighter ones are crumples of a registration."""
+
+
+def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
+    """Return a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
+
+    Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
+
+    Args:
+        coarse: A mesh of the drape's pattern; its nodes do not matter.
+        drape: The drape.
+        believed: Strain that woven cloth is believed to have.
+    """
+    values, axes = np.linalg.eigh(_mean_square(coarse, drape, garment_stretch(drape, drape.nodes)))
+    values = np.sqrt(values)
+    narrow = narrow_panels(coarse.pattern)[coarse.panel_of_face]
+    return _join(np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed)), axes)
+
+
+def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
+    """Return by how much the coarse mesh cuts registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
+
+    With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
+    which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening. Around cloth that passes through itself it is 1:
+    what crosses there was crumpled by the registration, or is another layer, and no fold of the scan.
+    """
+    square = _mean_square(coarse, fine, garment_stretch(fine, registered))
+    found = _mean_square(coarse, coarse, garment_stretch(coarse, coarse.nodes))
+    root = _power(square, 0.5)
+    back = np.linalg.inv(root)
+    hidden = back @ _power(root @ found @ root, 0.5) @ back
+    values, axes = np.linalg.eigh(hidden)
+    folds = _join(np.clip(values, MOST_HIDDEN, 1.0), axes)
+    folds[_find_crossed(coarse, fine, registered)] = np.eye(2)
+    return folds
+
+
+def _find_crossed(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
+    """Find the coarse faces around which faces of the registered fine mesh cross, bool, shape [face_count]."""
+    middles, near = coarse.rest.mean(axis=1), np.zeros(len(coarse.uv), dtype=bool)
+    for face in self_intersections(registered, fine.faces):
+        there = np.flatnonzero(coarse.panel_of_face == fine.panel_of_face[face])
+        away = np.linalg.norm(middles[there] - fine.rest[face].mean(axis=0), axis=1)
+        near[coarse.uv_faces[there[int(np.argmin(away))]]] = True
+    return np.asarray(near[coarse.uv_faces].any(axis=1))
+
+
+def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndarray:
+    """Average the squares of a fine mesh's stretches around each face of a coarse one, shape [face_count, 2, 2].
+
+    Both are meshes of one pattern. A fine face counts for the coarse face whose middle is next, and this for its three
+    corners: 3 cm around, which evens out what registration crumples.
+    """
+    square, middles = stretch @ stretch, coarse.rest.mean(axis=1)
+    total = np.zeros((len(coarse.uv), 2, 2))
+    weight = np.zeros(len(coarse.uv))
+    area = np.abs(signed_areas(fine.rest))
+    for panel in range(len(coarse.pattern.panels)):
+        here, there = np.flatnonzero(fine.panel_of_face == panel), np.flatnonzero(coarse.panel_of_face == panel)
+        nearest = there[cKDTree(middles[there]).query(fine.rest[here].mean(axis=1))[1]]
+        for corner in coarse.uv_faces[nearest].T:
+            np.add.at(total, corner, area[here, None, None] * square[here])
+            np.add.at(weight, corner, area[here])
+    empty = weight == 0.0
+    total[empty], weight[empty] = np.eye(2), 1.0
+    return np.asarray((total / weight[:, None, None])[coarse.uv_faces].mean(axis=1))
+
+
+def _power(square: np.ndarray, power: float) -> np.ndarray:
+    """Raise symmetric positive matrices to a power, shape [n, 2, 2]."""
+    values, axes = np.linalg.eigh(square)
+    return _join(values**power, axes)
+
+
+def _join(values: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """Return the symmetric matrices with these eigenvalues and eigenvectors, shape [n, 2, 2]."""
+    return np.asarray((axes * values[:, None, :]) @ np.swapaxes(axes, 1, 2))

@@ -1,0 +1,58 @@
+"""Read the files of one recovery; what a limited process has read already is taken from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..body import Body, BodyMissing, is_builtin, is_smpl, load_smpl
+from ..garment import Pattern, load_pattern
+from ..garment.reading import Reading
+from ..scan import Limits, Pieces, load_pieces
+from .recovery import Request
+
+
+def read_files(request: Request, limits: Limits | None = None) -> Pieces:
+    """Read the garment and its wearer, or cut the garment out of a dressed person's scan, unless that was done before.
+
+    Raises:
+        BodyMissing: where no body is given, and none is in the scan.
+        BadInput: where a file cannot be used.
+    """
+    if request.reading is not None:
+        return request.reading.pieces
+    selection, body, settings = request.selection, request.body, request.settings
+    if body is None and selection is None:
+        raise BodyMissing()
+    given = None if body is None or is_builtin(body) else Path(body)
+    return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection, limits=limits)
+
+
+def read_body(request: Request) -> Body | None:
+    """Read a body of SMPL's format, unless that was done before; None where the wearer is something else.
+
+    Raises:
+        SmplBad: where the file is none.
+    """
+    if request.reading is not None:
+        return request.reading.body
+    return load_smpl(Path(request.body)) if request.body is not None and is_smpl(request.body) else None
+
+
+def read_template(request: Request) -> Pattern | None:
+    """Read the pattern file, unless that was done before; None where the base pattern is none.
+
+    Raises:
+        BadInput: where it is no pattern.
+    """
+    if request.reading is not None:
+        return request.reading.pattern
+    return None if request.template is None else load_pattern(request.template)
+
+
+def read_request(request: Request, limits: Limits | None = None) -> Reading:
+    """Read every file of a request.
+
+    Raises:
+        BadInput: where one cannot be used.
+    """
+    return Reading(read_files(request, limits), read_body(request), read_template(request))

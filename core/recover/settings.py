@@ -1,0 +1,147 @@
+"""What a user may choose about one recovery; every default says why."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from ..cloth.fabric import Fabric
+from ..run.errors import BadInput
+
+METHODS = ("deform", "inverse", "hybrid")
+PRESETS = ("default", "thesis")
+_LOCK = re.compile(r"fabric|symmetry|panel:.+|point:.+/\d+")
+
+
+class SettingsBad(BadInput):
+    """A setting is not one of the allowed values; see `garmentq run --help`."""
+
+    code = "settings.bad"
+
+
+@dataclass(frozen=True)
+class RecoverySettings:
+    """Choose how one garment is recovered.
+
+    Attributes:
+        method: `hybrid`: grade, drape, deform onto the scan, then refit the pattern to the deformed mesh and through
+            the simulator, and drape it again as the simulation mesh; the default, for it recovers pattern and cloth.
+            `deform` stops at the detail mesh, in under half the time. `inverse`: descend from the graded pattern
+            through the simulator (the thesis' loop), drape what it ends at, and deform that onto the scan.
+        preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
+        garment: Category that overrides the one chosen from the contours, or None.
+        template: Name of a shipped or imported template that overrides the chosen one, or None.
+        fabric: Name of a shipped fabric, or a fabric itself: an imported one is looked up when the job is asked
+            for. A plain cotton weave is the default: mid-range in weight and stiffness.
+        units: A name of `UNITS`, of the scan's and body's file, or None to find it.
+        up: `y` or `z` of the file, or None to find it.
+        vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
+            scan are still resolved and a Newton step takes about 0.2 s.
+        seed: Seeds the surface samples of the metrics; nothing else is random.
+        keep: Labels of a dressed person's scan that are the garment, separated by commas (`upper,sleeve`), or None.
+        labels_key: Name of the array with the labels in a label file of several, or None to find it.
+        keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.
+        colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
+            and soft shadows, while skin lies 150 from denim.
+        lock: What the inverse fit takes as given, separated by commas, or None: `fabric` keeps the named fabric,
+            `panel:NAME` keeps a panel as it was graded, `point:PANEL/INDEX` a control point (that at which edge INDEX
+            begins, from 0), each with its mirror image; `symmetry` says what holds anyway.
+        free: What grading and fit may do beyond the default, or None: `symmetry` lets left and right differ. A garment
+            that is cut symmetric is found better with symmetry kept: noise and folds are not.
+        parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None. Left
+            out of a stored request where it is None: equal orders of releases that did not have it are the same job.
+        keep_cut: True leaves every panel with the seams and darts of its base pattern; otherwise `hybrid` adds a dart
+            where a panel cannot be isometric to the scan, and closes a needless one. Left out as `parts` is.
+        cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
+            garment does, and are not taken for skin.
+    """
+
+    method: str = "hybrid"
+    preset: str = "default"
+    garment: str | None = None
+    template: str | None = None
+    fabric: str | Fabric = "cotton_poplin"
+    units: str | None = None
+    up: str | None = None
+    vertex_count: int = 4000
+    seed: int = 0
+    keep: str | None = None
+    labels_key: str | None = None
+    keep_colour: str | None = None
+    colour_tolerance: float = 60.0
+    lock: str | None = None
+    free: str | None = None
+    cloth: str | None = None
+    parts: str | None = field(default=None, metadata={"is_left_out": True})
+    keep_cut: bool | None = field(default=None, metadata={"is_left_out": True})
+
+    def __post_init__(self) -> None:
+        """Check every value.
+
+        Raises:
+            SettingsBad: where one is outside its list or range.
+            PartUnknown: where a part or a choice of it is none there is.
+        """
+        if self.method not in METHODS:
+            raise SettingsBad(f"method '{self.method}' is not one of {', '.join(METHODS)}.")
+        if self.preset not in PRESETS:
+            raise SettingsBad(f"preset '{self.preset}' is not one of {', '.join(PRESETS)}.")
+        if not 500 <= self.vertex_count <= 20000:
+            raise SettingsBad(f"vertex_count {self.vertex_count} is outside 500 to 20000.")
+        if self.keep is not None and not self.kept_labels:
+            raise SettingsBad(f"keep '{self.keep}' names no label; give one, or several separated by commas.")
+        if self.keep is not None and self.keep_colour is not None:
+            raise SettingsBad("keep and keep_colour exclude each other; tell the garment by labels or by colour.")
+        for word in self.locks:
+            if not _LOCK.fullmatch(word):
+                raise SettingsBad(f"lock '{word}' is none of fabric, symmetry, panel:NAME, point:PANEL/INDEX.")
+        if self.free not in (None, "symmetry"):
+            raise SettingsBad(f"free '{self.free}' is not 'symmetry'.")
+        if self.free in self.locks:
+            raise SettingsBad(f"'{self.free}' cannot be locked and free.")
+        if self.parts is not None:
+            from ..garment.parts.cut import Cut  # not for everybody who has settings: patterns bring numba
+
+            Cut().choose(self.chosen_parts)
+        if not 0.0 < self.colour_tolerance <= 442.0:
+            raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
+
+    @property
+    def chosen_parts(self) -> dict[str, str]:
+        """Return the choices of parts by part.
+
+        Raises:
+            PartUnknown: where one is not `PART=CHOICE`.
+        """
+        from ..garment.parts.cut import parse_parts
+
+        return parse_parts(self.parts or "")
+
+    def overrule_parts(self, own: str | None) -> str | None:
+        """Return the choices of parts with those of one garment, `neckline=v`, before those for all."""
+        if own is None:
+            return self.parts
+        words = [word.strip() for word in own.split(",")]
+        named = {word.partition("=")[0].strip() for word in words}
+        common = [word.strip() for word in (self.parts or "").split(",")]
+        return ",".join([*(word for word in common if word and word.partition("=")[0].strip() not in named), *words])
+
+    @property
+    def locks(self) -> tuple[str, ...]:
+        """Return the locks one by one."""
+        return tuple(word.strip() for word in (self.lock or "").split(",") if word.strip())
+
+    @property
+    def kept_labels(self) -> tuple[str, ...]:
+        """Return the labels to keep, one by one."""
+        return tuple(word.strip() for word in (self.keep or "").split(",") if word.strip())
+
+    @property
+    def cloth_labels(self) -> tuple[str, ...]:
+        """Return the labels of the other clothes, one by one."""
+        return tuple(word.strip() for word in (self.cloth or "").split(",") if word.strip())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the settings as plain JSON values."""
+        return asdict(self)

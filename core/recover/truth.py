@@ -1,0 +1,100 @@
+"""Measure a finished recovery against a target pack's truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..body import ExposedSurface, penetration_depth
+from ..cloth import Fabric
+from ..geometry import TriangleSurface
+from ..judge.contours import carry_contours
+from ..judge.fit import MM, SURFACE_SAMPLES, Reference, measure_fit
+from ..judge.matching import is_same_cut
+from ..judge.packs import Pack, read_true_mesh, read_true_pattern
+from ..judge.patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
+from .recovery import Recovery
+
+FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
+"""First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
+
+OF_REST = ("residual", "residual_rms", "iterations", "at_rest")
+"""Last words of the metrics of how far a drape is at rest (`Drape.measure`)."""
+
+BODY_SAMPLES = 10_000
+"""Samples of the true body: an RMS then scatters by about 2 %."""
+
+
+def measure_recovery(
+    recovery: Recovery, pack: Pack, own_template: bool, seed: int = 0, samples: int = SURFACE_SAMPLES
+) -> tuple[dict[str, float | None], tuple[str, ...]]:
+    """Measure the meshes against the pack's garment.ply as it is, and the pattern against pattern.json.
+
+    Args:
+        recovery: What was recovered; its contours' names are carried over to the truth's own boundary loops.
+        pack: The target.
+        own_template: True where the pack's own template was the base pattern; otherwise the 2D metrics are None unless
+            the wide panels of both patterns correspond one to one (`is_same_cut`).
+        seed: Seeds the samples.
+        samples: Surface samples per direction.
+
+    Returns:
+        The metrics, and the names of panels without a counterpart. What the recovery measured about itself (the drape's
+        residual, say) is kept where it does not depend on the truth.
+    """
+    vertices, faces = read_true_mesh(pack)
+    target = recovery.target
+    contours = carry_contours(target.contours, target.vertices, vertices, faces)
+    truth = Reference(vertices, faces, contours, ExposedSurface.of(recovery.body), seed, samples)
+    found = measure_fit(recovery.garment, recovery.meshes, truth)
+    if pack.truth_body is not None:
+        found |= _measure_body(recovery, pack)
+    unmatched: tuple[str, ...] = ()
+    pattern = read_true_pattern(pack)
+    if pattern is not None:
+        unmatched = unmatched_panels(recovery.pattern, pattern)
+    if pattern is None or not (own_template or is_same_cut(recovery.pattern, pattern)):
+        found |= dict.fromkeys(PATTERN_METRICS) | measure_seams(recovery.pattern)
+    else:
+        found |= measure_pattern(recovery.pattern, pattern, own_template)
+    found |= measure_fabric(recovery.fabric, pack.fabric)
+    own = {name: value for name, value in recovery.metrics.items() if not _is_of_truth(name)}
+    return dict(sorted((own | found).items())), unmatched
+
+
+def _is_of_truth(name: str) -> bool:
+    """Return whether a metric depends on the truth; how far a drape is at rest does not."""
+    return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in OF_REST
+
+
+def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, float | None]:
+    """Measure `material_log_error.NAME`, ln(estimate / truth), of each parameter that is known in truth.
+
+    Where the true weight is known too, also `material_log_error.NAME_by_density`, that of the ratio to the weight: all
+    that a drape at rest can tell.
+    """
+    errors = {name: float(np.log(getattr(fabric, name) / value)) for name, value in truth.items() if value > 0.0}
+    found: dict[str, float | None] = {f"material_log_error.{name}": error for name, error in errors.items()}
+    if "density" in errors:
+        ratios = {name: error - errors["density"] for name, error in errors.items() if name != "density"}
+        found |= {f"material_log_error.{name}_by_density": error for name, error in ratios.items()}
+    return found
+
+
+def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
+    """Describe the detail mesh and the estimated body against the person that is below the cloth in truth."""
+    vertices, faces = read_true_mesh(pack, pack.truth_body)
+    points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
+    distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).distance(points)
+    truth = ExposedSurface(vertices, faces)
+    ours = recovery.meshes
+    meshes = {"": ours.detail, "sim.": ours.simulation, "redrape.": ours.redraped}
+    depths: dict[str, float | None] = {
+        f"{prefix}truth_body_penetration_mm": MM * penetration_depth(nodes, recovery.garment.faces, truth)
+        for prefix, nodes in meshes.items()
+        if nodes is not None
+    }
+    return depths | {
+        "truth_body_rms_mm": MM * float(np.sqrt(np.mean(distance**2))),
+    }

@@ -1,0 +1,30 @@
+"""Find the wearer of a request: a body's file, a built-in body, or who is in the scan."""
+
+from __future__ import annotations
+
+from ..body import Body, builtin_body, is_builtin
+from ..people.wearer import FoundWearer, fit_wearer
+from ..run.checkpoints import load, save
+from ..run.hooks import Hooks
+from ..scan import Pieces
+from .inputs import read_body
+from .recovery import Request
+
+
+def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
+    """Return the body that `find_wearer` finds."""
+    return find_wearer(request, pieces, hooks).body
+
+
+def find_wearer(request: Request, pieces: Pieces, hooks: Hooks) -> FoundWearer:
+    """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
+    own, wearer = read_body(request), pieces.wearer
+    if own is not None:
+        return FoundWearer(own)
+    if is_builtin(request.body) or wearer is None:
+        return FoundWearer(builtin_body(str(request.body)))
+    found = load(hooks, "body", FoundWearer)
+    if found is None:
+        found = fit_wearer(wearer, pieces.cloth, hooks, pieces.labels)
+        save(hooks, "body", found)
+    return found

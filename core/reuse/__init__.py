@@ -1,0 +1,1 @@
+"""What a recovered garment is used for: worn by other bodies, animated, edited."""

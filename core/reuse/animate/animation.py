@@ -1,0 +1,243 @@
+"""Frames of a garment on a wearer who moves, each with its verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...body import pinched_depth, skin, unskin
+from ...body.motion import LeadIn
+from ...cloth import State
+from ...geometry import self_intersections
+from ...run.checkpoints import load, save
+from ...run.hooks import SILENT, Hooks
+from ..wear import Worn
+from .settings import AnimateBad, AnimateSettings, Pace
+from .stage import Cloth, Moment, Stage
+
+STAGE = "animate"
+"""Name of the stage in progress."""
+
+CHUNK = 5
+"""Frames that are kept together: a run that was killed goes on from the last such group, a few seconds back."""
+
+MOST_VALUES = 200_000_000
+"""Coordinates of all frames at most: 1.6 GB, an hour of 600 vertices or ten minutes of 4000 at 30 Hz."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Judge one frame.
+
+    Attributes:
+        converged: Whether every step to it came within the tolerance.
+        depth: Deepest point of the cloth below the skin in the open, where it has a way out [m].
+        crossings: Faces that cross another.
+        steps: Steps from the frame before.
+        factors: Matrices factored for them.
+        seconds: CPU time of all that [s].
+        pinched: Deepest point where parts of the body that run into each other have the cloth between them [m].
+    """
+
+    converged: bool
+    depth: float
+    crossings: int
+    steps: int
+    factors: int
+    seconds: float
+    pinched: float = 0.0
+
+
+@dataclass(frozen=True)
+class Animation:
+    """Describe a garment in motion.
+
+    Attributes:
+        worn: The garment where it started.
+        fps: Frames a second [1/s].
+        times: Time of the motion at each frame [s], shape [frame_count].
+        frames: Nodes [m], outside the wearer, shape [frame_count, node_count, 3].
+        transforms: The wearer's, from rest space to each frame's pose, shape [frame_count, 24, 4, 4].
+        verdicts: One for each frame.
+    """
+
+    worn: Worn
+    fps: float
+    times: np.ndarray
+    frames: np.ndarray
+    transforms: np.ndarray
+    verdicts: tuple[Verdict, ...]
+
+    def bodies(self, indices: np.ndarray | None = None) -> np.ndarray:
+        """Return the wearer's mesh in some frames, all where None [m], shape [count, vertex_count, 3]."""
+        body = self.worn.body
+        rest = unskin(body.vertices, body.weights, body.transforms)
+        chosen = self.transforms if indices is None else self.transforms[indices]
+        return np.stack([skin(rest, body.weights, transforms) for transforms in chosen])
+
+
+@dataclass(frozen=True)
+class _Tally:
+    """Count steps and factors, and tell whether all converged."""
+
+    converged: bool = True
+    steps: int = 0
+    factors: int = 0
+
+    def plus(self, other: _Tally) -> _Tally:
+        """Return both together."""
+        return _Tally(self.converged and other.converged, self.steps + other.steps, self.factors + other.factors)
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    """Describe frames that were kept together, and the cloth after the last of them."""
+
+    nodes: np.ndarray
+    velocities: np.ndarray
+    anchors: np.ndarray
+    folds: np.ndarray
+    frames: np.ndarray
+    verdicts: tuple[Verdict, ...]
+
+    @classmethod
+    def of(cls, cloth: State, frames: list[np.ndarray], verdicts: list[Verdict]) -> _Chunk:
+        """Return frames and the cloth after them."""
+        assert cloth.folds is not None
+        return cls(cloth.nodes, cloth.velocities, cloth.anchors, cloth.folds, np.stack(frames), tuple(verdicts))
+
+    @property
+    def cloth(self) -> State:
+        """Return the cloth after the last frame."""
+        return State(self.nodes, self.velocities, self.anchors, folds=self.folds)
+
+
+def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks = SILENT) -> Animation:
+    """Move a wearer, and the garment with it.
+
+    From the garment at rest in the wearer's own pose, the wearer goes into the motion in `settings.lead` seconds, which
+    are not delivered, by steps of their own (`lead_pace`); then comes a frame every 1 / fps seconds. Every delivered
+    frame is taken out of the body (`project_outside`); the cloth in motion itself goes on from where the steps left it.
+
+    Args:
+        worn: The garment on the wearer.
+        motion: The wearer's motion.
+        settings: Frames and steps.
+        hooks: Progress, cancellation, checkpoints: a run that was killed goes on, and ends bit for bit the same.
+
+    Raises:
+        AnimateBad: where there are more frames than can be kept.
+    """
+    times = list_times(motion, settings)
+    if len(times) * worn.garment.nodes.size > MOST_VALUES:
+        raise AnimateBad(
+            f"{len(times)} frames of {len(worn.garment.nodes)} vertices are too many: take a part of them."
+        )
+    stage = Stage(worn, motion, settings)
+    transforms = np.stack([stage.mover.transforms(motion.at(float(t))) for t in times])
+    inputs = (worn.garment.nodes, worn.body.vertices, transforms, times, repr(worn.fabric), repr(settings))
+    kept: list[_Chunk] = []
+    while (chunk := load(hooks, f"{STAGE}.{len(kept)}", _Chunk, *inputs)) is not None:
+        kept.append(chunk)
+    done = sum(len(chunk.frames) for chunk in kept)
+    start = kept[-1].cloth if kept else stage.start
+    frames: list[np.ndarray] = []
+    verdicts: list[Verdict] = []
+    for index, state, nodes, verdict in _run(stage, times, done, start, hooks):
+        frames.append(nodes)
+        verdicts.append(verdict)
+        if len(frames) == CHUNK or index == len(times) - 1:
+            kept.append(_Chunk.of(state, frames, verdicts))
+            save(hooks, f"{STAGE}.{len(kept) - 1}", kept[-1], *inputs)
+            frames, verdicts = [], []
+    return Animation(
+        worn,
+        settings.fps,
+        times,
+        np.concatenate([chunk.frames for chunk in kept]),
+        transforms,
+        tuple(verdict for chunk in kept for verdict in chunk.verdicts),
+    )
+
+
+def list_times(motion: LeadIn, settings: AnimateSettings) -> np.ndarray:
+    """Return the time of each frame [s], the first `begin`, shape [frame_count].
+
+    Raises:
+        AnimateBad: where the motion is over before it begins.
+    """
+    track = motion.track
+    end = settings.end if settings.end is not None else settings.begin + 4.0 if track.loops else track.seconds
+    if end < settings.begin:
+        raise AnimateBad(f"the motion is over after {track.seconds:.2f} s; {AnimateBad().message}")
+    count = int(np.floor((end - settings.begin) * settings.fps + 1e-6)) + (0 if track.loops else 1)
+    return settings.begin + np.arange(max(count, 1)) / settings.fps
+
+
+def _run(
+    stage: Stage, times: np.ndarray, done: int, state: State, hooks: Hooks
+) -> Iterator[tuple[int, State, np.ndarray, Verdict]]:
+    """Yield index, cloth, delivered nodes and verdict of each frame that is not `done`.
+
+    Each group of frames begins with a matrix laid out anew: which pairs touched before decides how a matrix is factored
+    and so the last digits, and a run that goes on after a group does not know it. The lead-in is one group with the
+    first.
+    """
+    settings = stage.settings
+    lead = int(np.ceil(settings.lead / settings.lead_pace.longest - 1e-9)) if done == 0 else 0
+    path = [*(times[0] - settings.lead * np.arange(lead, 0, -1) / max(lead, 1)), *times[max(done - 1, 0) :]]
+    now, begun = stage.at(float(path[0]), state.nodes), time.process_time()
+    cloth = Cloth(state, stage.layout)
+    if done == 0 and lead == 0:
+        yield 0, state, *_judge(stage, state, now, _Tally(), begun)
+    for before, after in pairwise(path):
+        index = int(np.searchsorted(times, after - 1e-9))
+        name = "into the motion" if after < times[0] - 1e-9 else f"frame {index + 1} of {len(times)}"
+        hooks.progress(STAGE, index / len(times), name)
+        begun = time.process_time()
+        if index % CHUNK == 0 and index > 0:
+            cloth = Cloth(cloth.state, stage.layout)
+        pace = settings.pace if before >= times[0] - 1e-9 else settings.lead_pace
+        cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)), pace)
+        if after >= times[0] - 1e-9:
+            yield index, cloth.state, *_judge(stage, cloth.state, now, tally, begun)
+
+
+def _advance(
+    stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], pace: Pace
+) -> tuple[Cloth, Moment, _Tally]:
+    """Advance from one time [s] to another, in as many steps as the skin's way asks for."""
+    count = stage.count_steps(now, cloth.state.nodes, span, pace)
+    marks = [span[0] + (span[1] - span[0]) * n / count for n in range(count)] + [span[1]]
+    tally = _Tally()
+    for start, end in pairwise(marks):
+        cloth, now, found = _take(stage, cloth, now, (start, end), stage.settings.halvings)
+        tally = tally.plus(found)
+    return cloth, now, tally
+
+
+def _take(
+    stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], halvings: int
+) -> tuple[Cloth, Moment, _Tally]:
+    """Take a step; one that does not converge is taken again in two halves."""
+    then = stage.at(span[1], cloth.state.nodes)
+    step = stage.step(cloth, now, then, span[1] - span[0])
+    if step.converged or halvings == 0:
+        return Cloth(step.state, step.layout), then, _Tally(step.converged, 1, step.factors)
+    middle = 0.5 * (span[0] + span[1])
+    cloth, now, first = _take(stage, cloth, now, (span[0], middle), halvings - 1)
+    cloth, now, second = _take(stage, cloth, now, (middle, span[1]), halvings - 1)
+    return cloth, now, _Tally(True, 0, step.factors).plus(first).plus(second)
+
+
+def _judge(stage: Stage, state: State, now: Moment, tally: _Tally, begun: float) -> tuple[np.ndarray, Verdict]:
+    """Return a frame's nodes outside the wearer, and its verdict."""
+    faces = stage.worn.garment.faces
+    nodes = stage.deliver(state.nodes, now)
+    deep, crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
+    seconds = time.process_time() - begun
+    return nodes, Verdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.way)

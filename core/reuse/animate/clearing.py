@@ -1,0 +1,71 @@
+"""Make room for a garment in a wearer's motion, and tell what of the motion that changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...body.motion import GROUPS, LIMIT, Track, clear_limbs
+from ...geometry import TriangleSurface
+from ..wear import Worn
+from .settings import AnimateSettings
+
+NEAR = 0.02
+"""Distance along the skin from the foot of a node within which it is covered [m]: an edge of cloth of 4000 vertices."""
+
+TOLD = np.deg2rad(0.5)
+"""Angle from which a spread limb is told [rad]: less is not seen."""
+
+
+@dataclass(frozen=True)
+class Clearing:
+    """Describe how limbs were spread.
+
+    Attributes:
+        degrees: Largest angle of each limb of `GROUPS` [degrees].
+        spans: First and last time of the motion at which it is spread [s], None where it is not.
+        missed: Whether more than the limit would have been needed, by limb.
+    """
+
+    degrees: dict[str, float]
+    spans: dict[str, tuple[float, float] | None]
+    missed: dict[str, bool]
+
+    def warnings(self) -> tuple[str, ...]:
+        """Return a sentence for each limb that was spread."""
+        told = []
+        for name, degrees in self.degrees.items():
+            span = self.spans[name]
+            if span is None:
+                continue
+            each = " each" if name == "legs" else ""
+            text = (
+                f"{name}: spread by up to {degrees:.1f} degrees{each} from {span[0]:.2f} to {span[1]:.2f} s of the "
+                "motion, for room between the parts of the body; --keep-motion leaves it."
+            )
+            if self.missed[name]:
+                text += f" {np.rad2deg(LIMIT):.0f} degrees are the most, and were not enough."
+            told.append(text)
+        return tuple(told)
+
+
+def find_covered(worn: Worn) -> np.ndarray:
+    """Return which vertices of the wearer have cloth on them, bool, shape [vertex_count]."""
+    feet = TriangleSurface(worn.body.vertices, worn.body.faces).closest(worn.garment.nodes).foot
+    return np.asarray(cKDTree(feet).query(worn.body.vertices, distance_upper_bound=NEAR)[0] < NEAR)
+
+
+def clear_motion(worn: Worn, track: Track, settings: AnimateSettings) -> tuple[Track, Clearing]:
+    """Return a motion that leaves a garment room between its wearer's limbs, and what changed; see `clear_limbs`."""
+    end = settings.end if settings.end is not None else track.seconds
+    cleared = clear_limbs(track, worn.body, find_covered(worn), settings.begin, end)
+    degrees, spans, missed = {}, {}, {}
+    for column, name in enumerate(GROUPS):
+        angles = cleared.angles[:, column]
+        degrees[name] = float(np.rad2deg(angles.max()))
+        spread = np.flatnonzero(angles > TOLD)
+        spans[name] = (float(spread[0] / track.rate), float(spread[-1] / track.rate)) if len(spread) else None
+        missed[name] = bool(cleared.missed[:, column].any())
+    return cleared.track, Clearing(degrees, spans, missed)

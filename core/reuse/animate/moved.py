@@ -1,0 +1,96 @@
+"""Move a stored garment with its wearer, and judge it: what a job of it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...body.motion import LeadIn, Pose, Recording, retarget
+from ...run.clock import Clock, peak_mb
+from ...run.verdict import Gate
+from ..wear import Worn
+from .animation import STAGE, Animation, animate
+from .clearing import clear_motion
+from .measured import judge_animation, judge_motion, measure_animation
+from .settings import AnimateSettings
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Describe a garment in motion with everything that was found of it.
+
+    Attributes:
+        animation: The frames.
+        motion: Name of the motion.
+        metrics: Flat dotted names to numbers.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result.
+    """
+
+    animation: Animation
+    motion: str
+    metrics: dict[str, float | None]
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+
+
+def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSettings, clock: Clock) -> Moved:
+    """Move a garment on its wearer by a recording.
+
+    Args:
+        worn: The garment as a result keeps it.
+        recording: The motion as it was read.
+        name: What it is called.
+        settings: Frames and steps.
+        clock: Times the stages.
+
+    Raises:
+        AnimateBad: where no frame is asked for, or more than can be kept.
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    with clock.stage(STAGE, "moving the wearer") as hooks:
+        track, clearing = retarget(recording, worn.body, settings.begin), None
+        if not settings.keep_motion:
+            hooks.progress(STAGE, 0.0, "making room between the limbs")
+            track, clearing = clear_motion(worn, track, settings)
+        lead = LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead)
+        animation = animate(worn, lead, settings, hooks)
+    with clock.stage("measure", "judging the frames"):
+        metrics = measure_animation(animation)
+    warnings = [*recording.notes, *(clearing.warnings() if clearing is not None else ())]
+    metrics["limbs_spread_deg"] = max(clearing.degrees.values()) if clearing is not None else 0.0
+    if not track.loops and float(animation.times[-1]) > track.seconds + 1e-6:
+        warnings.append(f"the motion is over after {track.seconds:.2f} s; after that the wearer stands still.")
+    if worn.rotation is not None:
+        warnings.append("the scanned cloth was in motion; here it moves from rest.")
+    return Moved(
+        animation=animation,
+        motion=name,
+        metrics=metrics,
+        gates=(judge_motion(recording), *judge_animation(metrics)),
+        warnings=tuple(warnings),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=peak_mb(),
+        manifest={
+            "motion": name,
+            "fps": settings.fps,
+            "from": float(animation.times[0]),
+            "to": float(animation.times[-1]),
+            "damping_per_s": settings.step.damping,
+            "keep_motion": settings.keep_motion,
+            "limbs_spread_deg": {} if clearing is None else clearing.degrees,
+            "body": worn.body.source,
+            "fabric": worn.fabric.name,
+            "template": worn.template,
+            "category": worn.category,
+        },
+    )

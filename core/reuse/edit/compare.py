@@ -1,0 +1,91 @@
+"""How a version of a pattern differs from the one that was recovered: panel by panel and seam by seam."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from ...garment import Pattern, Seam, seam_lengths
+from ...judge.comparison import Comparison, compare_patterns
+
+MM = 1e3
+
+
+@dataclass(frozen=True)
+class SeamChange:
+    """Describe how a seam changed that both versions have.
+
+    Attributes:
+        seam: Its number in the version.
+        was: Its number in the recovered pattern.
+        a, b: Panel and number of the edge of both sides, in the version.
+        change_mm: How much longer each side is than it was [mm].
+    """
+
+    seam: int
+    was: int
+    a: tuple[str, int]
+    b: tuple[str, int]
+    change_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class PatternDifference:
+    """Describe how a version of a pattern differs from the recovered one.
+
+    Attributes:
+        panels: Panel by panel, the version first; panels of one name are pairs.
+        seams: The seams of both.
+        seams_added, seams_removed: Numbers of the seams that only the version has, and that only the recovered one had.
+    """
+
+    panels: Comparison
+    seams: tuple[SeamChange, ...]
+    seams_added: tuple[int, ...]
+    seams_removed: tuple[int, ...]
+
+
+def compare_versions(version: Pattern, recovered: Pattern) -> PatternDifference:
+    """Compare a version of a pattern with the recovered one.
+
+    Seams correspond where they join edges of the same panels with the same labels; where that leaves a choice, in their
+    order. Where the edges of a panel have no labels, their numbers stand for them, which holds as long as no point was
+    added or removed before them.
+
+    Args:
+        version: The edited pattern.
+        recovered: What it was.
+    """
+    now, was = ([seam_key(pattern, seam) for seam in pattern.seams] for pattern in (version, recovered))
+    lengths = [MM * seam_lengths(pattern) for pattern in (version, recovered)]
+    places = {key: number for number, key in enumerate(_numbered(was))}
+    changes, added = [], []
+    for number, key in enumerate(_numbered(now)):
+        if key not in places:
+            added.append(number)
+            continue
+        old = places.pop(key)
+        seam, change = version.seams[number], lengths[0][number] - lengths[1][old]
+        a, b = ((ref.panel, ref.edge) for ref in (seam.a, seam.b))
+        changes.append(SeamChange(number, old, a, b, (float(change[0]), float(change[1]))))
+    panels = compare_patterns(version, recovered)
+    return PatternDifference(panels, tuple(changes), tuple(added), tuple(sorted(places.values())))
+
+
+def seam_key(pattern: Pattern, seam: Seam) -> tuple[tuple[str, str], ...]:
+    """Return what tells a seam from others: for both sides the panel, and the edge's label or else its number."""
+    sides = []
+    for ref in (seam.a, seam.b):
+        label = pattern.panel(ref.panel).edges[ref.edge].label
+        sides.append((ref.panel, label or str(ref.edge)))
+    return tuple(sides)
+
+
+def _numbered(keys: list[tuple[tuple[str, str], ...]]) -> list[tuple[object, int]]:
+    """Return keys each with how many equal ones stand before it."""
+    seen: Counter[object] = Counter()
+    found: list[tuple[object, int]] = []
+    for key in keys:
+        found.append((key, seen[key]))
+        seen[key] += 1
+    return found

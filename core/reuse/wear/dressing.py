@@ -1,0 +1,192 @@
+"""Dress a body in a recovered garment, the pattern unchanged: drape it from its rest placement, and judge it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ...body import Body, penetration_depth
+from ...cloth import Drape, Fabric
+from ...garment.pieces import PieceNumbers, measure_pieces
+from ...geometry import self_intersections
+from ...recover.drape import WearerGeometry, redrape
+from ...run.clock import Clock, peak_mb
+from ...run.hooks import Hooks
+from ...run.verdict import Gate
+from ...scan.contours import name_contours
+from .ease import Ease, measure_ease
+from .load import measure_pressure, measure_strain
+from .parting import part_layers
+from .verdicts import judge_wear
+from .waist import carry_curve, is_same_body
+from .worn import Worn
+
+STAGES = ("drape", "measure")
+"""Stages of dressing, after those that read its input."""
+
+
+@dataclass(frozen=True)
+class Dressed:
+    """Describe a garment on another body.
+
+    Attributes:
+        before: The garment on the wearer that it was recovered from.
+        worn: The garment at rest on the other body.
+        drape: The equilibrium.
+        ease: Garment and body at each place where cloth goes round the body.
+        strain: Largest principal strain of the cloth at each node, shape [node_count].
+        pressure: Of the cloth on the body at each node [Pa], shape [node_count].
+        metrics: Flat dotted names to numbers; None where a metric does not apply.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result.
+        pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
+        under: The garment below it at rest with it, or None where it is worn alone.
+    """
+
+    before: Worn
+    worn: Worn
+    drape: Drape
+    ease: tuple[Ease, ...]
+    strain: np.ndarray
+    pressure: np.ndarray
+    metrics: dict[str, float | None]
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+    pieces: tuple[PieceNumbers, ...] = ()
+    under: Worn | None = None
+
+
+def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
+
+    A garment that was scanned while its wearer turned turns with him again; on anybody else it hangs at rest.
+
+    The drape is that of a recovery's re-draped mesh; where cloth then passes through itself, its layers are parted.
+
+    Args:
+        worn: The garment as a result keeps it.
+        body: Who wears it now.
+        fabric: The cloth, or None for the garment's own.
+        clock: Times the stages.
+
+    Raises:
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    wearer = WearerGeometry(body)
+    with clock.stage("drape", "dressing the body in the pattern") as hooks:
+        now, drape = drape_worn(carry_alone(worn, body, fabric), wearer, hooks)
+    return judge_dressed(worn, now, drape, wearer, clock)
+
+
+def carry_worn(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
+    """Return a garment that is to hang on another body, its waist carried there and its nodes as they were.
+
+    Args:
+        worn: The garment as a result keeps it.
+        body: Who is to wear it.
+        fabric: The cloth, or None for the garment's own.
+    """
+    waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
+    return replace(worn, fabric=fabric or worn.fabric, body=body, waist=waist, rotation=None)
+
+
+def carry_alone(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
+    """Return a garment as `carry_worn` does, that is to hang alone: on its own wearer in the rotation it came in."""
+    carried = carry_worn(worn, body, fabric)
+    return replace(carried, rotation=worn.rotation) if is_same_body(worn.body, body) else carried
+
+
+def drape_worn(worn: Worn, wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, Drape]:
+    """Drape a garment on its wearer from its pattern's rest placement, and part its layers; give it and its rest."""
+    nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
+    draped = replace(worn, garment=worn.garment.at(nodes))
+    nodes, drape = part_layers(draped, wearer, drape, hooks)
+    return replace(draped, garment=draped.garment.at(nodes)), drape
+
+
+def judge_dressed(
+    before: Worn,
+    draped: Worn,
+    drape: Drape,
+    wearer: WearerGeometry,
+    clock: Clock,
+    layers: dict[str, float | None] | None = None,
+) -> Dressed:
+    """Measure and judge how a garment fits that came to rest on another body.
+
+    Args:
+        before: The garment on the wearer that it was recovered from.
+        draped: The garment at rest on the other one.
+        drape: The equilibrium.
+        wearer: The other one's geometry.
+        clock: Times the stages.
+        layers: Metrics of how it lies over another garment, or None where it is worn alone.
+    """
+    body = wearer.body
+    with clock.stage("measure", "measuring how it fits"):
+        contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, body)
+        garment = draped.garment.at(draped.garment.nodes, contours or draped.garment.contours)
+        now = replace(draped, garment=garment)
+        ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)
+        cut = measure_pieces(now.pattern)
+        metrics = {**measure_worn(now, wearer, drape), **tabulate_ease(ease), **cut.metrics, **(layers or {})}
+        metrics |= {
+            "strain_p99": float(np.quantile(strain, 0.99)),
+            "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
+        }
+    warnings = [] if drape.at_rest else [f"the garment is {drape.advice}"]
+    if before.rotation is not None and draped.rotation is None:
+        warnings.append("the scanned cloth was in motion; here it hangs at rest.")
+    return Dressed(
+        before=before,
+        worn=now,
+        drape=drape,
+        ease=ease,
+        strain=strain,
+        pressure=pressure,
+        metrics=metrics,
+        gates=judge_wear(metrics),
+        pieces=cut.pieces,
+        warnings=tuple(warnings),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=peak_mb(),
+        manifest={"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category},
+    )
+
+
+def measure_worn(worn: Worn, wearer: WearerGeometry, drape: Drape) -> dict[str, float | None]:
+    """Measure rest, depth and crossings of a garment on its wearer; units in the names."""
+    nodes, faces = worn.garment.nodes, worn.garment.faces
+    return {
+        "vertices": float(len(nodes)),
+        "faces": float(len(faces)),
+        **drape.measure("drape"),
+        "body_penetration_mm": 1e3 * penetration_depth(nodes, faces, wearer.exposed),
+        "self_intersecting_faces": float(len(self_intersections(nodes, faces))),
+    }
+
+
+def tabulate_ease(ease: tuple[Ease, ...]) -> dict[str, float | None]:
+    """Return ease and both girths as metrics: `ease.chest_mm`, `girth.garment.chest_mm`, `girth.body.chest_mm`."""
+    found: dict[str, float | None] = {}
+    for one in ease:
+        found[f"ease.{one.place}_mm"] = 1e3 * one.value
+        found[f"girth.garment.{one.place}_mm"], found[f"girth.body.{one.place}_mm"] = 1e3 * one.garment, 1e3 * one.body
+    return found
+
+
+def is_sound(metrics: dict[str, float | None]) -> bool:
+    """Return whether a garment is at rest, crosses itself nowhere, and is at most 1 mm inside the body."""
+    values = [metrics[name] for name in ("body_penetration_mm", "self_intersecting_faces", "drape.at_rest")]
+    return bool(np.all([values[0] <= 1.0, values[1] == 0.0, values[2] == 1.0]))  # type: ignore[operator]

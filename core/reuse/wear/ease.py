@@ -1,0 +1,319 @@
+"""Ease: how much longer the cloth is round a body than the body's girth, at the places where a tailor measures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...body import GIRTHS, Body, Girth, Tape, unskin, weights_at
+from ...garment import Garment
+from ...geometry import find_components, self_intersections
+from ...recover.drape import flat_length
+
+APART = 0.5
+"""Share of the hip joint's distance from the middle beyond which cloth is one leg's: a skirt's is in the middle."""
+
+
+HAND = (0.0, 0.02, 0.04, 0.06)
+"""Distances over a hand's breadth [m], in which cloth is looked for: below the body's level at chest and thigh, above
+it at the hips, further out along the arm. A wide sleeve joins the line of the chest's level, so the shortest line
+counts. Elsewhere the least ease does, where the garment binds: a line at a fork (a crotch that hangs low, the end of an
+armhole) is longer than those beside it, and jumps when the cloth moves by a millimetre."""
+
+
+@dataclass(frozen=True)
+class Ease:
+    """Compare a garment with its wearer at one place.
+
+    Attributes:
+        place: One of `GIRTHS`.
+        garment: Length of the cloth round the body there, unstretched [m].
+        body: The body's girth there [m].
+    """
+
+    place: str
+    garment: float
+    body: float
+
+    @property
+    def value(self) -> float:
+        """Return the ease [m]; negative where the cloth is shorter than the girth."""
+        return self.garment - self.body
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Describe a body as a tailor measures it, taken once for many garments.
+
+    Attributes:
+        tape: Lies about the body in its T-pose.
+        taken: Its girths by place.
+    """
+
+    tape: Tape
+    taken: Mapping[str, Girth]
+
+    @classmethod
+    def of(cls, body: Body) -> Figure:
+        """Measure a body."""
+        tape = Tape.of(body)
+        return cls(tape, {place: tape.measure(place) for place in GIRTHS})
+
+    @property
+    def apart(self) -> float:
+        """Return how far from the middle cloth is one leg's [m]."""
+        return APART * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
+
+    @property
+    def centre(self) -> float:
+        """Return x of the body's middle [m]."""
+        return float(self.tape.body.joint("pelvis")[0])
+
+    def trunk(self, level: float) -> np.ndarray:
+        """Return the middle of the trunk [m], shape [3], at a height, on the line from pelvis to neck."""
+        pelvis, neck = (self.tape.body.joint(name) for name in ("pelvis", "neck"))
+        return pelvis + (level - pelvis[1]) / (neck[1] - pelvis[1]) * (neck - pelvis)
+
+    def arm(self, side: str, level: float) -> np.ndarray:
+        """Return the middle of an arm [m], shape [3], where it is as far from the body's middle as a level's x."""
+        shoulder, elbow = (self.tape.body.joint(f"{side}_{joint}") for joint in ("shoulder", "elbow"))
+        share = (abs(level - self.centre) - abs(shoulder[0] - self.centre)) / abs(elbow[0] - shoulder[0])
+        return shoulder + share * (elbow - shoulder)
+
+
+def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
+    """Measure the ease of a worn garment wherever cloth goes round the body.
+
+    The body's levels are those of its T-pose, to which the cloth is carried back; the cloth's length along such a level
+    is measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge. No line
+    counts that comes near faces which cross others: such cloth lies as none can.
+
+    Args:
+        garment: The garment, nodes on the body.
+        body: The wearer.
+    """
+    return ease_at(_without_crossed(garment), carry_back(garment.nodes, body), Figure.of(body))
+
+
+def _without_crossed(garment: Garment) -> Garment:
+    """Return the cloth without what is within a hand's breadth of faces that cross others: lines end there.
+
+    Around such faces cloth is crumpled, and a level line runs up and down in it.
+    """
+    crossed = self_intersections(garment.nodes, garment.faces)
+    if not len(crossed):
+        return garment
+    far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > HAND[-1]
+    kept = far[garment.faces].any(axis=1)
+    return replace(
+        garment,
+        faces=garment.faces[kept],
+        uv_faces=garment.uv_faces[kept],
+        panel_of_face=garment.panel_of_face[kept],
+    )
+
+
+def carry_back(nodes: np.ndarray, body: Body) -> np.ndarray:
+    """Return points on a wearer [m], shape [n, 3], carried with the skin to the T-pose."""
+    return unskin(nodes, weights_at(body, nodes, rest=False), body.transforms)
+
+
+def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, ...]:
+    """Measure the ease as `measure_ease` does, of cloth that lies on a body's T-pose.
+
+    Args:
+        garment: The cloth.
+        nodes: Where it lies [m], shape [node_count, 3].
+        figure: The body.
+    """
+    found = []
+    for place in GIRTHS:
+        if place == "waist" and (waist := garment.contour("waist")) is not None:
+            girth = figure.tape.trunk(float(nodes[waist.vertices, 1].mean())).value
+            found.append(Ease(place, flat_length(garment, waist.vertices), girth))
+            continue
+        around = {"hip": _round_hips, "thigh": _round_thighs, "upper_arm": _round_arms}.get(place, _round_trunk)
+        one = around(garment, nodes, figure, place)
+        if one is not None:
+            found.append(one)
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class ClothCut:
+    """Describe the closed lines along which a plane cuts cloth.
+
+    Attributes:
+        lengths: Length of each line in the flat pattern [m], straight across each panel, shape [line_count].
+        middles: Mean place of each on the other of x and y [m], shape [line_count].
+        pieces: The segments of each line in the plane [m], the other of x and y first, then z; shape [n, 2, 2] each.
+    """
+
+    lengths: np.ndarray
+    middles: np.ndarray
+    pieces: tuple[np.ndarray, ...] = ()
+
+    def length(self, chosen: np.ndarray) -> float | None:
+        """Return the length of the longest of chosen lines [m], or None where there is none."""
+        return float(self.lengths[chosen].max()) if chosen.any() else None
+
+    def goes_round(self, point: np.ndarray) -> np.ndarray:
+        """Check which lines go round a point of the plane [m], shape [2]: a ray from it crosses them an odd time.
+
+        Returns:
+            Shape [line_count].
+        """
+        return np.array([_crosses_ray(piece - point) % 2 == 1 for piece in self.pieces], dtype=bool)
+
+
+def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> ClothCut:
+    """Cut cloth by the plane across an axis at a level [m]; lines that end at the cloth's border are left out.
+
+    Args:
+        garment: The cloth.
+        nodes: Where it is cut [m], shape [node_count, 3].
+        axis: 0 for x, 1 for y.
+        level: Where the plane is [m].
+    """
+    side = nodes[:, axis] > level
+    inside = side[garment.faces]
+    cut = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
+    if not len(cut):
+        return ClothCut(np.zeros(0), np.zeros(0))
+    faces, flat = garment.faces[cut], garment.rest[cut]
+    ahead = np.roll(faces, -1, axis=1)
+    crossed = side[faces] != side[ahead]  # two of a face's three edges
+    share = (level - nodes[faces, axis]) / np.where(crossed, nodes[ahead, axis] - nodes[faces, axis], 1.0)
+    points = flat + share[..., None] * (np.roll(flat, -1, axis=1) - flat)
+    ends = points[crossed].reshape(-1, 2, 2)
+    number, part = _join(faces, crossed, len(nodes))
+    of_face = part[number[:, 0]]
+    count = int(part.max()) + 1
+    lengths = np.zeros(count)
+    for line, length in _rule(ends, garment.uv_faces[cut], crossed, len(garment.uv), of_face):
+        lengths[line] += length
+    beside = nodes[faces, 1 - axis].mean(axis=1)
+    middles = np.bincount(of_face, beside, count) / np.maximum(np.bincount(of_face), 1)
+    closed = np.bincount(of_face, minlength=count) == np.bincount(part, minlength=count)
+    within = nodes[faces][..., [1 - axis, 2]]
+    worn = (within + share[..., None] * (np.roll(within, -1, axis=1) - within))[crossed].reshape(-1, 2, 2)
+    pieces = tuple(worn[of_face == line] for line in np.flatnonzero(closed))
+    return ClothCut(lengths[closed], middles[closed], pieces)
+
+
+def _crosses_ray(pieces: np.ndarray) -> int:
+    """Return how many segments, shape [n, 2, 2], cross the ray from the origin along the first axis."""
+    start, end = pieces[:, 0], pieces[:, 1]
+    rises = (start[:, 1] > 0.0) != (end[:, 1] > 0.0)
+    start, end = start[rises], end[rises]
+    along = start[:, 0] - start[:, 1] * (end[:, 0] - start[:, 0]) / (end[:, 1] - start[:, 1])
+    return int((along > 0.0).sum())
+
+
+def _join(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers of the two cut edges of each cut face, [face_count, 2], and the line of each edge.
+
+    Args:
+        corners: Corners of the faces, shape [face_count, 3], numbers below `count`.
+        crossed: Which of a face's edges, each from its corner, are cut: two of three.
+        count: Of corners.
+    """
+    sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+    edges, number = np.unique((sides @ [count, 1])[crossed], return_inverse=True)
+    number = number.reshape(-1, 2)
+    return number, find_components(len(edges), number[:, 0], number[:, 1])[1]
+
+
+def _rule(
+    ends: np.ndarray, corners: np.ndarray, crossed: np.ndarray, count: int, of_face: np.ndarray
+) -> list[tuple[int, float]]:
+    """Return the line and the length [m] of each piece of a line in one panel: straight from border to border.
+
+    Worn cloth bags and folds, and a level line then runs to and fro in the panel; round the body counts what is between
+    the seams, as a ruler tells. A piece that ends at no border has its own length.
+
+    Args:
+        ends: Where each face is cut, in the flat pattern [m], shape [face_count, 2, 2].
+        corners: Corners of the faces in the flat pattern, shape [face_count, 3], numbers below `count`.
+        crossed: Which of a face's edges are cut.
+        count: Of corners.
+        of_face: The line of each face.
+    """
+    number, piece = _join(corners, crossed, count)
+    times = np.bincount(number.ravel())
+    at_border = times[number] == 1
+    of_piece = piece[number[:, 0]]
+    along = np.bincount(of_piece, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    found = []
+    for each in range(len(along)):
+        own = of_piece == each
+        tips = ends[own][at_border[own]]
+        length = float(np.linalg.norm(tips[1] - tips[0])) if len(tips) == 2 else float(along[each])
+        found.append((int(of_face[own][0]), length))
+    return found
+
+
+def _round_trunk(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the ease at chest or waist, or None where no cloth goes round."""
+    below = HAND if place == "chest" else HAND[:1]
+    taken = figure.taken[place]
+    lengths = [_line(garment, nodes, figure, taken.level - down) for down in below]
+    length = min((length for length in lengths if length is not None), default=None)
+    return None if length is None else Ease(place, length, taken.value)
+
+
+def _round_hips(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the least ease at the hips and above, or None where no cloth goes round them."""
+    found = []
+    for up in HAND:
+        level = figure.taken[place].level + up
+        cut = cut_cloth(garment, nodes, 1, level)
+        if not len(cut.lengths):
+            break
+        length = cut.length(np.abs(cut.middles - figure.centre) < figure.apart)
+        if length is not None:  # else it is the legs', of a crotch that hangs low
+            found.append(Ease(place, length, figure.tape.trunk(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
+
+
+def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> float | None:
+    """Return the length of the cloth round the trunk at a height [m], or None where none goes round."""
+    cut = cut_cloth(garment, nodes, 1, level)
+    return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is no girth
+
+
+def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the least ease of the sleeves there and further out, the mean of both, or None where an arm has none."""
+    found = []
+    for out in HAND:
+        level = figure.taken[place].level + out
+        lengths = []
+        for side in ("left", "right"):
+            middle = figure.arm(side, level)
+            cut = cut_cloth(garment, nodes, 0, float(middle[0]))
+            lengths.append(cut.length(cut.goes_round(middle[1:])))  # cloth of the hips beside a hand is carried along
+        length = _mean(lengths)
+        if length is not None:
+            found.append(Ease(place, length, figure.tape.arms(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
+
+
+def _round_thighs(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the least ease at the thighs and below, the mean of both, or None where a leg has no cloth of its own."""
+    found = []
+    for down in HAND:
+        level = figure.taken[place].level - down
+        cut = cut_cloth(garment, nodes, 1, level)
+        length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.apart) for sign in (1.0, -1.0)])
+        if length is not None:  # else the crotch hangs lower
+            found.append(Ease(place, length, figure.tape.thighs(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
+
+
+def _mean(lengths: list[float | None]) -> float | None:
+    """Return the mean of both sides' lengths, or None where one is missing."""
+    known = [length for length in lengths if length is not None]
+    return float(np.mean(known)) if len(known) == len(lengths) else None

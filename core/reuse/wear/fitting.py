@@ -1,0 +1,116 @@
+"""Fit the draft of a template to a body: widened as foreseen, draped, and widened by what the drape has shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...body import Body, builtin_body, rest_body
+from ...cloth import get_fabric
+from ...garment import Garment, Pattern, draft_template, load_draped_template, mesh_pattern, move_by_drafts
+from ...garment.templates import DRAPED_VERTICES
+from ...recover.drape import WearerGeometry, measure_wearer
+from ...recover.drape.shipped import FABRIC, WEARER
+from ...run.hooks import SILENT, Hooks
+from ...scan.contours import name_contours
+from .dressing import carry_worn, drape_worn
+from .kept_ease import Laid, keep_ease, largest_change
+from .widening import widen_rules
+from .worn import Worn
+
+FITTED = 2e-3
+"""Difference of the ease on a drape that is left as it is [m]: what a drape done anew on the same body shows."""
+
+FITTINGS = 3
+"""Most drapes of a draft; three on bodies at the ends of the range, for whose thighs the draft lacks a tenth of a
+metre."""
+
+
+@dataclass(frozen=True)
+class FittedDraft:
+    """Describe a template's draft that has on a body the ease which it has on the body of the library.
+
+    Attributes:
+        pattern: The pattern.
+        garment: As it hangs on the body's T-pose; None where it was not draped.
+        body: The body in its T-pose.
+        waist: The curve that it hangs from there [m], shape [n, 3], or None.
+    """
+
+    pattern: Pattern
+    garment: Garment | None
+    body: Body
+    waist: np.ndarray | None
+
+    def foresee(self, other: FittedDraft) -> Mapping[str, float]:
+        """Return how much more ease is foreseen for another fitting than there is on this body [m], by place.
+
+        Both have the same ease, so this is by how much the foresight (`Laid`) errs from one body to the other.
+        """
+        if self.garment is None or other.garment is None:
+            return {}
+        return Laid.of(self.garment, self.body, self.waist, other.body).foresee(other.pattern)
+
+
+def fit_draft(template: str, body: Body, hooks: Hooks = SILENT) -> FittedDraft:
+    """Fit a template's draft to a body.
+
+    A draft alone does not know every girth: the sleeves', the thighs', the girth where a waistband sits. It is widened
+    until its ease is foreseen to be that on the body of the library. How cloth hangs is only seen on the body, though:
+    wide forks let a crotch hang lower, a deep chest draws the sleeves in. So it is draped, and widened by what then
+    differs. The result is the body's and the template's alone, whatever pattern is made by it.
+
+    Args:
+        template: Name of a template.
+        body: In any pose.
+        hooks: Progress and cancellation.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+        Cancelled: as soon as the hooks say so.
+    """
+    found, shipped = foresee_draft(template, body), load_draped_template(template)
+    if shipped is None or found.garment is not None:
+        return found
+    pattern, rest, rules = found.pattern, found.body, widen_rules(template)
+    wearer, waist = builtin_body(WEARER), _waist_of(shipped)
+    wanted = Laid.of(shipped, wearer, waist, rest).ease
+    geometry = WearerGeometry(rest)
+    for _ in range(FITTINGS):
+        mesh = mesh_pattern(pattern, DRAPED_VERTICES)
+        worn = Worn(mesh, get_fabric(FABRIC), wearer, waist, None, template, pattern.category or template)
+        draped, _ = drape_worn(carry_worn(worn, rest, None), geometry, hooks)
+        contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, rest)
+        hung = Laid.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
+        hung = replace(hung, ease=wanted)
+        if largest_change(hung, pattern) <= FITTED:
+            break
+        pattern = keep_ease(pattern, hung, rules)
+    return FittedDraft(pattern, hung.lay(pattern), rest, draped.waist)
+
+
+def foresee_draft(template: str, body: Body) -> FittedDraft:
+    """Return a template's draft for a body, widened until its ease is foreseen to be that on the body of the library.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+    """
+    measures, rest = measure_wearer(body), rest_body(body)
+    drafted, shipped = draft_template(template, measures), load_draped_template(template)
+    if shipped is None:
+        return FittedDraft(drafted, None, rest, None)
+    wearer, waist = builtin_body(WEARER), _waist_of(shipped)
+    if measures == measure_wearer(wearer):
+        return FittedDraft(shipped.pattern, shipped, wearer, waist)
+    # with the curves that a refit leaves to the pattern: a draft draws its own anew
+    drafted = move_by_drafts(shipped.pattern, shipped.pattern, drafted) or drafted
+    laid = Laid.of(shipped, wearer, waist, rest)
+    return FittedDraft(keep_ease(drafted, laid, widen_rules(template)), None, rest, None)
+
+
+def _waist_of(garment: Garment) -> np.ndarray | None:
+    """Return the curve that a shipped garment hangs from [m], shape [n, 3], or None."""
+    contour = garment.contour("waist")
+    return None if contour is None else garment.nodes[contour.vertices]

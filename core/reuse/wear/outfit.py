@@ -1,0 +1,124 @@
+"""Dress a body in all garments of a person at once, each over the one before, and judge each of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ...body import Body
+from ...cloth import Drape
+from ...recover.drape import WearerGeometry
+from ...run.clock import Clock, peak_mb
+from ...run.verdict import Gate
+from .dressing import Dressed, carry_alone, carry_worn, drape_worn, judge_dressed
+from .over import lay_each, rest_together
+from .underneath import measure_layers
+from .worn import Worn
+
+Metrics = dict[str, float | None]
+
+SHARED = ("drape.residual", "drape.residual_rms", "drape.iterations", "drape.at_rest")
+"""Metrics of the equilibrium, which all garments have in common."""
+
+WORST = ("body_penetration_mm", "layers.depth_mm")
+"""Metrics of which the outfit's is the largest of its garments'."""
+
+SUMMED = ("vertices", "faces", "self_intersecting_faces", "layers.crossing_faces")
+"""Metrics of which the outfit's is the sum of its garments'."""
+
+
+@dataclass(frozen=True)
+class DressedOutfit:
+    """Describe all garments of a person at rest together on a body.
+
+    Attributes:
+        garments: Each by its word (`upper`), from the innermost to the outermost.
+        body: Who wears them.
+        drape: The equilibrium of all.
+        metrics: Those of the whole, and each garment's own under its word: `upper.ease.chest_mm`.
+        gates: One verdict on the rest of all, and each garment's others under its word: `upper.depth`.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result.
+    """
+
+    garments: Mapping[str, Dressed]
+    body: Body
+    drape: Drape
+    metrics: Metrics
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+
+
+def dress_outfit(outfit: Mapping[str, Worn], body: Body, clock: Clock) -> DressedOutfit:
+    """Dress a body in several garments, each in its own cloth over the one before, all at rest together.
+
+    Args:
+        outfit: The garments as their results keep them, by word, from the innermost to the outermost.
+        body: Who wears them now.
+        clock: Times the stages.
+
+    Raises:
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    wearer = WearerGeometry(body)
+    with clock.stage("drape", "dressing the body in all garments") as hooks:
+        if len(outfit) == 1:  # as `dress_body` has it
+            (only,) = outfit.values()
+            alone, drape = drape_worn(carry_alone(only, body, None), wearer, hooks)
+            rest: tuple[Worn, ...] = (alone,)
+        else:
+            carried = [carry_worn(worn, body, None) for worn in outfit.values()]
+            rest, drape = rest_together(lay_each(carried, wearer, hooks), wearer, hooks)
+    judged = {}
+    for place, ((word, before), now) in enumerate(zip(outfit.items(), rest, strict=True)):
+        layers = _measure_over(rest[:place], now, wearer)
+        judged[word] = judge_dressed(before, now, drape, wearer, clock, layers)
+    return _gather(judged, body, drape, clock)
+
+
+def _measure_over(below: tuple[Worn, ...], above: Worn, wearer: WearerGeometry) -> Metrics | None:
+    """Measure how a garment lies over those below it, the worst of all; None where nothing is below."""
+    if not below:
+        return None
+    found = [measure_layers(one.garment, above.garment, wearer.exposed) for one in below]
+    return {
+        "layers.crossing_faces": sum(one["layers.crossing_faces"] or 0.0 for one in found),
+        "layers.depth_mm": max(one["layers.depth_mm"] or 0.0 for one in found),
+    }
+
+
+def _gather(judged: Mapping[str, Dressed], body: Body, drape: Drape, clock: Clock) -> DressedOutfit:
+    """Return garments that were judged one by one as one result."""
+    each = [one.metrics for one in judged.values()]
+    metrics: Metrics = {name: each[0][name] for name in SHARED} | {"garments": float(len(judged))}
+    for name in (*WORST, *SUMMED):
+        values = [value for one in each if (value := one.get(name)) is not None]
+        if values:
+            metrics[name] = max(values) if name in WORST else sum(values)
+    gates = [gate for gate in next(iter(judged.values())).gates if gate.name == "at_rest"]
+    for word, one in judged.items():
+        metrics |= {f"{word}.{name}": value for name, value in one.metrics.items() if name not in SHARED}
+        others = [gate for gate in one.gates if gate.name != "at_rest"]
+        gates += [replace(gate, name=f"{word}.{gate.name}", message=f"{word}: {gate.message}") for gate in others]
+    told = itertools.chain.from_iterable(one.warnings for one in judged.values())
+    return DressedOutfit(
+        garments=judged,
+        body=body,
+        drape=drape,
+        metrics=metrics,
+        gates=tuple(gates),
+        warnings=tuple(dict.fromkeys(told)),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=peak_mb(),
+        manifest={"body": body.source, "garments": {word: one.manifest for word, one in judged.items()}},
+    )

@@ -1,0 +1,99 @@
+"""Dress a body in several garments, each over the one before: all drape together, in contact with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...body import Body, penetration_depth, project_outside, untangle_outside
+from ...cloth import Drape, Fabric, Pins, Scene, SelfContact, Topology, equilibrium, lay_over, soften
+from ...recover.drape import WearerGeometry, redrape, waist_loop
+from ...run.clock import Clock
+from ...run.hooks import Hooks
+from .dressing import Dressed, carry_worn, drape_worn, judge_dressed
+from .underneath import measure_layers, raise_over
+from .worn import Worn
+
+
+def dress_over(worn: Worn, under: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    """Dress a body in a garment over another one, both at rest together under their weight, patterns unchanged.
+
+    Args:
+        worn: The garment above, as a result keeps it.
+        under: The garment below.
+        body: Who wears them now.
+        fabric: The cloth of the garment above, or None for its own.
+        clock: Times the stages.
+
+    Returns:
+        The garment above, judged; `under` is the one below at rest with it.
+
+    Raises:
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    wearer = WearerGeometry(body)
+    with clock.stage("drape", "dressing the body in both garments") as hooks:
+        pair = (carry_worn(under, body, None), carry_worn(worn, body, fabric))
+        (below, above), drape = rest_together(lay_each(pair, wearer, hooks), wearer, hooks)
+    layers = measure_layers(below.garment, above.garment, wearer.exposed)
+    layers["under.body_penetration_mm"] = 1e3 * penetration_depth(
+        below.garment.nodes, below.garment.faces, wearer.exposed
+    )
+    dressed = judge_dressed(worn, above, drape, wearer, clock, layers)
+    return replace(dressed, under=below)
+
+
+def lay_each(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, ...]:
+    """Drape garments one after the other, each alone on the wearer raised to those below it.
+
+    Args:
+        garments: From the innermost to the outermost, waists on this wearer.
+        wearer: The wearer's geometry.
+        hooks: Progress and cancellation.
+
+    Returns:
+        The garments, each outside of those below it but where it cannot be.
+    """
+    innermost, _ = drape_worn(garments[0], wearer, hooks)
+    laid, raised = [innermost], wearer
+    for above in garments[1:]:
+        raised = raise_over(raised, laid[-1].garment)
+        if above.waist is not None:
+            above = replace(above, waist=project_outside(above.waist, raised.exposed))
+        nodes, _ = redrape(above.garment, raised, above.fabric, above.target, hooks=hooks)
+        laid.append(replace(above, garment=above.garment.at(nodes)))
+    return tuple(laid)
+
+
+def rest_together(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> tuple[tuple[Worn, ...], Drape]:
+    """Bring garments to rest on a wearer, each in its own fabric, in contact with each other and with themselves.
+
+    What still crosses is untangled first. Waists are held where they lie, and not where each was tied when it was
+    draped alone: what cleared them of the skin moved them by some millimetres, and on the way back they would push the
+    layers over them, for ever where these have nowhere to go.
+
+    Args:
+        garments: From the innermost to the outermost, nodes near their rest (`lay_each`).
+        wearer: The wearer's geometry.
+        hooks: Progress and cancellation.
+
+    Returns:
+        All at rest outside the wearer, and the equilibrium of their joined mesh, in the same order.
+    """
+    hooks.progress("drape", 0.7, "all garments together")
+    starts = np.cumsum([0, *(len(one.garment.nodes) for one in garments)])
+    cloths = [soften(one.fabric) for one in garments]
+    topology, layers = lay_over([Topology.from_garment(one.garment) for one in garments], cloths)
+    nodes = np.concatenate([one.garment.nodes for one in garments])
+    waists = [(waist_loop(one.garment), start) for one, start in zip(garments, starts, strict=False)]
+    held = np.concatenate([np.zeros(0, dtype=np.int64), *(loop + start for loop, start in waists if loop is not None)])
+    pins = Pins(held, nodes[held]) if len(held) else None
+    contact = SelfContact.of(topology)
+    scene = Scene(topology, cloths[-1], wearer.grid, pins, self_contact=contact, layers=layers)
+    drape = equilibrium(scene, nodes, hooks=hooks)
+    nodes = project_outside(drape.nodes, wearer.exposed, topology.faces)
+    nodes = untangle_outside(nodes, wearer.exposed, topology.faces)
+    parts = np.split(nodes, starts[1:-1])
+    return tuple(replace(one, garment=one.garment.at(part)) for one, part in zip(garments, parts, strict=True)), drape

@@ -1,0 +1,41 @@
+"""Part the layers of worn cloth that pass through each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body import project_outside
+from ...cloth import Drape, Scene, SelfContact, Topology, equilibrium, soften
+from ...geometry import self_intersections
+from ...recover.drape import WearerGeometry, pin_waist
+from ...run.hooks import SILENT, Hooks
+from .worn import Worn
+
+
+def part_layers(worn: Worn, wearer: WearerGeometry, drape: Drape, hooks: Hooks = SILENT) -> tuple[np.ndarray, Drape]:
+    """Bring worn cloth that crosses itself to rest anew, in contact with itself and untangled first.
+
+    Cloth that crosses itself nowhere stays as it is, and so does cloth of which as many faces cross after that.
+
+    Args:
+        worn: The garment, nodes at rest on the wearer, outside of it.
+        wearer: The wearer's geometry.
+        drape: The equilibrium that the nodes are of.
+        hooks: Progress and cancellation.
+
+    Returns:
+        Nodes [m], shape [node_count, 3], outside the wearer, and the equilibrium that they are of.
+    """
+    garment = worn.garment
+    crossed = len(self_intersections(garment.nodes, garment.faces))
+    if not crossed:
+        return garment.nodes, drape
+    hooks.progress("drape", 0.8, "parting layers that cross")
+    topology, pins = Topology.from_garment(garment), pin_waist(garment, worn.target)
+    contact = SelfContact.of(topology)
+    scene = Scene(topology, soften(worn.fabric), wearer.grid, pins, worn.rotation, self_contact=contact)
+    parted = equilibrium(scene, garment.nodes, hooks=hooks)
+    nodes = project_outside(parted.nodes, wearer.exposed, garment.faces)
+    if len(self_intersections(nodes, garment.faces)) >= crossed:
+        return garment.nodes, drape
+    return nodes, parted

@@ -1,0 +1,104 @@
+"""Where another garment lies under one: the wearer raised to it, and how the two lie."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...body import ExposedSurface
+from ...cloth import SelfContactSettings
+from ...garment import Garment
+from ...geometry import HalfEdges, TriangleSurface, intersecting_pairs, vertex_normals
+from ...recover.drape import WearerGeometry
+
+GAP = 2.0 * SelfContactSettings().thickness
+"""Distance of the raised skin from the cloth under it [m]: two thicknesses, so that what is cleared of it touches none
+of the cloth's faces, which lie between their nodes."""
+
+AROUND = 0.04
+"""Distance of feet on the skin up to which they raise a place of it [m]: a body's vertices are 2 to 3 cm apart, and
+feet of coarse cloth as well."""
+
+HIGHEST = 0.06
+"""Most by which skin is raised [m]: cloth that hangs further off (a skirt) is no place that other cloth rests on."""
+
+SMOOTHINGS = 4
+"""Times that heights are averaged with their neighbours', never below what the cloth needs."""
+
+
+def raise_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
+    """Return the geometry of a wearer whose skin lies outside of what he wears, for cloth that goes over it.
+
+    Each place of the skin is raised as high as the cloth around it lies, up to `HIGHEST`.
+
+    Args:
+        wearer: The wearer.
+        under: The garment under the other one, nodes at rest on the wearer.
+    """
+    body, faces = wearer.body, under.faces
+    normals = vertex_normals(under.nodes, faces)
+    points = np.concatenate([under.nodes, under.nodes[faces].mean(axis=1)])
+    facing = np.concatenate([normals, normals[faces].mean(axis=1)])
+    found = wearer.exposed.closest(points)
+    lies = (facing * wearer.exposed.normals[found.face]).sum(axis=1) > 0.0  # a hand beside trousers is not under them
+    lies &= found.distance < HIGHEST
+    needed = np.zeros(len(body.vertices))
+    if lies.any():
+        tree, feet = cKDTree(body.vertices), found.foot[lies]
+        for vertices, height in zip(tree.query_ball_point(feet, AROUND), found.distance[lies] + GAP, strict=True):
+            needed[vertices] = np.maximum(needed[vertices], height)
+    heights, edges = needed, HalfEdges.of(body.faces, len(body.vertices)).edges
+    count = np.maximum(np.bincount(edges.ravel(), minlength=len(heights)), 1)
+    for _ in range(SMOOTHINGS):
+        around = np.bincount(edges.ravel(), heights[edges[:, ::-1]].ravel(), minlength=len(heights)) / count
+        heights = np.maximum(needed, 0.5 * (heights + around))
+    return wearer.raised(np.minimum(heights, HIGHEST + GAP))
+
+
+def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[str, float | None]:
+    """Measure how one garment lies over another on the skin of their wearer.
+
+    `layers.crossing_faces` counts the faces of both that pass through the other garment,
+    `under.self_intersecting_faces` those of the one below that pass through itself; `layers.depth_mm` is how deep the
+    one above lies under it.
+    Depth is the greatest distance of a node or face centre of the one above from the one below where it sees that from
+    its back, and where the way out from the skin meets the one below within `HIGHEST`: it lies between cloth and skin
+    there. What lies beyond a waistband that stands off sees its back as well, but is not under it.
+    """
+    first, faces = len(under.faces), np.concatenate([under.faces, over.faces + len(under.nodes)])
+    pairs = intersecting_pairs(np.concatenate([under.nodes, over.nodes]), faces)
+    below_of = (pairs < first).sum(axis=1)
+    points = np.concatenate([over.nodes, over.nodes[over.faces].mean(axis=1)])
+    below = TriangleSurface(under.nodes, under.faces)
+    found = below.closest(points)
+    normal = found.interpolate(vertex_normals(under.nodes, under.faces), under.faces)
+    rim = found.interpolate(below.half_edges.border_vertices[:, None].astype(float), under.faces)[:, 0] > 1.0 - 1e-6
+    behind = np.flatnonzero((((points - found.foot) * normal).sum(axis=1) < 0.0) & ~rim)
+    behind = behind[is_covered(points[behind], skin, under)]
+    return {
+        "layers.crossing_faces": float(len(np.unique(pairs[below_of == 1]))),
+        "under.self_intersecting_faces": float(len(np.unique(pairs[below_of == 2]))),
+        "layers.depth_mm": 1e3 * float(found.distance[behind].max(initial=0.0)),
+    }
+
+
+def is_covered(points: np.ndarray, skin: ExposedSurface, cloth: Garment) -> np.ndarray:
+    """Check for each point [m], shape [n, 3], whether the way out from the skin through it meets cloth behind it.
+
+    The way is a straight line of `HIGHEST` away from the nearest skin (Moeller and Trumbore 1997).
+    """
+    _, ways = skin.measure(points)
+    corner, *others = (cloth.nodes[cloth.faces[:, k]] for k in range(3))
+    sides = [other - corner for other in others]
+    covered = np.zeros(len(points), dtype=bool)
+    for n, (point, way) in enumerate(zip(points, ways, strict=True)):
+        across = np.cross(way, sides[1])
+        volume = (across * sides[0]).sum(axis=1)
+        volume = np.where(np.abs(volume) < 1e-18, np.inf, volume)  # parallel to the way
+        first = (across * (point - corner)).sum(axis=1) / volume
+        turned = np.cross(point - corner, sides[0])
+        second = (turned @ way) / volume
+        along = (turned * sides[1]).sum(axis=1) / volume
+        meets = (first >= 0.0) & (second >= 0.0) & (first + second <= 1.0) & (along > 0.0) & (along < HIGHEST)
+        covered[n] = meets.any()
+    return covered

@@ -1,0 +1,167 @@
+"""Grade rules for girths: how the control points of a shipped template move where it is made wider at one place."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from ...body import BELOW_ARMPIT
+from ...garment import BodyMeasures, Panel, Pattern, draft_template
+
+TOGETHER = 5e-3
+"""Distance of two placed control points up to which they are sewn together [m]; a back's corner that was moved until
+its seams are equal lies within it."""
+
+NEAR = 0.1
+"""How far from where a place is measured its control points may lie [m]: those that are further shape another place."""
+
+
+def widen_rules(template: str) -> dict[str, np.ndarray]:
+    """Return how control points move for a line of cloth that is longer by its unit, by the place where it lies.
+
+    Round trunk and legs each place has the height of control points, the nearest to where the draft measures it; a
+    waist that the garment hangs from has that of its edge. There each panel is widened about its middle, by its share
+    of the whole line. The widening goes over linearly into that of the next place, stays below the lowest, and fades
+    above the highest up to the panel's top. Sleeves are widened along the underarm; the corners of the armholes that
+    they are sewn to go down with them. The rules are the template's, the same for all bodies: what one refit adds
+    another one takes away.
+
+    Args:
+        template: Name of a shipped template.
+
+    Returns:
+        By place: moves in the panels' axes, shape [point_count, 2]. The unit is about the line's length [m].
+
+    Raises:
+        TemplateUnknown: where there is none of that name.
+    """
+    return dict(_rules(template))
+
+
+@cache
+def _rules(template: str) -> tuple[tuple[str, np.ndarray], ...]:
+    measures = BodyMeasures()
+    pattern = draft_template(template, measures)
+    placed = _place(pattern)
+    sleeve = np.concatenate([np.full(len(panel.points), panel.label == "sleeve") for panel in pattern.panels])
+    rules = _round_body(pattern, placed, sleeve, measures)
+    if sleeve.any():
+        rules["upper_arm"] = _round_arms(pattern, placed, sleeve)
+    found = []
+    for name, moves in rules.items():
+        turned = np.einsum("nij,ni->nj", _axes(pattern), moves)  # the world's x, y to the panels' axes
+        turned.flags.writeable = False
+        found.append((name, turned))
+    return tuple(found)
+
+
+def _axes(pattern: Pattern) -> np.ndarray:
+    """Return each control point's panel axes in the world's x, y, shape [point_count, 2, 2]."""
+    return np.concatenate([np.tile(panel.rotation[:2, :2], (len(panel.points), 1, 1)) for panel in pattern.panels])
+
+
+def _place(pattern: Pattern) -> np.ndarray:
+    """Return the control points where the draft places them: across and up [m], shape [point_count, 2]."""
+    return np.concatenate([_place_panel(panel) for panel in pattern.panels])
+
+
+def _place_panel(panel: Panel) -> np.ndarray:
+    return np.asarray(panel.points @ panel.rotation[:2, :2].T + panel.translation[:2])
+
+
+def _round_body(
+    pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray, measures: BodyMeasures
+) -> dict[str, np.ndarray]:
+    """Return the rules of all places round trunk and legs, moves in the world's x, y, shape [point_count, 2] each."""
+    knots = _find_knots(pattern, placed[~sleeve, 1], measures)
+    heights = placed[:, 1]
+    order = sorted(knots, key=lambda name: knots[name])  # from below
+    levels = [knots[name] for name in order]
+    tops = np.concatenate([np.full(len(panel.points), _place_panel(panel)[:, 1].max()) for panel in pattern.panels])
+    fade = np.clip((tops - heights) / np.maximum(tops - levels[-1], TOGETHER), 0.0, 1.0)
+    rules = {}
+    for index, name in enumerate(order):
+        weights = np.interp(heights, levels, np.eye(len(order))[index])
+        if index == len(order) - 1 and not _hangs(pattern):
+            weights = np.where(heights > levels[-1], fade, weights)
+        middles, widths = _chords(pattern, placed, levels[index])
+        moves = np.zeros_like(placed)
+        moves[:, 0] = weights * (placed[:, 0] - middles) / widths
+        moves *= 2.0 if name == "thigh" else 1.0  # all panels together are two lines there
+        rules[name] = np.where(sleeve[:, None], 0.0, moves)
+    return rules
+
+
+def _find_knots(pattern: Pattern, heights: np.ndarray, measures: BodyMeasures) -> dict[str, float]:
+    """Return the height of each place that has control points of its own [m]."""
+    wanted = {"chest": measures.armpit_height - BELOW_ARMPIT, "waist": measures.waist_height}
+    wanted |= {"hip": measures.hip_height}
+    if any(edge.contour.startswith("leg") for panel in pattern.panels for edge in panel.edges):
+        wanted["thigh"] = measures.crotch_height
+    known: dict[str, float] = {}
+    if _hangs(pattern):
+        del wanted["chest"], wanted["waist"]
+        known["waist"] = _lowest_of_waist(pattern)
+    pairs = [(abs(float(height) - at), name, float(height)) for name, at in wanted.items() for height in heights]
+    for distance, name, height in sorted(pairs):
+        is_free = all(abs(height - other) > TOGETHER for other in known.values())
+        if distance <= NEAR and name not in known and is_free:
+            known[name] = height
+    return known
+
+
+def _lowest_of_waist(pattern: Pattern) -> float:
+    """Return the lowest height of the edge that a garment hangs from [m]."""
+    heights = []
+    for panel in pattern.panels:
+        along = _place_panel(panel)[:, 1]
+        ends = [(i, (i + 1) % len(along)) for i, edge in enumerate(panel.edges) if edge.contour == "waist"]
+        heights += [float(along[list(pair)].min()) for pair in ends]
+    return min(heights)
+
+
+def _hangs(pattern: Pattern) -> bool:
+    """Return whether a pattern's garment hangs from the waist."""
+    return any(edge.contour == "waist" for panel in pattern.panels for edge in panel.edges)
+
+
+def _chords(pattern: Pattern, placed: np.ndarray, height: float) -> tuple[np.ndarray, float]:
+    """Return the middle of each point's panel at a height, shape [point_count], and the width of all of them [m]."""
+    middles, whole = [], 0.0
+    for panel in pattern.panels:
+        points = _place_panel(panel)
+        ends = _cross(points, height)
+        if ends is None:
+            ends = float(points[:, 0].min()), float(points[:, 0].max())
+        elif panel.label != "sleeve":
+            whole += ends[1] - ends[0]
+        middles.append(np.full(len(points), 0.5 * (ends[0] + ends[1])))
+    return np.concatenate(middles), whole
+
+
+def _cross(points: np.ndarray, height: float) -> tuple[float, float] | None:
+    """Return where the outermost chords of a closed polygon cross a height [m], or None where it lies elsewhere."""
+    after = np.roll(points, -1, axis=0)
+    low, high = np.minimum(points[:, 1], after[:, 1]), np.maximum(points[:, 1], after[:, 1])
+    cut = (low <= height) & (height <= high) & (high > low)
+    if not cut.any():
+        return None
+    share = (height - points[cut, 1]) / (after[cut, 1] - points[cut, 1])
+    found = points[cut, 0] + share * (after[cut, 0] - points[cut, 0])
+    return float(found.min()), float(found.max())
+
+
+def _round_arms(pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray) -> np.ndarray:
+    """Return the rule of the upper arms: the underarm goes down by half, for each line crosses two half sleeves."""
+    moves = np.zeros_like(placed)
+    starts = pattern.point_starts
+    for panel, first, end in zip(pattern.panels, starts[:-1], starts[1:], strict=True):
+        if panel.label == "sleeve":
+            own = placed[first:end]
+            low = first + np.flatnonzero(own[:, 1] < own[:, 1].mean())
+            moves[low, 1] = -0.5
+    lowered = placed[moves[:, 1] < 0.0]
+    apart = np.linalg.norm(placed[:, None] - lowered[None], axis=2).min(axis=1)
+    moves[~sleeve & (apart < TOGETHER), 1] = -0.5
+    return moves

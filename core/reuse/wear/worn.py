@@ -1,0 +1,220 @@
+"""What a later job reads of a stored result: the garment at rest on its wearer, in one file of plain arrays."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...body import Body, builtin_body
+from ...cloth import Fabric, SteadyRotation
+from ...garment import EdgeRef, Garment, Pattern, load_draped_template
+from ...recover.drape import waist_loop
+from ...recover.drape.shipped import WEARER
+from ...recover.recovery import Recovery
+from ...run.checkpoints import pack, unpack
+from ...run.errors import BadInput
+from ...scan.contours import Contour, Target
+
+WORN = "worn.npz"
+"""Name of the file in the folder of a result."""
+
+VERSION = 1
+"""Version of the file: one higher whenever a field of what it holds is added, removed or changed (`_Kept`)."""
+
+_VERSION = "version"
+"""Key of the version beside the fields."""
+
+
+class ResultOld(BadInput):
+    """The result was stored by another version and lacks what is worn again; submit its scan anew, then this."""
+
+    code = "result.old"
+
+
+@dataclass(frozen=True)
+class Worn:
+    """Describe a garment at rest on its wearer, with all that dressing another body or moving this one needs.
+
+    Attributes:
+        garment: Pattern, mesh and named contours; nodes at rest on the wearer [m].
+        fabric: The cloth, recovered or chosen.
+        body: The wearer.
+        waist: The curve that the garment hangs from [m], shape [n, 3], on the wearer; None where it hangs from the
+            shoulders, or from where it lies.
+        rotation: The rotation in which the wearer turns, or None for cloth at rest under its weight alone.
+        template: Name of the base pattern.
+        category: One of `segment.CATEGORIES`.
+    """
+
+    garment: Garment
+    fabric: Fabric
+    body: Body
+    waist: np.ndarray | None
+    rotation: SteadyRotation | None
+    template: str
+    category: str
+
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Worn {self.category} on {self.body.source}: {len(self.garment.nodes)} nodes>"
+
+    @property
+    def pattern(self) -> Pattern:
+        """Return the garment's pattern."""
+        return self.garment.pattern
+
+    @property
+    def target(self) -> Target:
+        """Return what a drape asks of a scan: the waist, and nothing where the garment has none."""
+        return hang_from(self.waist, self.category)
+
+
+def hang_from(waist: np.ndarray | None, category: str) -> Target:
+    """Return a target without a surface: a garment's category, and the curve that it hangs from.
+
+    Args:
+        waist: Points of the curve in order [m], shape [n, 3], or None.
+        category: One of `segment.CATEGORIES`.
+    """
+    points = np.zeros((0, 3)) if waist is None else waist
+    length = float(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).sum())
+    contours = () if waist is None else (Contour("waist", np.arange(len(points)), length),)
+    faces = np.zeros((0, 3), dtype=np.int64)
+    return Target(points, faces, np.zeros_like(points), contours, (), category)
+
+
+def wear_template(name: str, fabric: Fabric) -> Worn | None:
+    """Return a shipped template on the built-in female body that it hangs on; None where no drape of it is shipped.
+
+    Args:
+        name: Of the template.
+        fabric: The cloth that it is worn in.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+    """
+    garment = load_draped_template(name)
+    if garment is None:
+        return None
+    waist = garment.contour("waist")
+    curve = None if waist is None else garment.nodes[waist.vertices]
+    return Worn(garment, fabric, builtin_body(WEARER), curve, None, name, garment.pattern.category or name)
+
+
+def worn_of(recovery: Recovery) -> Worn:
+    """Return the recovered garment at rest: its simulation mesh, or where the method makes none the graded drape."""
+    meshes = recovery.meshes
+    garment = recovery.garment.at(meshes.graded if meshes.simulation is None else meshes.simulation)
+    return Worn(
+        garment=garment,
+        fabric=recovery.fabric,
+        body=recovery.body,
+        waist=find_waist(garment, recovery.target),
+        rotation=recovery.rotation,
+        template=recovery.template,
+        category=recovery.pattern.category or recovery.target.category,
+    )
+
+
+def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
+    """Return the curve that a recovered garment hangs from [m], shape [n, 3]; None where it hangs from the shoulders.
+
+    It is the scan's waist. Where another garment covers that the scan's border lies below it, often by a hand or more;
+    then it is the garment's own waist, where the recovery has completed it.
+
+    Args:
+        garment: The garment at rest on its wearer.
+        target: What of it was seen.
+    """
+    if target.waist is not None:
+        return np.asarray(target.vertices[target.waist.vertices])
+    loop = waist_loop(garment)
+    return None if loop is None else garment.nodes[loop]
+
+
+@dataclass(frozen=True)
+class _KeptGarment:
+    """A garment whose edges' uv vertices stand in two lists, for names of arrays are texts; the rest as `Garment`."""
+
+    pattern: Pattern
+    extra: str
+    nodes: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray
+    uv_faces: np.ndarray
+    uv_node: np.ndarray
+    panel_of_face: np.ndarray
+    panel_of_uv: np.ndarray
+    edges: tuple[EdgeRef, ...]
+    edge_uv: tuple[np.ndarray, ...]
+    contours: tuple[Contour, ...]
+
+    @classmethod
+    def of(cls, garment: Garment) -> _KeptGarment:
+        """Return what is kept of a garment."""
+        pattern, arrays = garment.pattern, ("nodes", "faces", "uv", "uv_faces", "uv_node")
+        return cls(
+            pattern=replace(pattern, extra={}),
+            extra=json.dumps(pattern.extra),
+            panel_of_face=garment.panel_of_face,
+            panel_of_uv=garment.panel_of_uv,
+            edges=tuple(garment.edge_uv),
+            edge_uv=tuple(garment.edge_uv.values()),
+            contours=garment.contours,
+            **{name: getattr(garment, name) for name in arrays},
+        )
+
+    def restore(self) -> Garment:
+        """Return the garment."""
+        arrays = ("nodes", "faces", "uv", "uv_faces", "uv_node", "panel_of_face", "panel_of_uv", "contours")
+        return Garment(
+            pattern=replace(self.pattern, extra=json.loads(self.extra)),
+            edge_uv=dict(zip(self.edges, self.edge_uv, strict=True)),
+            **{name: getattr(self, name) for name in arrays},
+        )
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What `Worn` holds, each field as there."""
+
+    garment: _KeptGarment
+    fabric: Fabric
+    body: Body
+    waist: np.ndarray | None
+    rotation: SteadyRotation | None
+    template: str
+    category: str
+
+
+def save_worn(worn: Worn, folder: Path) -> Path:
+    """Write a worn garment as compressed arrays into a folder, and return the file."""
+    names = ("fabric", "body", "waist", "rotation", "template", "category")
+    kept = _Kept(_KeptGarment.of(worn.garment), **{name: getattr(worn, name) for name in names})
+    path = folder / WORN
+    with path.open("wb") as file:
+        np.savez_compressed(file, **pack(kept), **{_VERSION: np.array(VERSION)})  # type: ignore[arg-type]
+    return path
+
+
+def load_worn(folder: Path) -> Worn:
+    """Read the worn garment of a stored result from the folder of its files.
+
+    Raises:
+        ResultOld: where the result has none, or one of another version.
+    """
+    try:
+        with (folder / WORN).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            if _VERSION not in arrays.files or not np.array_equal(arrays[_VERSION], VERSION):
+                raise ResultOld()
+            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files if name != _VERSION})
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise ResultOld() from error
+    if kept is None:
+        raise ResultOld()
+    names = ("fabric", "body", "waist", "rotation", "template", "category")
+    return Worn(kept.garment.restore(), **{name: getattr(kept, name) for name in names})

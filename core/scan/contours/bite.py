@@ -1,0 +1,188 @@
+"""Holes that have broken through a contour: found by their narrow mouth and bridged there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+
+from ...geometry import ClosedCurve
+
+NARROW = 2.5
+"""A bite's rim is at least so many times its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: design."""
+SHALLOW = 0.05
+"""A bite reaches into the garment by at least this much [m]; less is a tooth of a cut along triangles."""
+DEEP = 0.25
+"""A bite reaches into the garment by at least this share of its rim; a fold of a hem runs sideways instead."""
+BELLY = 0.6
+"""A bite of a neck has at least this share of the area of the rectangle over its mouth that reaches as deep. A triangle
+has 0.5, and so has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and
+2.7 near the tip where worn; a round hole whose rim is 2.5 times its mouth has 1.0."""
+POINTED = 4.0
+"""What has less area than that is a tear where its rim is so many times its mouth: that of a V is where it is twice as
+deep as wide."""
+SLIT = 0.02
+"""A rim with less area than this share of its squared length is a slit's, whose area vector says nothing."""
+TURNED = 0.1
+"""Least cosine between a bite's area vector and the direction that missing surface gives it: nearer to 0 chance
+decides. A fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
+FINEST = 1000
+"""Points compared in pairs; a longer contour is searched at every second, third, ... point."""
+TRIED = 500
+"""Stretches looked at, narrowest first; the folds of a gathered hem are many, and all of them are turned down."""
+
+BAY = 0.3
+"""A bay where the scanner saw nothing has at least so many times the area of the square over its mouth: a half disk has
+0.39."""
+IN_SURFACE = 0.85
+"""Smallest cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
+AROUND = 2.0 / np.pi
+"""Least length of the mean of a bay's unit normals: what half a tube's have. A stretch that goes further around is the
+end of the tube, whose normals cancel and say nothing of where its area vector should point."""
+BAY_AREA = 4e-4
+"""Smallest area of a bay [m2]: less is a tooth of the triangles."""
+SEEN = 0.01
+"""Something seen over a shorter stretch within an unseen one is noise [m]."""
+
+
+def bridge_bays(
+    points: np.ndarray, normals: np.ndarray, unseen: np.ndarray
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Cut off the bays of a contour beyond which nothing was seen: holes of the scan that broke through the contour.
+
+    A stretch of unseen points and its chord enclose the area vector A; with the garment on the left, A runs against the
+    surface's normal n where the stretch goes around missing surface. It is a bay where A and -n agree, A is large, and
+    the stretch goes at most half around a tube.
+
+    Args:
+        points: The contour [m], garment on the left, shape [n, 3].
+        normals: The surface's normals around there, averaged over some centimetres, shape [n, 3].
+        unseen: True where nothing was seen beyond, shape [n].
+
+    Returns:
+        As `bridge_bites`.
+    """
+    stretches = _unseen_stretches(points, unseen)
+    if not stretches:
+        return np.arange(len(points)), ()
+    kept = np.ones(len(points), bool)
+    bays = []
+    for stretch in stretches:
+        mouth = points[stretch[-1]] - points[stretch[0]]
+        area, missing = _missing_area(points[stretch], normals[stretch])
+        lies_in_surface = missing >= IN_SURFACE * area and _mean_length(normals[stretch]) >= AROUND
+        if lies_in_surface and missing >= max(BAY_AREA, BAY * float(mouth @ mouth)):
+            kept[stretch[1:-1]] = False
+            bays.append(stretch)
+    return np.flatnonzero(kept), tuple(bays)
+
+
+def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray]:
+    """Return the indices of each stretch of unseen points with the seen point on either side, in order."""
+    seen = np.flatnonzero(~unseen)
+    if len(seen) < 3 or len(seen) == len(points):
+        return []
+    step = ClosedCurve(points).lengths
+    arc = np.concatenate([[0.0], np.cumsum(np.concatenate([step, step]))])
+    # Each gap between two seen points that are not neighbours; gaps with little seen between them are one.
+    gaps = [[a, b if b > a else b + len(points)] for a, b in zip(seen, np.roll(seen, -1), strict=True)]
+    gaps = [gap for gap in gaps if gap[1] > gap[0] + 1]
+    merged = [gaps[0]]
+    for gap in gaps[1:]:
+        if arc[gap[0]] - arc[merged[-1][1]] < SEEN:
+            merged[-1][1] = gap[1]
+        else:
+            merged.append(gap)
+    return [np.arange(a, b + 1) % len(points) for a, b in merged if b - a < len(points)]
+
+
+def bridge_bites(
+    points: np.ndarray, find_normals: Callable[[], np.ndarray], *, pointed: bool = False
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Cut bites off a contour along the chord of their mouth.
+
+    Of all stretches of the contour that are much longer than the chord between their ends, that reach into the garment
+    (along the contour's area vector), and whose area vector runs against the surface's normal as around missing surface
+    (`bridge_bays`), the one with the narrowest mouth for its length is cut off, then again. A fold of a hem goes around
+    the air between two sheets, or around cloth.
+
+    Args:
+        points: The contour [m], garment on the left, shape [n, 3].
+        find_normals: Gives the surface's normals around there, averaged over some centimetres, shape [n, 3]; asked only
+            where a stretch may be a bite.
+        pointed: True for a neck, whose design may be a V: what is as narrow as a V and has no more area is none.
+
+    Returns:
+        Indices of the points that stay on the contour, in order, and those of each bite, its mouth's two ends included.
+    """
+    kept = np.arange(len(points))
+    bites: list[np.ndarray] = []
+    normals = cache(find_normals)
+    while len(kept) > 8 and (bite := _find_bite(points[kept], partial(_take, normals, kept), pointed)) is not None:
+        start, count = bite
+        kept = np.roll(kept, -start)
+        bites.append(kept[: count + 1])
+        kept = np.concatenate([kept[:1], kept[count:]])
+    return kept, tuple(bites)
+
+
+def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
+    return normals()[rows]
+
+
+def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
+    """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
+    stride = -(-len(points) // FINEST)
+    found = _search_pairs(points[::stride], lambda: normals()[::stride], pointed)
+    if found is None:
+        return None
+    start, count = found[0] * stride, found[1] * stride
+    return start, min(count, len(points) - 2)
+
+
+def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
+    count = len(points)
+    steps = ClosedCurve(points).lengths
+    arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
+    start, span = np.meshgrid(np.arange(count), np.arange(2, count // 2), indexing="ij")
+    length = arc[start + span] - arc[start]
+    chord = np.linalg.norm(points[(start + span) % count] - points[start], axis=2)
+    narrow = (length >= 2.0 * SHALLOW) & (length > NARROW * chord) & (length < 0.5 * arc[count])
+    if not narrow.any():
+        return None
+    area = 0.5 * np.cross(points - points.mean(axis=0), np.roll(points, -1, axis=0) - points.mean(axis=0)).sum(axis=0)
+    normal = area / max(float(np.linalg.norm(area)), 1e-12)
+    candidates = np.argwhere(narrow)
+    narrowness = (length / np.maximum(chord, 1e-9))[narrow]
+    for row, column in candidates[np.argsort(-narrowness, kind="stable")][:TRIED].tolist():
+        first, steps_taken = row, column + 2
+        rim = (first + np.arange(steps_taken + 1)) % count
+        inside = points[rim[1:-1]] - points[first]
+        if float((inside @ normal).max()) < max(SHALLOW, DEEP * float(length[row, column])):
+            continue
+        area, missing = _missing_area(points[rim], normals()[rim])
+        tear = float(length[row, column]) >= POINTED * float(chord[row, column])
+        if pointed and not tear and area < BELLY * _frame_area(points[rim]):
+            continue
+        if missing > TURNED * area or area < SLIT * float(length[row, column]) ** 2:
+            return first, steps_taken
+    return None
+
+
+def _frame_area(points: np.ndarray) -> float:
+    """Return the area of the rectangle over a stretch's chord that reaches as deep as the stretch [m2]."""
+    run, chord = points - points[0], points[-1] - points[0]
+    return float(np.linalg.norm(np.cross(run, chord), axis=1).max())
+
+
+def _mean_length(normals: np.ndarray) -> float:
+    """Return the length of the mean of unit normals: 1 on a plane, 0 all around a tube."""
+    return float(np.linalg.norm(normals.mean(axis=0)))
+
+
+def _missing_area(points: np.ndarray, normals: np.ndarray) -> tuple[float, float]:
+    """Return the area [m2] within a stretch and its chord, and how much of it is surface that is missing."""
+    run, normal = points - points[0], normals.sum(axis=0)
+    area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
+    return float(np.linalg.norm(area)), -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)

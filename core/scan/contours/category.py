@@ -1,0 +1,70 @@
+"""The garment's category, from its contours and the bones they encircle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body import Body
+from .contours import ARM, LEG, limb_place
+from .encirclement import find_crossings
+from .target import Contour
+
+LONG_SLEEVE = 1.5
+"""A sleeve is long where its cuff lies beyond this place on the arm: the middle of the forearm (1 is the elbow, 2 the
+wrist). Loose T-shirt sleeves reach to the elbow and a little past it."""
+SHORTS_END = 1.4
+"""Shorts end above this place on the leg (1 is the knee, 2 the ankle): knee-length shorts still are shorts."""
+DRESS_START = 0.4
+"""A top is a dress where its hem hangs below this place on the leg (0 is the hip joint, 1 the knee). The crotch is at
+about 0.25, and a long shirt covers it."""
+
+
+def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: Body) -> str:
+    """Choose the category of a garment.
+
+    | contours | category |
+    |---|---|
+    | legs and an upper contour at neck or arms | jumpsuit |
+    | legs | trousers or shorts, by the knee |
+    | waist, hem | skirt |
+    | neck or arms, hem below mid-thigh | dress |
+    | neck or arms, cuffs | tshirt or long_sleeve_tshirt, by the elbow |
+    | neck or arms, no cuffs | tank |
+
+    Args:
+        contours: Named contours, as `name_contours` gives them.
+        vertices: Positions that the contours index [m], shape [vertex_count, 3].
+        body: The wearer.
+    """
+    names = {contour.name: contour for contour in contours}
+    is_top = any(name == "neck" or name.startswith(("cuff", "armhole")) for name in names)
+    legs = _places(contours, vertices, body, "leg", LEG)
+    if legs:
+        if is_top:
+            return "jumpsuit"
+        return "shorts" if float(np.mean(legs)) < SHORTS_END else "trousers"
+    if not is_top:
+        return "skirt"
+    hem = names.get("hem")
+    if hem is not None:
+        crossings = find_crossings(vertices[hem.vertices], body)
+        places = [limb_place(crossings, side, LEG) for side in ("left", "right")]
+        below = [place for place in places if np.isfinite(place)]
+        if below and float(np.mean(below)) > DRESS_START:
+            return "dress"
+    cuffs = _places(contours, vertices, body, "cuff", ARM)
+    if not cuffs:
+        return "tank"
+    return "long_sleeve_tshirt" if float(np.mean(cuffs)) > LONG_SLEEVE else "tshirt"
+
+
+def _places(
+    contours: tuple[Contour, ...], vertices: np.ndarray, body: Body, kind: str, limb: tuple[str, ...]
+) -> list[float]:
+    """Place each contour of a kind along its limb; a bridged one that no longer goes around it only if none does."""
+    places = []
+    for contour in contours:
+        stem, _, side = contour.name.partition(".")
+        if stem == kind:
+            places.append(limb_place(find_crossings(vertices[contour.vertices], body), side, limb))
+    return [place for place in places if np.isfinite(place)] or places

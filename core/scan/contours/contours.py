@@ -1,0 +1,240 @@
+"""Names for a garment's open contours, by the bones that each one encircles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...body import Body
+from ...geometry import unit, vertex_normals
+from .bite import bridge_bays, bridge_bites
+from .encirclement import Crossing, find_crossings
+from .legs import split_legs
+from .loop import SMOOTHING, find_loops, smoothed_length
+from .target import Contour
+from .teeth import find_cut
+
+TRUNK = ("spine1", "spine2", "spine3", "neck", "head")
+"""Bones of the trunk from the pelvis upward."""
+ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
+"""Bones of an arm from the chest outward, without their side."""
+LEG = ("hip", "knee", "ankle", "foot")
+"""Bones of a leg from the pelvis outward, without their side."""
+ARMHOLE_END = 0.31
+"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and the
+shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
+WAIST_END = 0.6
+"""A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
+0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
+SMALLEST = 0.12
+"""Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
+BRIDGED = 0.3
+"""Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    vertices: np.ndarray
+    length: float
+    crossings: tuple[Crossing, ...]
+    name: str | None
+    bridged: float = 0.0
+    """Share of the contour's length that was bridged."""
+
+
+def name_contours(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    body: Body,
+    unseen: np.ndarray | None = None,
+    scanned: bool = False,
+    hidden: np.ndarray | None = None,
+) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
+    """Name the open contours of a worn garment and tell them from holes.
+
+    | bones through the contour's disk | garment lies | name |
+    |---|---|---|
+    | trunk, beyond 0.6 of the way to the neck, or both collars | towards the pelvis | neck |
+    | trunk, otherwise | towards the pelvis | waist |
+    | trunk | away from the pelvis | hem |
+    | bones of both legs | towards the pelvis | hem |
+    | bones of both legs | away from the pelvis | waist |
+    | bones of one arm, beyond 0.31 of the upper arm | | cuff.SIDE |
+    | bones of one arm, otherwise | | armhole.SIDE |
+    | bones of one leg | towards the pelvis | leg.SIDE |
+
+    A hole that broke through a contour is bridged at its mouth: the contour goes on across it. A loop that encircles no
+    bone is a hole, and so is the shorter of two of one name, and a name that no category has
+    beside the others (a hem beside two legs, a waist beside a neck).
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Outward faces, shape [face_count, 3].
+        body: The wearer.
+        unseen: True at vertices beyond which the scanner saw nothing, shape [vertex_count], or None. Skin beyond a
+            contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
+        scanned: True where the surface is a scan's, so that a hole can have broken through a contour, and a contour can
+            be where it was cut off. Our own meshes have no holes, however deep a neckline, and teeth where they are
+            coarse, though nothing cut them.
+        hidden: True at vertices where the garment may go on beyond its border, shape [vertex_count], or None.
+
+    Returns:
+        The contours in the order of their names, not trusted where much of one is bridged or hidden, or it alone has
+        the teeth of a cut, and the vertex loops of the holes, longest first.
+    """
+    candidates = []
+    for loop in find_loops(faces, vertices):
+        length = smoothed_length(vertices[loop])
+        crossings = find_crossings(vertices[loop], body) if length >= SMALLEST else ()
+        candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
+    if unseen is not None:
+        candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
+    if scanned:
+        candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces)]
+        candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
+    chosen = _choose(candidates)
+    loops = {name: c.vertices for name, c in chosen.items()}
+    cut = find_cut(loops, vertices, faces) if scanned and unseen is None else frozenset()
+    contours = tuple(
+        Contour(
+            name,
+            c.vertices,
+            c.length,
+            tuple(crossing.bone for crossing in c.crossings),
+            max(c.bridged, _share(c.vertices, hidden)) <= BRIDGED and name not in cut,
+            _share(c.vertices, hidden) > BRIDGED,
+        )
+        for name, c in sorted(chosen.items())
+    )
+    holes = [c for c in candidates if chosen.get(c.name or "") is not c]
+    return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
+
+
+def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
+    """Return the share of a loop's vertices that are marked."""
+    return 0.0 if marked is None else float(marked[loop].mean())
+
+
+def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:
+    """Return the hems of two legs for a hem that is pinched between them, or else what was given."""
+    parts = split_legs(vertices[candidate.vertices]) if candidate.name == "hem" else None
+    legs = []
+    for part in parts or ():
+        loop = candidate.vertices[part]
+        crossings = find_crossings(vertices[loop], body)
+        name, length = name_crossings(crossings, body), smoothed_length(vertices[loop])
+        legs.append(_Candidate(loop, length, crossings, name, candidate.bridged))
+    return legs if {leg.name for leg in legs} == {"leg.left", "leg.right"} else [candidate]
+
+
+def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray) -> list[_Candidate]:
+    """Cut the holes that broke through a contour off it, and give it and them."""
+    if candidate.name is None:
+        return [candidate]
+    loop = candidate.vertices
+    find_normals = partial(_wide_normals, vertices, faces, loop)
+    bites = bridge_bites(vertices[loop], find_normals, pointed=candidate.name == "neck")
+    return _cut_off(candidate, vertices, *bites)
+
+
+def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Return unit normals along a contour, each averaged over the surface within `SMOOTHING`, shape [loop_count, 3].
+
+    Noise scatters the vertices' normals, so that their mean is short; only its direction is of the surface.
+    """
+    normals, around = vertex_normals(vertices, faces), cKDTree(vertices).query_ball_point(vertices[loop], SMOOTHING)
+    return unit(np.array([normals[near].mean(axis=0) for near in around]))
+
+
+def _bridge_bays(
+    candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, unseen: np.ndarray
+) -> list[_Candidate]:
+    """Cut the bays beyond which the scanner saw nothing off a contour, and give it and them."""
+    if candidate.name is None:
+        return [candidate]
+    loop = candidate.vertices
+    bays = bridge_bays(vertices[loop], _wide_normals(vertices, faces, loop), unseen[loop])
+    return _cut_off(candidate, vertices, *bays)
+
+
+def _cut_off(
+    candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
+) -> list[_Candidate]:
+    """Return a contour without its bites, and they as holes; whole, and not trusted, where little of it is left."""
+    if not bites:
+        return [candidate]
+    loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
+    mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
+    length = smoothed_length(vertices[loop])
+    if length < SMALLEST:  # the hole took the contour with it: what is left encircles nothing
+        return [replace(candidate, bridged=1.0)]
+    parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
+    return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]
+
+
+def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
+    """Name a contour by the bones that cross its disk, or None where it encircles nothing."""
+    legs = {side: _along(crossings, side, LEG) for side in ("left", "right")}
+    arms = {side: _along(crossings, side, ARM) for side in ("left", "right")}
+    trunk = [crossing for crossing in crossings if crossing.bone in TRUNK]
+    if trunk:
+        if trunk[-1].distal:
+            return "hem"
+        return "neck" if trunk_place(trunk[-1], body) > WAIST_END else "waist"
+    if legs["left"] and legs["right"]:
+        return "waist" if legs["left"][0].distal and legs["right"][0].distal else "hem"
+    if arms["left"] and arms["right"]:
+        return "hem" if arms["left"][0].distal else "neck"
+    for side in ("left", "right"):
+        if arms[side]:
+            return f"cuff.{side}" if limb_place(crossings, side, ARM) > ARMHOLE_END else f"armhole.{side}"
+        if legs[side]:
+            return None if all(crossing.distal for crossing in legs[side]) else f"leg.{side}"
+    return None
+
+
+def trunk_place(crossing: Crossing, body: Body) -> float:
+    """Place a contour along the spine by arc length: 0 at the pelvis, 1 at the neck joint, more at the head."""
+    joints = np.stack([body.joint(name) for name in ("pelvis", *TRUNK)])
+    lengths = np.linalg.norm(np.diff(joints, axis=0), axis=1)
+    bone = TRUNK.index(crossing.bone)
+    to_neck = float(lengths[: TRUNK.index("neck") + 1].sum())
+    return (float(lengths[:bone].sum()) + crossing.place * float(lengths[bone])) / to_neck
+
+
+def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> float:
+    """Place a contour along a limb: 0 at the shoulder (hip), 1 at the elbow (knee), 2 at the wrist (ankle).
+
+    Where the disk meets several bones of a bent limb, the one nearest to the trunk counts.
+    """
+    mine = _along(crossings, side, limb)
+    first = 2 if limb is ARM else 1
+    return min((limb.index(c.bone.split("_", 1)[1]) - first + c.place for c in mine), default=float("nan"))
+
+
+def _along(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> list[Crossing]:
+    return [crossing for crossing in crossings if crossing.bone in {f"{side}_{part}" for part in limb}]
+
+
+def _choose(candidates: list[_Candidate]) -> dict[str, _Candidate]:
+    """Keep the longest candidate of each name, and only names that a category can have together."""
+    chosen: dict[str, _Candidate] = {}
+    for candidate in candidates:
+        name = candidate.name
+        if name and (name not in chosen or candidate.length > chosen[name].length):
+            chosen[name] = candidate
+    if "leg.left" in chosen and "leg.right" in chosen:
+        chosen.pop("hem", None)
+    if "neck" in chosen:
+        chosen.pop("waist", None)
+    for side in ("left", "right"):
+        if f"cuff.{side}" in chosen:
+            chosen.pop(f"armhole.{side}", None)
+    # One leg alone beside no other lower contour is a hem that misses the other, lifted leg.
+    legs = [name for name in ("leg.left", "leg.right") if name in chosen]
+    if len(legs) == 1 and "hem" not in chosen:
+        chosen["hem"] = chosen.pop(legs[0])
+    return chosen

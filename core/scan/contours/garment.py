@@ -1,0 +1,150 @@
+"""From a checked scan and its wearer to the `Target` of a recovery."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...body import Body
+from ...geometry import HalfEdges, face_areas, vertex_normals
+from ...run.errors import BadInput
+from .. import Scan, thin_scan
+from .category import choose_category
+from .contours import name_contours
+from .loop import find_loops, smoothed_length
+from .noise import smooth_noise
+from .spikes import flatten_spikes
+from .target import Contour, Target, mark_hidden_border
+
+
+class NoContour(BadInput):
+    """The garment has no open contour around the body; give one open surface (no thickness), worn by the given body."""
+
+    code = "segment.no_contour"
+
+
+class PartMissing(BadInput):
+    """The garment's openings do not make a garment; give all of it, its front closed, as worn by the given body."""
+
+    code = "segment.part_missing"
+
+
+class SeveralGarments(BadInput):
+    """The file holds more than one garment; give each a file of its own, or label the vertices and say --keep."""
+
+    code = "segment.several_garments"
+
+
+LARGE = 0.05
+"""Share of the whole area from which a separate surface is more than a button or a stray piece."""
+JOINED = 0.02
+"""Median distance [m] from a contour of one surface to those of another below which the two belong together: an unsewn
+waistband lies on its skirt's edge, a T-shirt's hem hangs 5 cm and more below the waist of what is worn with it."""
+LOWER = ("hem", "leg.left", "leg.right")
+"""Contours below which the body comes out of a garment; every garment has one."""
+ARMS = ("cuff", "armhole")
+"""Stems of the contours through which an arm comes out."""
+
+
+def segment_garment(scan: Scan, body: Body) -> Target:
+    """Name the contours of a scanned garment, choose its category, and take off outliers and noise.
+
+    Noise as large as half an edge makes a surface up to twice as large and its contours longer: a pattern graded to it
+    would be too large, and fold. So what grading, drape and deformer see is the smoothed surface, and of a dense scan
+    the thinned one.
+
+    Raises:
+        NoContour: where no open boundary encircles a bone.
+        PartMissing: where the openings found are not those of a whole garment on this body.
+        SeveralGarments: where there are those of two, or a closed surface too.
+    """
+    full, (scan, thinned) = scan, thin_scan(scan)
+    check_single(scan, body)
+    contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True, hidden=scan.hidden)
+    if not contours:
+        found = f"its {len(holes)} openings encircle no bone" if holes else "its surface is closed"
+        raise NoContour(
+            f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
+        )
+    check_parts(contours, scan.name, is_covered=scan.hidden is not None and bool(scan.hidden.any()))
+    vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
+    vertices, noise = smooth_noise(vertices, scan.faces)
+    if noise > 0.0 or spikes.any():
+        contours = tuple(replace(c, length=smoothed_length(vertices[c.vertices])) for c in contours)
+    return Target(
+        vertices=vertices,
+        faces=scan.faces,
+        normals=vertex_normals(vertices, scan.faces),
+        contours=contours,
+        holes=holes,
+        category=choose_category(contours, scan.vertices, body),
+        origin=None if scan is full else thinned.origin,
+        hidden=mark_hidden_border(scan.faces, scan.hidden, contours),
+    )
+
+
+def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = False) -> None:
+    """Refuse openings that no worn garment has: a body that goes in comes out below, and above or at both arms.
+
+    So half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one boundary) end
+    in a clear line and not in a pattern of something else. One contour may be missing on a whole garment (a neckline
+    under a closed hood), so nothing more is asked. Of one that goes on below another garment one end is not seen:
+    trousers below a long top are two tubes.
+
+    Args:
+        contours: The named openings.
+        name: The scan's, for people.
+        is_covered: Whether the garment goes on below another one.
+
+    Raises:
+        PartMissing: where nothing is open below or nothing above.
+    """
+    missing = _missing(contours)
+    if missing and not (is_covered and len(missing) == 1):
+        found = {contour.name for contour in contours}
+        raise PartMissing(
+            f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
+            f"none {' and none '.join(missing)}; give all of the garment, upright, its front closed, in its place on "
+            "the body."
+        )
+
+
+def check_single(scan: Scan, body: Body) -> None:
+    """Refuse several garments, or a garment and its body, in one unlabelled file.
+
+    Together they have openings enough for one garment, of another kind, and the rest would be taken for holes: a
+    T-shirt above a skirt for a dress.
+
+    Raises:
+        SeveralGarments: where two separate surfaces are each a whole garment, or one of several has no opening.
+    """
+    _, piece = HalfEdges.of(scan.faces, len(scan.vertices)).vertex_pieces
+    areas = np.bincount(piece[scan.faces[:, 0]], face_areas(scan.vertices, scan.faces))
+    large = np.flatnonzero(areas >= LARGE * areas.sum())
+    whole: list[np.ndarray] = []
+    for part in large if len(large) > 1 else ():
+        faces = scan.faces[piece[scan.faces[:, 0]] == part]
+        if not find_loops(faces):
+            raise SeveralGarments(
+                f"{scan.name} holds {len(large)} separate surfaces, one of them closed as a body is; give the garment "
+                "alone, or label the scan's vertices and say --keep."
+            )
+        contours, _ = name_contours(scan.vertices, faces, body, scanned=True)
+        if contours and not _missing(contours):
+            rims = [scan.vertices[contour.vertices] for contour in contours]
+            others = cKDTree(np.concatenate(whole)) if whole else None
+            if others is not None and all(np.median(others.query(rim)[0]) > JOINED for rim in rims):
+                raise SeveralGarments(
+                    f"{scan.name} holds more than one garment; give each a file of its own, or label the scan's "
+                    "vertices and say --keep."
+                )
+            whole += rims
+
+
+def _missing(contours: tuple[Contour, ...]) -> list[str]:
+    """Find where a worn garment has no opening: below, above."""
+    found = {contour.name for contour in contours}
+    above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
+    return [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]

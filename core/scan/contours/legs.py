@@ -1,0 +1,52 @@
+"""A hem around both legs that is two: where trouser legs touch, a scan joins them, and their hems become one loop."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...geometry import ClosedCurve
+from .loop import smoothed_length
+
+PINCH = 0.15
+"""Largest chord across a pinch, over the shorter way around: where scanned legs touch it has 0.01 to 0.05; a skirt's
+hem has 0.6 where it is round, and 0.25 where it is four times as wide as deep."""
+
+TOUCH = 0.08
+"""Largest chord across a pinch [m]: scanned legs touch to within 3 cm. A tiered hem of 2.5 to 3.4 m has chords of 15 to
+18 cm across its folds, which are short only beside its length."""
+
+LEAST = 0.25
+"""Least share of the loop's length on either side of a pinch: two legs are alike."""
+
+FINEST = 600
+"""Points of the loop that are compared in pairs."""
+
+
+def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Split a closed curve at its narrowest pinch, if it has one: an eight that is nearly closed in the middle.
+
+    Ways around are those along the smoothed curve: noise makes a ragged one half as long again, and a flat hem's chord
+    would look short beside it.
+
+    Args:
+        points: Along the curve [m], shape [n, 3].
+
+    Returns:
+        Indices of the points of the two parts, each in order, closed across the pinch; or None.
+    """
+    stride = -(-len(points) // FINEST)
+    coarse = points[::stride]
+    if len(coarse) < 8:
+        return None
+    steps = ClosedCurve(coarse).lengths * (smoothed_length(points) / ClosedCurve(coarse).length)
+    place = np.concatenate([[0.0], np.cumsum(steps)[:-1]])
+    length = float(steps.sum())
+    arc = np.abs(place[:, None] - place)
+    arc = np.minimum(arc, length - arc)
+    chord = np.linalg.norm(coarse[:, None] - coarse, axis=2)
+    ratio = np.where(arc >= LEAST * length, chord / np.maximum(arc, 1e-12), np.inf)
+    i, j = sorted(int(k) for k in np.unravel_index(ratio.argmin(), ratio.shape))
+    if ratio[i, j] > PINCH or chord[i, j] > TOUCH:
+        return None
+    i, j = i * stride, j * stride
+    return np.arange(i, j + 1), np.concatenate([np.arange(j, len(points)), np.arange(i + 1)])

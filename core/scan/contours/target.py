@@ -1,0 +1,112 @@
+"""A garment's surface with its open contours named: what the recovery has to reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...geometry import HalfEdges, find_components
+
+CONTOUR_NAMES = (
+    "neck", "waist", "hem",
+    "cuff.left", "cuff.right",
+    "armhole.left", "armhole.right",
+    "leg.left", "leg.right",
+)  # fmt: skip
+"""Every name an open contour can have. Left and right are the wearer's: left is +x on a body that faces +z."""
+
+CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
+"""Every category of garment."""
+
+TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
+"""Those that hang from the shoulders and end above the legs."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """Name one open contour of a garment.
+
+    Attributes:
+        name: One of `CONTOUR_NAMES`.
+        vertices: Vertex indices in order along the closed loop, garment on the left, int64, shape [loop_count].
+        length: Circumference of the closed curve after smoothing over 3 cm [m].
+        bones: Names of the bones (by child joint, SMPL-24) that cross the disk spanned by the loop.
+        trusted: False where the loop may be damage (a cut-off hem, a hole's rim) rather than design.
+        hidden: True where the garment may go on beyond it, below another one or since nothing shows that it ends; it is
+            not trusted then.
+    """
+
+    name: str
+    vertices: np.ndarray
+    length: float
+    bones: tuple[str, ...] = ()
+    trusted: bool = True
+    hidden: bool = False
+
+
+def mark_hidden_border(
+    faces: np.ndarray, hidden: np.ndarray | None, contours: tuple[Contour, ...]
+) -> np.ndarray | None:
+    """Mark the border beyond which a garment may go on, bool, shape [vertex_count]; None where there is none.
+
+    A border loop is hidden as a whole where any of it is: bays that were cut off a hidden contour belong to it. What
+    belongs to a contour that is not hidden stays out.
+
+    Args:
+        faces: The surface's faces, shape [face_count, 3].
+        hidden: What is known to be hidden, bool, shape [vertex_count], or None.
+        contours: The surface's named contours.
+    """
+    if hidden is None or not hidden.any():
+        return None
+    edges = HalfEdges.of(faces, len(hidden))
+    count, piece = find_components(len(hidden), edges.tail[edges.border], edges.head[edges.border])
+    found = edges.border_vertices & (np.bincount(piece, hidden, count) > 0)[piece]
+    for contour in contours:
+        if not contour.hidden:
+            found[contour.vertices] = False
+    return found if found.any() else None
+
+
+@dataclass(frozen=True)
+class Target:
+    """Describe the surface to be reached.
+
+    Attributes:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Outward counter-clockwise faces, shape [face_count, 3].
+        normals: Unit vertex normals, area-weighted, shape [vertex_count, 3].
+        contours: The named open contours.
+        holes: Vertex loops that are damage and no contour.
+        category: One of `CATEGORIES`, chosen from the contours and the bones they encircle.
+        origin: Index in the scan of each vertex, shape [vertex_count], where the scan was thinned; None: the scan's own
+            vertices in their order.
+        hidden: True at the vertices of the border beyond which the garment may go on, shape [vertex_count]; None:
+            nowhere.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    contours: tuple[Contour, ...]
+    holes: tuple[np.ndarray, ...]
+    category: str
+    origin: np.ndarray | None = None
+    hidden: np.ndarray | None = None
+
+    def contour(self, name: str) -> Contour | None:
+        """Find a contour by name, or None."""
+        return next((c for c in self.contours if c.name == name), None)
+
+    @property
+    def waist(self) -> Contour | None:
+        """Return the waist by which the garment hangs; None where it has none, or another garment hides it."""
+        waist = self.contour("waist")
+        return None if waist is None or waist.hidden else waist
+
+    def contours_of_scan(self) -> tuple[Contour, ...]:
+        """Return the contours with indices into the scan's vertices; thinning keeps every border vertex."""
+        if self.origin is None:
+            return self.contours
+        return tuple(replace(contour, vertices=self.origin[contour.vertices]) for contour in self.contours)

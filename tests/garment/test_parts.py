@@ -1,0 +1,304 @@
+"""Every allowed combination of parts drafts a pattern that can be cut and sewn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from garmentq.core.garment import (
+    BodyMeasures,
+    EdgeRef,
+    Pattern,
+    check_outline,
+    edge_length,
+    find_cut,
+    find_symmetry,
+    load_template,
+    mesh_pattern,
+    name_cut,
+    panel_area,
+    seam_lengths,
+)
+from garmentq.core.garment.editing import find_darts
+from garmentq.core.garment.parts import (
+    CUTS,
+    Bodice,
+    Collar,
+    Cuff,
+    Cut,
+    Gores,
+    Legs,
+    Neckline,
+    PartsConflict,
+    PartUnknown,
+    Shaping,
+    Skirt,
+    Sleeve,
+    SleeveHead,
+    SleevePieces,
+    Throat,
+    Waist,
+    Waistband,
+    Yoke,
+    corner_turn,
+    draft_cut,
+    neckline_points,
+    parse_parts,
+)
+from garmentq.core.garment.parts.pleats import DEPTH, PLEATS
+from garmentq.core.garment.parts.sleeves import CAP_EASE, CUFF_FULLNESS
+from garmentq.core.garment.pieces import measure_pieces
+from garmentq.core.scan.contours import CATEGORIES, CONTOUR_NAMES, find_loops
+
+CURVY = BodyMeasures(bust=1.08, waist=0.86, hip=1.12)
+"""A bigger wearer: drafts whose corners are solved for must find them here, too."""
+
+
+def many_cuts() -> dict[str, Cut]:
+    """Return the combinations of parts that meet each other at an edge, by a name."""
+    found = {}
+    lower = (
+        (Skirt.NONE, Legs.NONE),
+        (Skirt.A_LINE, Legs.NONE),
+        (Skirt.FULL_CIRCLE, Legs.NONE),
+        (Skirt.NONE, Legs.WIDE),
+    )
+    sleeves = (Sleeve.NONE, Sleeve.LONG)
+    for bodice, neckline, sleeve, (skirt, legs) in product(tuple(Bodice)[1:], Neckline, sleeves, lower):
+        cut = Cut(bodice, neckline, sleeve=sleeve, skirt=skirt, legs=legs)
+        found[f"{bodice} {neckline} {sleeve} {skirt} {legs}"] = cut
+    found |= {f"back {kind}": Cut(Bodice.BOXY, back_neckline=kind) for kind in Neckline}
+    for skirt, panels, band in product(Skirt, (2, 4), Waistband):
+        found[f"{skirt} {panels} {band}"] = Cut(skirt=skirt, panels=panels, waistband=band)
+    for gores, band, sweep in product(Gores, Waistband, (None, 5.0)):
+        found[f"{gores} gores {band} {sweep}"] = Cut(skirt=Skirt.GORED, gores=gores, sweep=sweep, waistband=band)
+    for gores, bodice, shaping in product(Gores, (Bodice.SHIFT, Bodice.STRAPLESS), Shaping):
+        cut = Cut(bodice, skirt=Skirt.GORED, gores=gores, waist=Waist.SEAM, shaping=shaping)
+        found[f"{bodice} {gores} gores {shaping}"] = cut
+    for skirt, panels, bodice in product(Skirt, (2, 4), (Bodice.BOXY, Bodice.SHIFT)):
+        found[f"{bodice} seam {skirt} {panels}"] = Cut(bodice, skirt=skirt, panels=panels, waist=Waist.SEAM)
+    found |= {f"{legs} {band} legs": Cut(legs=legs, waistband=band) for legs, band in product(Legs, Waistband)}
+    for bodice, sleeve, head, yoke in product((Bodice.BOXY, Bodice.SHIFT), Sleeve, SleeveHead, tuple(Yoke)[:-1]):
+        found[f"{bodice} {sleeve} {head} {yoke}"] = Cut(bodice, sleeve=sleeve, sleeve_head=head, yoke=yoke)
+    for kind, head, collar in product(Neckline, SleeveHead, Collar):
+        cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar)
+        found[f"{kind} {head} {collar}"] = cut
+    for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
+        found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
+    found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
+    for bodice, legs, sleeve in product(tuple(Bodice)[1:], tuple(Legs)[1:], (Sleeve.NONE, Sleeve.SHORT)):
+        found[f"{bodice} {legs} {sleeve} suit seam"] = Cut(bodice, legs=legs, sleeve=sleeve, waist=Waist.SEAM)
+    for sleeve, head in product(Sleeve, SleeveHead):
+        found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
+    for sleeve, head, yoke in product(Sleeve, SleeveHead, tuple(Yoke)[:-1]):
+        cut = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, yoke=yoke, sleeve_pieces=SleevePieces.TWO)
+        found[f"{sleeve} {head} {yoke} two pieces"] = cut
+    for skirt, shaping, waist in product(Skirt, Shaping, Waist):
+        found[f"shift {shaping} {skirt} {waist}"] = Cut(Bodice.SHIFT, skirt=skirt, shaping=shaping, waist=waist)
+    for skirt, band, yoke, shaping in product(Skirt, Waistband, (Yoke.NONE, Yoke.HIP), (Shaping.NONE, Shaping.DARTS)):
+        found[f"{skirt} {band} {yoke} {shaping}"] = Cut(skirt=skirt, waistband=band, yoke=yoke, shaping=shaping)
+    return found
+
+
+def test_every_combination_drafts_or_says_why_not():
+    """Breaks where a part does not meet another: a crossing outline, unequal seams, an edge without name or partner."""
+    drafted = refused = 0
+    for name, cut in many_cuts().items():
+        try:
+            pattern = draft_cut(cut)
+        except PartsConflict as conflict:
+            assert len(str(conflict)) > 20
+            refused += 1
+            continue
+        drafted += 1
+        lengths = seam_lengths(pattern)
+        even = ~pattern.gathered
+        assert np.abs(lengths[even, 0] - lengths[even, 1]).max() < 1e-6, name
+        fullness = np.exp(np.abs(np.log(lengths[~even, 0] / lengths[~even, 1])))
+        gathered, eased = np.isclose(fullness, 1.5), np.isclose(fullness, 1.0 + CAP_EASE)
+        cuffed = np.isclose(fullness, CUFF_FULLNESS)
+        assert (gathered | eased | cuffed).all() and cuffed.any() == (cut.cuff is Cuff.BAND), name
+        assert gathered.any() == (cut.skirt in (Skirt.GATHERED, Skirt.TIERED)), name
+        assert eased.any() == (cut.sleeve_head is SleeveHead.SET_IN), name
+        assert lengths.min() > 0.015, name
+        sewn = [ref for seam in pattern.seams for ref in (seam.a, seam.b)]
+        assert len(sewn) == len(set(sewn)), name
+        for panel in pattern.panels:
+            check_outline(panel)
+            assert panel_area(panel) > 0.003, (name, panel.name)
+            for i, edge in enumerate(panel.edges):
+                assert (edge.contour == "") == (EdgeRef(panel.name, i) in sewn), (name, panel.name, i)
+                assert edge.contour in ("", *CONTOUR_NAMES)
+        assert pattern.category in CATEGORIES
+    assert drafted > 250 and refused > 150
+
+
+@pytest.mark.parametrize(
+    ("template", "neckline"),
+    [*(("tshirt", str(kind)) for kind in Neckline), ("tank", "v"), ("sleeved_jumpsuit", "square")],
+)
+def test_a_neckline_changes_the_neck_alone(template, neckline):
+    """Breaks where a neckline moves the armhole or side, is not symmetric, or leaves a hole open when sewn."""
+    name = name_cut(template, find_cut(template).choose({"neckline": neckline, "back_neckline": "crew"}))
+    pattern, shipped = load_template(name), load_template(template)
+    mirrors = find_symmetry(pattern).mirrors
+    assert {i for m in mirrors for i in (m.source, m.target)} == set(range(len(pattern.panels)))
+    assert [p.name for p in pattern.panels] == [p.name for p in shipped.panels]
+    for panel, other in zip(pattern.panels, shipped.panels, strict=True):
+        labels = {edge.label for edge in panel.edges} - {""}
+        assert labels == {edge.label for edge in other.edges} - {""}
+    garment = mesh_pattern(pattern, 500)
+    assert len(find_loops(garment.faces)) == len(find_loops(mesh_pattern(shipped, 500).faces))
+
+
+def test_necklines_have_the_corners_of_their_kind():
+    """Breaks where a V is rounded at its point, or a round neckline has a corner there."""
+    turns = {kind: np.degrees(corner_turn(Throat.at_front(kind), 0.09)) for kind in Neckline}
+    assert turns[Neckline.V] == pytest.approx(2 * np.degrees(np.arctan2(0.17, 0.09)), abs=0.1)
+    for kind in (Neckline.CREW, Neckline.SCOOP, Neckline.BOAT, Neckline.SQUARE):
+        assert turns[kind] < 8.0, kind  # of the last 1/32 of half a curve
+
+
+def test_the_bow_of_a_v_is_its_largest_distance_from_the_chord():
+    """Breaks where the sign or the size of a bow is wrong: outwards is positive."""
+    for bow in (-0.1, 0.05, 0.12):
+        line = neckline_points(Throat(Neckline.V, 0.16, bow), 0.12, 200)
+        chord = np.array([-0.12, -0.16]) / 0.2
+        across = (line - line[0]) @ np.array([-chord[1], chord[0]])
+        assert across[np.abs(across).argmax()] == pytest.approx(0.2 * bow, abs=1e-4)
+
+
+def test_circle_skirts_are_rings():
+    """Breaks where an arc is drawn by wrong handles: waist and hem are known in closed form, and so is the area."""
+    for skirt, sweep in ((Skirt.HALF_CIRCLE, np.pi), (Skirt.FULL_CIRCLE, 2 * np.pi)):
+        pattern = draft_cut(Cut(skirt=skirt), CURVY)
+        inner = (CURVY.waist + 0.02) / sweep
+        ring = sweep / 2 * ((inner + 0.50) ** 2 - inner**2)
+        assert sum(panel_area(p) for p in pattern.panels) == pytest.approx(ring, rel=1e-3)
+
+
+@pytest.mark.parametrize("gores", ["4", "6", "8", "10", "12"])
+@pytest.mark.parametrize("stem", ["skirt", "pencil_skirt", "dress"])
+def test_equal_gores_stand_around_the_wearer(gores, stem):
+    """Breaks where one is of another shape or place, left and right differ, or the waist is not all of their edges."""
+    parts = {"skirt": "gored", "gores": gores, **({"waist": "seam"} if stem == "dress" else {})}
+    cut = replace(CUTS[stem].choose(parts), sweep=4.0)
+    pattern = draft_cut(cut, CURVY)
+    skirt = [panel for panel in pattern.panels if any(edge.contour == "hem" for edge in panel.edges)]
+    assert len(skirt) == int(gores)
+    assert np.ptp([panel_area(panel) for panel in skirt]) < 1e-12
+    turned = np.degrees([np.arctan2(panel.rotation[0, 2], panel.rotation[2, 2]) for panel in skirt])
+    np.testing.assert_allclose(np.diff(turned) % 360.0, 360.0 / int(gores))
+    assert {mirror.target for mirror in find_symmetry(pattern).mirrors} | {
+        mirror.source for mirror in find_symmetry(pattern).mirrors
+    } == set(range(len(pattern.panels)))
+    upper = sum(edge_length(panel, i) for panel in skirt for i in range(len(panel.edges)) if is_upper(panel, i))
+    ease = 0.10 if stem == "dress" else 0.02
+    assert upper == pytest.approx(CURVY.waist + ease)
+    assert find_cut(name_cut(stem, cut)) == replace(cut, sweep=None)
+
+
+def is_upper(panel, i):
+    """Return whether an edge of a gore runs across at its upper end."""
+    start, end = panel.points[i], panel.points[(i + 1) % len(panel.points)]
+    return start[1] == end[1] == panel.points[:, 1].max()
+
+
+@pytest.mark.parametrize("legs", ["tapered", "flared", "wide"])
+def test_legs_differ_below_the_seat_only(legs):
+    """Breaks where a wider hem moves the waist, or the back is no longer solved to fit the front."""
+    wide, straight = (draft_cut(Cut(legs=Legs(kind)), CURVY) for kind in (legs, "straight"))
+    for panel, other in zip(wide.panels, straight.panels, strict=True):
+        hems = [
+            np.ptp(p.points[[i, (i + 1) % len(p.points)], 0])
+            for p in (panel, other)
+            for i, edge in enumerate(p.edges)
+            if edge.contour.startswith("leg")
+        ]
+        assert (hems[0] > hems[1]) == (legs != "tapered")
+        assert len(panel.points) == len(other.points)
+
+
+def test_names_of_cuts_are_read_as_they_are_written():
+    """Breaks where a part is lost between a cut and its name: a result could not be drafted again."""
+    for stem in CUTS:
+        for choice in ({}, {"neckline": "v"}, {"neckline": "square", "sleeve": "cap", "back_neckline": "scoop"}):
+            cut = CUTS[stem].choose(choice)
+            named = find_cut(name_cut(stem, cut))
+            assert (named.neckline, named.back_neckline, named.sleeve) == (cut.neckline, cut.back_neckline, cut.sleeve)
+    assert name_cut("tshirt", CUTS["tshirt"]) == "tshirt"
+    assert load_template("tshirt+neckline=v").name == "tshirt+neckline=v"
+
+
+@pytest.mark.parametrize("text", ["neckline", "collar=shawl", "neckline=heart", "neckline=v,neckline=crew"])
+def test_parts_that_are_none_are_refused(text):
+    """Breaks where a slip of the pen is taken for a choice, or ends in a traceback."""
+    with pytest.raises(PartUnknown):
+        Cut(Bodice.BOXY).choose(parse_parts(text))
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        Cut(sleeve=Sleeve.LONG, skirt=Skirt.A_LINE),
+        Cut(skirt=Skirt.A_LINE, legs=Legs.WIDE),
+        Cut(),
+        Cut(Bodice.SHIFT, skirt=Skirt.FULL_CIRCLE),
+        Cut(Bodice.BOXY, waistband=Waistband.BAND),
+        Cut(skirt=Skirt.A_LINE, panels=3),
+        Cut(skirt=Skirt.A_LINE, gores=Gores.EIGHT),
+        Cut(Bodice.SHIFT, skirt=Skirt.GORED, gores=Gores.EIGHT, waist=Waist.SEAM, shaping=Shaping.DARTS),
+        Cut(Bodice.SHIFT, skirt=Skirt.GORED, waist=Waist.SEAM),
+    ],
+)
+def test_parts_that_cannot_be_sewn_are_refused(cut):
+    """Breaks where a garment is drafted without one of its parts."""
+    with pytest.raises(PartsConflict):
+        draft_cut(cut)
+
+
+def test_pleats_fold_twice_their_depth_away():
+    """Breaks where a pleat is not sewn to itself, its depth is lost, or what shows is not the yoke's edge."""
+    pattern = draft_cut(Cut(skirt=Skirt.PLEATED, yoke=Yoke.HIP), CURVY)
+    own = [seam for seam in pattern.seams if seam.a.panel == seam.b.panel]
+    assert len(own) == 4 * PLEATS
+    lengths = {panel.name: [edge_length(panel, i) for i in range(len(panel.edges))] for panel in pattern.panels}
+    for face in ("front", "back"):
+        panel = pattern.panel(face)
+        upper = sum(
+            lengths[face][i] for i, edge in enumerate(panel.edges) if edge.label.startswith(("hipyoke", "pleat"))
+        )
+        yoke = pattern.panel(f"yoke_{face}")
+        lower = sum(lengths[yoke.name][i] for i, edge in enumerate(yoke.edges) if edge.label.startswith("hipyoke"))
+        assert upper - lower == pytest.approx(2 * 2 * PLEATS * DEPTH)
+    assert not find_darts(pattern), "a pleat is no dart"
+
+
+def test_a_sleeve_of_two_pieces_is_cut_as_two():
+    """Breaks where the halves of the top or the under sleeve cannot be joined over the arm, or its seams differ."""
+    name = "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two"
+    pieces = [piece.name for piece in measure_pieces(load_template(name)).pieces]
+    assert sorted(pieces) == ["BACK", "FRONT", "SLEEVE", "UNDERSLEEVE"]
+    sides = {edge.label for panel in load_template(name).panels for edge in panel.edges}
+    assert {"forearm.left", "hindarm.left", "forearm.right", "hindarm.right"} <= sides
+
+
+@pytest.mark.parametrize("kind", Neckline)
+@pytest.mark.parametrize("face", [Yoke.FRONT, Yoke.BACK])
+def test_a_yoke_divides_a_face_and_changes_no_line_of_it(kind, face):
+    """Breaks where cloth is lost at a yoke's seam, or a neckline that reaches below it is cut off there."""
+    whole = Cut(Bodice.SKIMMING, kind, kind)
+    plain, divided = draft_cut(whole, CURVY), draft_cut(whole.choose({"yoke": str(face)}), CURVY)
+    pieces = [panel for panel in divided.panels if panel.name.startswith(str(face))]
+    yokes = [panel.name for panel in pieces if panel.name != str(face)]
+    assert sum(panel_area(panel) for panel in pieces) == pytest.approx(panel_area(plain.panel(str(face))), rel=1e-4)
+    assert sorted(yokes) in ([f"{face}_yoke"], [f"{face}_yoke_left", f"{face}_yoke_right"])
+    assert divided.symmetric
+
+    def rim(pattern: Pattern) -> float:
+        edges = [(panel, i) for panel in pattern.panels for i, edge in enumerate(panel.edges) if edge.contour == "neck"]
+        return sum(edge_length(panel, i) for panel, i in edges)
+
+    assert rim(divided) == pytest.approx(rim(plain), rel=1e-5)

@@ -1,0 +1,94 @@
+"""What is no garment fails a gate: nothing bears it, it lies in layers, or it hangs upside down."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from garmentq.core.geometry import vertex_normals
+from garmentq.core.judge import judge, measure_upright, measure_wear
+from garmentq.core.scan.contours import Contour, Target
+
+AROUND, ROWS = 60, 30
+
+
+@dataclass(frozen=True)
+class Torso:
+    """Stand for a body: a post 30 cm thick."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+
+
+def make_tube(low, high, bottom=0.6, top=1.0):
+    """Return a tube around the y axis with radii [m] below and above."""
+    angle = 2 * np.pi * np.arange(AROUND) / AROUND
+    share = np.linspace(0.0, 1.0, ROWS)[:, None]
+    radius = low + (high - low) * share
+    y = np.broadcast_to(bottom + (top - bottom) * share, (ROWS, AROUND))
+    points = np.stack([radius * np.sin(angle), y, radius * np.cos(angle)], axis=-1).reshape(-1, 3)
+    i, j = np.meshgrid(np.arange(ROWS - 1), np.arange(AROUND), indexing="ij")
+    a, b = i * AROUND + j, i * AROUND + (j + 1) % AROUND
+    return points, np.stack([a, b, b + AROUND, a, b + AROUND, a + AROUND], axis=-1).reshape(-1, 3)
+
+
+def target_of(vertices, faces, waist=1.0, hem=1.5, hidden=False):
+    """Return a skirt's target with contours of given lengths [m], its waist seen or not."""
+    contours = (Contour("hem", np.arange(3), hem), Contour("waist", np.arange(3), waist, hidden=hidden))
+    return Target(vertices, faces, vertex_normals(vertices, faces), contours, (), "skirt")
+
+
+def verdicts(target, nodes, faces):
+    """Return the verdict of each gate that judges how the scan is worn."""
+    metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0)
+    metrics |= measure_upright(target)
+    return {gate.name: gate.verdict for gate in judge(metrics)}
+
+
+@pytest.fixture(scope="module")
+def skirt():
+    """Return a flared skirt that lies on the post above."""
+    return make_tube(0.35, 0.155)
+
+
+def test_a_skirt_passes(skirt):
+    """Broken where flare, or cloth far from the body below, is held against a garment."""
+    assert verdicts(target_of(*skirt), *skirt) == {"rest": "pass", "layers": "pass", "upright": "pass"}
+
+
+def test_a_noisy_skirt_has_one_layer(skirt):
+    """Broken where the area that noise adds to a dense scan is taken for layers of cloth."""
+    vertices, faces = skirt
+    rng = np.random.default_rng(0)
+    for _ in range(2):
+        middle = vertices[faces].mean(axis=1)
+        centre = len(vertices) + np.arange(len(faces))
+        faces = np.concatenate([np.column_stack([faces[:, k], faces[:, (k + 1) % 3], centre]) for k in range(3)])
+        vertices = np.concatenate([vertices, middle])
+    noisy = vertices + 0.002 * rng.standard_normal(vertices.shape)
+    assert verdicts(target_of(noisy, faces), *skirt)["layers"] == "pass"
+
+
+def test_a_curtain_fails(skirt):
+    """Broken where a tube that touches the body nowhere passes for a skirt."""
+    curtain = make_tube(0.4, 0.4)
+    assert verdicts(target_of(*curtain), *curtain)["rest"] == "fail"
+
+
+def test_four_copies_fail(skirt):
+    """Broken where sheets 2 mm apart pass: distances to the scan do not show them."""
+    vertices, faces = skirt
+    normals = vertex_normals(vertices, faces)
+    copies = np.concatenate([vertices + 0.002 * k * normals for k in range(4)])
+    four = copies, np.concatenate([faces + k * len(vertices) for k in range(4)])
+    assert verdicts(target_of(*four), *skirt)["layers"] == "fail"
+
+
+def test_upside_down_fails(skirt):
+    """Broken where a skirt may be far wider at its waist than at its hem."""
+    assert verdicts(target_of(*skirt, waist=1.37, hem=0.96), *skirt)["upright"] == "fail"
+    assert verdicts(target_of(*skirt, waist=0.7, hem=0.85), *skirt)["upright"] == "pass"
+
+
+def test_the_hem_of_a_top_is_no_waist(skirt):
+    """Broken where a skirt whose waist is hidden is judged by the border at which it vanishes, over the hips."""
+    assert "upright" not in verdicts(target_of(*skirt, waist=1.37, hem=0.96, hidden=True), *skirt)
