@@ -83,13 +83,16 @@ def main() -> None:
         for name, worn, folder in find_garments(given):
             body = worn.body if given.wearer else builtin_body(f"{spec},pose={pose}")
             dressed = dress_body(worn, body, None, Clock())
-            total, sound = total + 1, sound + is_sound(dressed.metrics)
-            line = {"garment": name, "body": spec, "pose": pose, "sound": is_sound(dressed.metrics)}
+            total, sound = total + 1, sound + is_sound(dressed.report.metrics)
+            line = {"garment": name, "body": spec, "pose": pose, "sound": is_sound(dressed.report.metrics)}
             told = compare_told(dressed)
             off += [abs(told["told_mm"][place] - ruled) for place, ruled in told["ruled_mm"].items()]
             if given.wearer and folder is not None:
                 line |= compare_redraped(dressed, folder)
-            print(json.dumps(line | told | dressed.metrics | {"cpu_seconds": dressed.cpu_seconds}), flush=True)
+            print(
+                json.dumps(line | told | dressed.report.metrics | {"cpu_seconds": dressed.report.cpu_seconds}),
+                flush=True,
+            )
             if given.out:
                 write_dressed(dressed, given.out / f"{name} {spec.replace(':', ' ')} {pose}")
     print(f"{sound} of {total} at rest, without a crossing, at most 1 mm deep")

@@ -177,7 +177,7 @@ def main() -> None:
             trust = {contour.name: contour.trusted for contour in found.target.contours}
             shown = ("panel_outline_mm", "panel_area_error", "surface_rms_mm.s2t", "surface_rms_mm.t2s")
             values = ", ".join(f"{key} {metrics[key]:.3f}" for key in shown if metrics.get(key) is not None)
-            print(f"{folder.name}: {trust}, {values}, {found.cpu_seconds:.0f} s", flush=True)
+            print(f"{folder.name}: {trust}, {values}, {found.report.cpu_seconds:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -92,8 +92,8 @@ def judge(mesh: Mesh, body: Body, folder: Path) -> tuple[str, list[str]]:
         found = recover(request)
     except BadInput as error:
         return f"refused, {error.code}", [error.code]
-    failed = [f"{gate.name} {gate.value:.3g}" for gate in found.gates if gate.verdict == "fail"]
-    return f"{found.target.category}, {found.cpu_seconds:.0f} s", failed
+    failed = [f"{gate.name} {gate.value:.3g}" for gate in found.report.gates if gate.verdict == "fail"]
+    return f"{found.target.category}, {found.report.cpu_seconds:.0f} s", failed
 
 
 def main() -> int:

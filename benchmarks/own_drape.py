@@ -115,9 +115,9 @@ def recover_pack(folder: Path, fabric: Fabric, drawn: Pattern, keep_cut: bool) -
         "redrape [mm]": metrics["redrape.surface_rms_mm.s2t"],
         "darts": _list_darts(recovery.pattern),
         "true darts": _list_darts(drawn),
-        "CPU [s]": recovery.cpu_seconds,
+        "CPU [s]": recovery.report.cpu_seconds,
         "panels": {key: round(v["area_error"], 4) for key, v in measure_panels(recovery.pattern, truth).items()},
-        "warnings": recovery.warnings,
+        "warnings": recovery.report.warnings,
     }
 
 

@@ -33,6 +33,7 @@ from garmentq.core.garment import load_draped_template
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.recover.drape.stage import remesh
 from garmentq.core.recover.recovery import Recovery
+from garmentq.core.run.report import ResultReport
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import Target
 from garmentq.service.jobs import claim
@@ -84,7 +85,7 @@ def keep_result(settings: ServiceSettings) -> str:
     meshes = Meshes(nodes * 1.001, nodes, nodes * 1.002, nodes * 1.003)
     fabric = get_fabric("single_jersey")
     recovery = Recovery(
-        scan, body, target, "tshirt", garment.pattern, fabric, garment, meshes, {}, (), (), {}, 0.0, 0.0, {"seed": 0}
+        scan, body, target, "tshirt", garment.pattern, fabric, garment, meshes, ResultReport(manifest={"seed": 0})
     )
     services = open_services(settings)
     with tempfile.TemporaryDirectory() as folder:

@@ -60,11 +60,11 @@ def measure_one(worn: Worn, spec: str) -> dict[str, object]:
     made = dressed.worn.pattern
     foreseen = Laid.of(worn.garment, worn.body, worn.waist, body).foresee(made)
     back = refit_pattern(dressed.worn, worn.body).pattern
-    line: dict[str, object] = {"body": spec, "sound": is_sound(dressed.metrics)}
-    line |= {"foreseen_mm": _in_mm(foreseen), "draped_mm": _changes(dressed.metrics)}
+    line: dict[str, object] = {"body": spec, "sound": is_sound(dressed.report.metrics)}
+    line |= {"foreseen_mm": _in_mm(foreseen), "draped_mm": _changes(dressed.report.metrics)}
     line |= {"ease_mm": _in_mm({one.place: one.value for one in dressed.ease})}
     line |= {"there_and_back_mm": _furthest(back, worn.pattern), "moved_mm": _furthest(made, worn.pattern)}
-    return line | {"cpu_seconds": round(dressed.cpu_seconds, 1), "dressed": dressed}
+    return line | {"cpu_seconds": round(dressed.report.cpu_seconds, 1), "dressed": dressed}
 
 
 def _changes(metrics: dict[str, float | None]) -> dict[str, float]:

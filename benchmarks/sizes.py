@@ -43,9 +43,14 @@ def main() -> None:
             if given.only and size.name not in given.only:
                 continue
             dressed = drape_size(worn, size, base)
-            total, sound = total + 1, sound + is_sound(dressed.metrics)
-            line = {"template": name, "size": size.name, "sound": is_sound(dressed.metrics), **dressed.metrics}
-            print(json.dumps(line | {"cpu_seconds": round(dressed.cpu_seconds, 1)}), flush=True)
+            total, sound = total + 1, sound + is_sound(dressed.report.metrics)
+            line = {
+                "template": name,
+                "size": size.name,
+                "sound": is_sound(dressed.report.metrics),
+                **dressed.report.metrics,
+            }
+            print(json.dumps(line | {"cpu_seconds": round(dressed.report.cpu_seconds, 1)}), flush=True)
             if given.out:
                 given.out.mkdir(parents=True, exist_ok=True)
                 (given.out / f"{name}_{size.name}.png").write_bytes(draw_wearers(dressed))

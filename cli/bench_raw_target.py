@@ -253,12 +253,12 @@ class _Run:
             line |= {
                 "category": recovery.target.category,
                 "template": recovery.template,
-                "verdicts": {gate.name: gate.verdict for gate in recovery.gates if gate.verdict != "pass"},
+                "verdicts": {gate.name: gate.verdict for gate in recovery.report.gates if gate.verdict != "pass"},
                 "untrusted": [each.name for each in recovery.target.contours if not each.trusted],
-                "cpu_seconds": recovery.cpu_seconds,
-                "stage_seconds": recovery.stage_seconds,
-                "body_penetration_mm": recovery.metrics.get("body_penetration_mm"),
-                "warnings": list(recovery.warnings),
+                "cpu_seconds": recovery.report.cpu_seconds,
+                "stage_seconds": recovery.report.stage_seconds,
+                "body_penetration_mm": recovery.report.metrics.get("body_penetration_mm"),
+                "warnings": list(recovery.report.warnings),
             }
             folder = self._folder(word)
             if folder is not None:

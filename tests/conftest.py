@@ -12,6 +12,7 @@ from garmentq.core.cloth import Fabric
 from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.recover.recovery import Recovery
+from garmentq.core.run.report import ResultReport
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import Contour, Target
 
@@ -119,17 +120,21 @@ def tube_recovery():
             "fabric": Fabric("cotton", 500.0, 100.0, 500.0, 100.0, 1e-5, 0.12, title="cotton, 120 g/m2"),
             "garment": garment,
             "meshes": meshes,
-            "metrics": metrics,
-            "gates": judge(metrics),
-            "warnings": ("The scan's hem was frayed.",),
-            "stage_seconds": {"scan": 0.2, "deform": 3.4},
-            "cpu_seconds": 3.6,
-            "peak_mb": 321.0,
-            "manifest": {"seed": 0},
+            "report": ResultReport(
+                metrics,
+                judge(metrics),
+                ("The scan's hem was frayed.",),
+                {"scan": 0.2, "deform": 3.4},
+                3.6,
+                321.0,
+                {"seed": 0},
+            ),
         }
         return Recovery(**values)
 
     def make(panel_names: tuple[str, str] = ("front", "back"), **changes) -> Recovery:
-        return dataclasses.replace(base(panel_names), **changes)
+        found, reported = base(panel_names), {field.name for field in dataclasses.fields(ResultReport)}
+        report = dataclasses.replace(found.report, **{name: changes.pop(name) for name in reported & set(changes)})
+        return dataclasses.replace(found, report=report, **changes)
 
     return make

@@ -60,7 +60,7 @@ def test_what_is_guessed_is_said_and_not_measured(recovery: Recovery) -> None:
     assert waist is not None
     assert not waist.trusted
     assert len(recovery.target.vertices) == len(recovery.scan.vertices)
-    assert recovery.metrics["surface_rms_mm.s2t"] < 2.5
-    assert 10.0 < recovery.metrics["hidden_percent"] < 40.0
-    assert {gate.name: gate.verdict for gate in recovery.gates}["hidden"] == "doubtful"
-    assert any("'waist' is hidden" in warning for warning in recovery.warnings)
+    assert recovery.report.metrics["surface_rms_mm.s2t"] < 2.5
+    assert 10.0 < recovery.report.metrics["hidden_percent"] < 40.0
+    assert {gate.name: gate.verdict for gate in recovery.report.gates}["hidden"] == "doubtful"
+    assert any("'waist' is hidden" in warning for warning in recovery.report.warnings)

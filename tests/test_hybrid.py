@@ -66,7 +66,7 @@ def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
 def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) -> None:
     """Breaks if an imported pattern is replaced by a shipped one, graded by half or too far, or its panels renamed."""
     assert recovered.template == "rock"
-    assert set(recovered.stage_seconds) == set(STAGES)
+    assert set(recovered.report.stage_seconds) == set(STAGES)
     (tmp_path / "rock.json").write_text(json.dumps(draw_skirt()))
     base = load_pattern(tmp_path / "rock.json")
     for panel in recovered.pattern.panels:
@@ -92,14 +92,14 @@ def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -
     assert all(nodes.shape == (count, 3) for _, nodes in recovered.meshes)
     for prefix, limit in (("", 1.4), ("sim.", 13.0), ("redrape.", 20.0)):  # 0.7, 8.6 and 14.2 were measured
         for way in ("s2t", "t2s"):
-            value = recovered.metrics[f"{prefix}surface_rms_mm.{way}"]
+            value = recovered.report.metrics[f"{prefix}surface_rms_mm.{way}"]
             assert value is not None and 0.0 < value < limit
-    assert recovered.metrics["fabric.density.identifiable"] == 0.0
-    assert recovered.metrics["fabric.k.std"] > 0.0
-    assert recovered.metrics["redrape.residual"] is not None
+    assert recovered.report.metrics["fabric.density.identifiable"] == 0.0
+    assert recovered.report.metrics["fabric.k.std"] > 0.0
+    assert recovered.report.metrics["redrape.residual"] is not None
     assert recovered.nearest_fabrics and recovered.point_std.shape == recovered.pattern.points.shape
     assert {estimate.name for estimate in recovered.estimates} == {"H00", "H01", "H11", "H22", "k", "density"}
-    assert "simulation_fit" in {gate.name for gate in recovered.gates}
+    assert "simulation_fit" in {gate.name for gate in recovered.report.gates}
 
 
 def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,13 +56,13 @@ def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
     """Breaks if a stage hands on the wrong mesh, or if grading goes the wrong way, half of it, or in one direction."""
     assert straight.target.category == "skirt"
     assert straight.template == "skirt"
-    assert set(straight.stage_seconds) == set(STAGES) - {"fit", "redrape"}
+    assert set(straight.report.stage_seconds) == set(STAGES) - {"fit", "redrape"}
     for way in ("s2t", "t2s"):
-        detail, graded = (straight.metrics[f"{prefix}surface_rms_mm.{way}"] for prefix in ("", "graded."))
+        detail, graded = (straight.report.metrics[f"{prefix}surface_rms_mm.{way}"] for prefix in ("", "graded."))
         assert detail is not None and graded is not None
         assert detail < 1.2
         assert detail < graded < 26.0
-    assert (straight.metrics["body_penetration_mm"] or 0.0) <= 1.0
+    assert (straight.report.metrics["body_penetration_mm"] or 0.0) <= 1.0
     base = load_template("skirt")
     for panel in straight.pattern.panels:
         drawn = base.panel(panel.name)
@@ -117,7 +117,7 @@ def test_resumed_run_ends_where_an_uninterrupted_one_does(
     assert np.abs(resumed.meshes.detail - straight.meshes.detail).max() < 1e-6
     assert np.abs(resumed.meshes.graded - straight.meshes.graded).max() < 1e-6
     assert np.abs(resumed.pattern.points - straight.pattern.points).max() < 1e-6
-    assert resumed.metrics["drape.residual"] == straight.metrics["drape.residual"]
+    assert resumed.report.metrics["drape.residual"] == straight.report.metrics["drape.residual"]
 
 
 METHODS_TOLD = {

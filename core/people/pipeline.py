@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 from ..body import Body, builtin_body, is_builtin, register_body
 from ..garment.reading import Reading
-from ..run.clock import Clock, peak_mb
+from ..run.clock import Clock
 from ..run.hooks import SILENT, Hooks
+from ..run.report import ResultReport
 from ..scan import Scan, lies_on
 from ..scan.raw import RawScan
 from ..scan.refusal import BodyApart
@@ -44,17 +45,13 @@ class Apart:
         raw: The scan.
         separation: What each point is.
         readings: By the garments' words; empty where the separation has a problem.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of all stages [s].
-        peak_mb: Largest resident memory of the process [MB].
+        report: Warnings and cost.
     """
 
     raw: RawScan
     separation: Separation
     readings: dict[str, Reading] = field(default_factory=dict)
-    stage_seconds: dict[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
+    report: ResultReport = field(default_factory=ResultReport)
 
 
 def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
@@ -83,8 +80,7 @@ def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
     with clock.stage("garments", "cutting out the garments") as stage:
         if separation.problem is None:
             readings = _cut_garments(raw, separation, stage)
-    peak = peak_mb()
-    return Apart(raw, separation, readings, clock.seconds, clock.total, peak)
+    return Apart(raw, separation, readings, ResultReport.of(clock, {}, (), (*raw.notes, *separation.warnings), {}))
 
 
 def _cut_garments(raw: RawScan, separation: Separation, hooks: Hooks) -> dict[str, Reading]:

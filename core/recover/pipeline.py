@@ -27,8 +27,9 @@ from ..judge import (
     measure_wear,
 )
 from ..run.checkpoints import load, save
-from ..run.clock import Clock, peak_mb
+from ..run.clock import Clock
 from ..run.hooks import SILENT, Hooks
+from ..run.report import ResultReport
 from ..scan.contours import CATEGORIES, Target, find_remarks, mark_hidden_border, name_contours, segment_garment
 from ..scan.contours.rounded_rims import straighten_scan
 from .case import Case, GradedDrape
@@ -104,6 +105,20 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         cut = case.template
         if request.template is None:
             cut = name_recovered(fit.garment.pattern, cut, case.body, request.settings.chosen_parts)
+    warnings = (
+        *remarks,
+        *case.scan.repairs,
+        *drape.warnings,
+        *fit.warnings,
+        *(change.tell() for change in changes),
+        *(corner.tell() for corner in fit.corners),
+        *tell_cut(cut, case.template),
+    )
+    manifest = describe(case) | {
+        "cut": cut,
+        "panel_changes": [asdict(change) for change in changes],
+        "proved_corners": [corner.record() for corner in fit.corners],
+    }
     return Recovery(
         scan=case.scan,
         body=case.body,
@@ -113,30 +128,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         fabric=fit.fabric,
         garment=fit.garment,
         meshes=fit.meshes,
-        metrics=metrics,
-        gates=judge(metrics),
-        warnings=tuple(
-            dict.fromkeys(
-                (
-                    *remarks,
-                    *case.scan.repairs,
-                    *drape.warnings,
-                    *fit.warnings,
-                    *(change.tell() for change in changes),
-                    *(corner.tell() for corner in fit.corners),
-                    *tell_cut(cut, case.template),
-                )
-            )
-        ),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=peak_mb(),
-        manifest=describe(case)
-        | {
-            "cut": cut,
-            "panel_changes": [asdict(change) for change in changes],
-            "proved_corners": [corner.record() for corner in fit.corners],
-        },
+        report=ResultReport.of(clock, metrics, judge(metrics), warnings, manifest),
         estimates=fit.estimates,
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,

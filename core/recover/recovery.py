@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other
     from ..garment.meshes import Meshes
     from ..garment.pieces import PieceNumbers
     from ..garment.reading import Reading
-    from ..run.verdict import Gate
+    from ..run.report import ResultReport
     from ..scan import Scan
     from ..scan.contours import Target
 
@@ -81,13 +81,7 @@ class Recovery:
         fabric: The fabric.
         garment: The recovered pattern meshed and sewn; its nodes are the detail mesh.
         meshes: Node positions of graded drape, detail, simulation and re-draped mesh.
-        metrics: Flat dotted names to numbers; None where a metric does not apply.
-        gates: The verdicts.
-        warnings: What the user should know, one sentence each.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole recovery.
-        peak_mb: Largest resident memory of the process [MB].
-        manifest: Versions, hashes and settings that reproduce the result.
+        report: Numbers, verdicts, warnings, cost, and what reproduces it.
         estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
         nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
@@ -103,13 +97,7 @@ class Recovery:
     fabric: Fabric
     garment: Garment
     meshes: Meshes
-    metrics: dict[str, float | None]
-    gates: tuple[Gate, ...]
-    warnings: tuple[str, ...]
-    stage_seconds: dict[str, float]
-    cpu_seconds: float
-    peak_mb: float
-    manifest: dict[str, Any]
+    report: ResultReport
     estimates: tuple[FabricEstimate, ...] = ()
     nearest_fabrics: tuple[str, ...] = ()
     point_std: np.ndarray | None = None

@@ -59,7 +59,7 @@ def measure_recovery(
     else:
         found |= measure_pattern(recovery.pattern, pattern, own_template)
     found |= measure_fabric(recovery.fabric, pack.fabric)
-    own = {name: value for name, value in recovery.metrics.items() if not _is_of_truth(name)}
+    own = {name: value for name, value in recovery.report.metrics.items() if not _is_of_truth(name)}
     return dict(sorted((own | found).items())), unmatched
 
 

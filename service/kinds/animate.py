@@ -65,8 +65,8 @@ class Animate(Kind):
         worn = result.animation.worn
         session.add(describe_body(claim.job, worn.body))
         add_pattern(session, claim.job, worn.pattern, worn.fabric, (worn.category, worn.template))
-        add_metrics(session, claim.job, result.metrics)
-        return Outcome(summarise(result))
+        add_metrics(session, claim.job, result.report.metrics)
+        return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return garment, template, fabric and body by name."""

@@ -106,5 +106,5 @@ def store_dressed(session: Session, job: str, result: Dressed) -> Outcome:
     session.add(describe_body(job, worn.body))
     add_pattern(session, job, worn.pattern, worn.fabric, (worn.category, worn.template))
     add_pieces(session, job, result.pieces)
-    add_metrics(session, job, result.metrics)
-    return Outcome(summarise(result))
+    add_metrics(session, job, result.report.metrics)
+    return Outcome(summarise(result.report))

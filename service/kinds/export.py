@@ -14,12 +14,12 @@ from .dress import GARMENTS
 from .dress_request import RESULT
 from .export_request import ExportRequest, add_scan
 from .kind import Kind, Outcome, Work
-from .rows import add_metrics, add_pieces
+from .rows import add_metrics, add_pieces, summarise
 
 if TYPE_CHECKING:
     from ...core.garment.pieces import PieceSet
-    from ...core.run.clock import Clock
     from ...core.run.hooks import Hooks
+    from ...core.run.report import ResultReport
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Exported:
     """Describe the pieces that were written, and what it cost."""
 
     pieces: PieceSet
-    clock: Clock
+    report: ResultReport
 
 
 class Export(Kind):
@@ -47,6 +47,7 @@ class Export(Kind):
         from ...core.deliver.formats import Production, write_production
         from ...core.reuse.wear import load_worn
         from ...core.run.clock import Clock
+        from ...core.run.report import ResultReport
 
         clock = Clock(hooks)
         with clock.stage("write", f"writing {request.format}") as told:
@@ -54,21 +55,16 @@ class Export(Kind):
             production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, told)
             write_production(production, work.out)
             pieces = production.pieces
-        return Exported(pieces, clock)
+        return Exported(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))
 
     def store(self, session: Session, claim: Claim, result: Exported) -> Outcome:
         """Add the rows of the pieces and of their numbers."""
         from ...core.garment.pieces import describe_pieces
-        from ...core.run.clock import peak_mb
 
         measured, lay = describe_pieces(result.pieces)
         add_pieces(session, claim.job, measured)
         add_metrics(session, claim.job, lay)
-        seconds = {name: round(value, 3) for name, value in result.clock.seconds.items()}
-        return Outcome({
-            "gates": [], "warnings": list(result.pieces.missing), "stage_seconds": seconds,
-            "cpu_seconds": round(result.clock.total, 3), "peak_mb": round(peak_mb(), 1), "manifest": {},
-        })  # fmt: skip
+        return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return that it has no garment of its own: that is its input's."""

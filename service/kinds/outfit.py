@@ -90,8 +90,8 @@ class Outfit(Kind):
     def store(self, session: Session, claim: Claim, result: DressedOutfit) -> Outcome:
         """Add the rows of the body and of the numbers."""
         session.add(describe_body(claim.job, result.body))
-        add_metrics(session, claim.job, result.metrics)
-        return Outcome(summarise(result))
+        add_metrics(session, claim.job, result.report.metrics)
+        return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return the garments from the innermost to the outermost, and the body by name."""

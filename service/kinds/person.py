@@ -11,7 +11,7 @@ from .person_request import PersonRequest
 from .recover import Recover
 from .recover_request import PERSON
 from .request import pack_request, read_request
-from .rows import add_metrics, describe_body
+from .rows import add_metrics, describe_body, summarise
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -41,14 +41,8 @@ class Person(Kind):
     def store(self, session: Session, claim: Claim, result: PersonFound) -> Outcome:
         """Add the rows of wearer and numbers, and ask for the garments' recoveries."""
         session.add(describe_body(claim.job, result.body))
-        add_metrics(session, claim.job, result.metrics)
-        summary = {
-            "warnings": list(result.warnings),
-            "stage_seconds": {name: round(value, 3) for name, value in result.stage_seconds.items()},
-            "cpu_seconds": round(result.cpu_seconds, 3),
-            "peak_mb": round(result.peak_mb, 1),
-            "person": result.person,
-        }
+        add_metrics(session, claim.job, result.report.metrics)
+        summary = summarise(result.report) | {"person": result.person}
         if result.problem is not None:
             return Outcome(summary, failure=result.problem)
         try:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...core.run.errors import GarmentqError
+from ...core.run.report import ResultReport
 
 if TYPE_CHECKING:
     from ...core.body import Body
@@ -19,22 +19,14 @@ class PersonFound:
     Attributes:
         body: The wearer.
         person: Garments, readings of the outfit, parts and body, as `describe_person` says it.
-        metrics: Flat dotted names to numbers.
-        warnings: What the user should know, one sentence each.
+        report: Numbers, warnings and cost.
         problem: Why nothing is recovered from this without a person's look, or None.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole [s].
-        peak_mb: Largest resident memory of the process [MB].
     """
 
     body: Body
     person: dict[str, Any]
-    metrics: Mapping[str, float | None] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    report: ResultReport = field(default_factory=ResultReport)
     problem: GarmentqError | None = None
-    stage_seconds: Mapping[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
 
     @property
     def words(self) -> tuple[str, ...]:

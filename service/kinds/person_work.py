@@ -43,17 +43,10 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     separation = apart.separation
     person = describe_person(apart.raw, separation)
     words = tuple(str(garment["part"]) for garment in person["garments"])
-    warnings = (*apart.raw.notes, *separation.warnings, *_find_unused(request, words))
-    found = PersonFound(
-        separation.body,
-        person,
-        measure_person(person, separation.body.fit_rms),
-        tuple(dict.fromkeys(warnings)),
-        separation.problem,
-        apart.stage_seconds,
-        apart.cpu_seconds,
-        apart.peak_mb,
-    )
+    metrics = measure_person(person, separation.body.fit_rms)
+    warnings = tuple(dict.fromkeys((*apart.report.warnings, *_find_unused(request, words))))
+    report = replace(apart.report, metrics=metrics, warnings=warnings)
+    found = PersonFound(separation.body, person, report, separation.problem)
     _write(apart, given, found, work.out)
     return found
 
@@ -83,9 +76,9 @@ def _write(apart: Apart, given: Given, found: PersonFound, folder: Path) -> None
     from ...core.garment.reading import save_reading
 
     write_person(apart.raw, apart.separation, folder)
-    report = report_person(apart.raw, apart.separation, found.warnings, (folder / "picture.png").read_bytes())
+    report = report_person(apart.raw, apart.separation, found.report.warnings, (folder / "picture.png").read_bytes())
     (folder / "report.html").write_text(report, encoding="utf-8")
-    told = json.dumps(found.person | {"metrics": found.metrics}, indent=1, ensure_ascii=False)
+    told = json.dumps(found.person | {"metrics": found.report.metrics}, indent=1, ensure_ascii=False)
     (folder / TOLD).write_text(f"{told}\n", encoding="utf-8")
     for word, reading in apart.readings.items():
         own = given.patterns.get(word)

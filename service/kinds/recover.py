@@ -43,7 +43,7 @@ class Recover(Kind):
         person = work.inputs.get(PERSON)
         recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, person), hooks)
         if request.part is not None and person is not None:
-            recovery.metrics["confidence"] = _read_confidence(person, request.part)
+            recovery.report.metrics["confidence"] = _read_confidence(person, request.part)
         work.settings.find("writer")(recovery, work.out)
         return recovery
 
@@ -61,8 +61,8 @@ class Recover(Kind):
         session.add(describe_body(claim.job, result.body))
         add_pattern(session, claim.job, result.pattern, result.fabric, _find_names(result))
         add_pieces(session, claim.job, result.pieces)
-        add_metrics(session, claim.job, result.metrics)
-        return Outcome(summarise(result))
+        add_metrics(session, claim.job, result.report.metrics)
+        return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return garment, template, fabric and body by name."""

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -20,24 +20,7 @@ if TYPE_CHECKING:
     from ...core.cloth import Fabric
     from ...core.garment import Pattern
     from ...core.garment.pieces import PieceNumbers
-    from ...core.run.verdict import Gate
-
-
-class Judged(Protocol):
-    """What every result of a garment has beside its meshes; each as `Recovery` has it."""
-
-    @property
-    def gates(self) -> tuple[Gate, ...]: ...
-    @property
-    def warnings(self) -> tuple[str, ...]: ...
-    @property
-    def stage_seconds(self) -> dict[str, float]: ...
-    @property
-    def cpu_seconds(self) -> float: ...
-    @property
-    def peak_mb(self) -> float: ...
-    @property
-    def manifest(self) -> dict[str, Any]: ...
+    from ...core.run.report import ResultReport
 
 
 def describe_body(job: str, body: Body) -> BodyRow:
@@ -115,18 +98,18 @@ def show_garment(session: Session, job: str) -> dict[str, Any]:
     }
 
 
-def summarise(result: Judged) -> dict[str, Any]:
+def summarise(report: ResultReport) -> dict[str, Any]:
     """Return a result's verdicts, warnings, cost and manifest as JSON values for its job's row."""
     return {
         "gates": [
             {**asdict(gate), "value": keep_finite(gate.value), "limit": keep_finite(gate.limit)}
-            for gate in result.gates
+            for gate in report.gates
         ],
-        "warnings": list(result.warnings),
-        "stage_seconds": {name: round(value, 3) for name, value in result.stage_seconds.items()},
-        "cpu_seconds": round(result.cpu_seconds, 3),
-        "peak_mb": round(result.peak_mb, 1),
-        "manifest": json.loads(json.dumps(result.manifest, default=str)),
+        "warnings": list(report.warnings),
+        "stage_seconds": {name: round(value, 3) for name, value in report.stage_seconds.items()},
+        "cpu_seconds": round(report.cpu_seconds, 3),
+        "peak_mb": round(report.peak_mb, 1),
+        "manifest": json.loads(json.dumps(report.manifest, default=str)),
     }
 
 

@@ -67,9 +67,9 @@ def test_cut_and_widened_it_rests(shipped):
     """Broken where an edit that adds a panel and moves a hem crosses itself, is not at rest, or starts from nothing."""
     pattern = cut_panel(apply_operations(shipped.pattern, WIDER), "front", np.array([[-0.4, -0.4], [0.4, -0.4]]))
     edited = drape_edit(shipped, pattern, shipped.pattern, Clock(SILENT))
-    verdicts = {gate.name: gate.verdict for gate in edited.gates}
+    verdicts = {gate.name: gate.verdict for gate in edited.report.gates}
     assert {verdicts[name] for name in ("at_rest", "crossings", "depth", "seams")} == {"pass"}
-    assert edited.is_warm and 20.0 < edited.metrics["contour_change.hem_mm"] < 42.0
+    assert edited.is_warm and 20.0 < edited.report.metrics["contour_change.hem_mm"] < 42.0
     assert edited.difference.panels.only_first == ("front_2",) and edited.difference.panels.only_second == ()
     assert edited.difference.seams_added and seam_mismatch(pattern) < 1e-6
 
@@ -88,11 +88,11 @@ def widened(settled) -> Edited:
 
 def test_a_wider_hem_is_as_much_wider_on_the_hips(settled, widened):
     """Broken where 40 mm more of hem are not 40 mm on the wearer whose hips stretch it, or a drape ends too early."""
-    assert widened.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
-    assert widened.metrics["seam_mismatch_mm"] < 1e-3 and widened.cpu_seconds < FIRST
+    assert widened.report.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
+    assert widened.report.metrics["seam_mismatch_mm"] < 1e-3 and widened.report.cpu_seconds < FIRST
     before, now = (worn.garment.contour("hem").length for worn in (settled, widened.worn))
     assert now - before < 0.038, "the softened drape alone tells less, for the wider hem is stretched less"
-    assert {gate.verdict for gate in widened.gates} == {"pass"} and widened.is_warm
+    assert {gate.verdict for gate in widened.report.gates} == {"pass"} and widened.is_warm
 
 
 @pytest.mark.nightly
@@ -135,15 +135,15 @@ def test_widened_hem_hangs_wider(spec, count):
     edited = drape_edit(worn, wider, worn.pattern, Clock(SILENT))
     before, now = (one.garment.contour("hem").length for one in (worn, edited.worn))
     assert 1e3 * (now - before) == pytest.approx(40.0, abs=2.0)
-    assert edited.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
-    assert {gate.verdict for gate in edited.gates} == {"pass"} and edited.is_warm
-    assert edited.cpu_seconds < FIRST
+    assert edited.report.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
+    assert {gate.verdict for gate in edited.report.gates} == {"pass"} and edited.is_warm
+    assert edited.report.cpu_seconds < FIRST
     taken_back = apply_operations(read_pattern(json.dumps(write_pattern(wider))), undo(WIDER))
     assert np.abs(taken_back.points - worn.pattern.points).max() < 5e-4, "partners follow nearly the same way back"
     back = read_pattern(start)
     assert json.dumps(write_pattern(back), indent=1) == start
     undone = drape_edit(edited.worn, back, worn.pattern, Clock(SILENT))
-    assert undone.metrics["contour_change.hem_mm"] == pytest.approx(-40.0, abs=2.0)
+    assert undone.report.metrics["contour_change.hem_mm"] == pytest.approx(-40.0, abs=2.0)
     same = drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT))
     moved = np.linalg.norm(same.worn.garment.nodes - worn.garment.nodes, axis=1)
     assert np.quantile(moved, 0.99) < 1e-3 and moved.max() < 5e-3

@@ -14,6 +14,7 @@ from garmentq.core.deliver.export.animation import write_animation
 from garmentq.core.garment import load_draped_template
 from garmentq.core.reuse.animate import Animation, Moved, Verdict
 from garmentq.core.reuse.wear import Worn
+from garmentq.core.run.report import ResultReport
 from PIL import Image
 
 FRAMES = 5
@@ -123,11 +124,11 @@ def test_without_the_extra_there_is_no_usd_and_that_is_told(animation, tmp_path,
     from garmentq.core.deliver.export import animation as room
 
     monkeypatch.setattr(room, "can_write_usd", lambda: False)
-    moved = Moved(animation, "walk", {}, ())
-    assert any("garmentq[usd]" in warning for warning in room.tell_left_out(moved).warnings)
+    moved = Moved(animation, "walk", ResultReport())
+    assert any("garmentq[usd]" in warning for warning in room.tell_left_out(moved).report.warnings)
     assert not any(path.suffix == ".usdc" for path in write_animation(animation, tmp_path / "plain"))
     monkeypatch.undo()
-    assert room.tell_left_out(moved).warnings == ()
+    assert room.tell_left_out(moved).report.warnings == ()
 
 
 def test_pictures_show_motion(folder):

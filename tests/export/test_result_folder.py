@@ -108,7 +108,7 @@ def test_every_file_holds_what_was_recovered(tube_recovery, tmp_path: Path) -> N
     assert [panel.name for panel in again.panels] == [panel.name for panel in recovery.pattern.panels]
     assert again.seams == recovery.pattern.seams
     np.testing.assert_allclose(again.points, recovery.pattern.points, atol=1e-9)
-    for name, value in (("metrics", recovery.metrics), ("manifest", recovery.manifest)):
+    for name, value in (("metrics", recovery.report.metrics), ("manifest", recovery.report.manifest)):
         assert json.loads((tmp_path / f"{name}.json").read_text()) == plain(value)
     kept = load_worn(tmp_path)
     np.testing.assert_array_equal(kept.garment.nodes, worn_of(recovery).garment.nodes)
@@ -200,7 +200,7 @@ def fitted(tube_recovery) -> Recovery:
         FabricEstimate("H00", 777.0, 0.6, 0.7, False, "the drape leaves it open"),
         FabricEstimate("density", 0.1234, 0.5, 0.5, False, "only ratios to it <b>"),
     )
-    metrics = recovery.metrics | {
+    metrics = recovery.report.metrics | {
         "sim.surface_rms_mm.s2t": 5.0, "sim.surface_rms_mm.t2s": 6.0, "redrape.residual": 1e4, "fabric.k": 2.345e-5,
         "surface_rms_mm.s2t": 0.4, "surface_rms_mm.t2s": 0.5,
     }  # fmt: skip
@@ -270,6 +270,6 @@ def test_the_report_names_the_cuts_that_were_compared(tube_recovery) -> None:
     recovery = tube_recovery()
     right = {"template": "tshirt+neckline=v", "misfit": 0.1, "girths": 0.08, "neckline": 0.06}
     compared = [right, {"template": "tshirt", "misfit": 0.2}]
-    shown = report_html(replace(recovery, manifest={**recovery.manifest, "candidates": compared}))
+    shown = report_html(replace(recovery, report=replace(recovery.report, manifest={"candidates": compared})))
     assert "tshirt+neckline=v 0.100 (girths 0.080, neckline 0.060); tshirt 0.200" in shown
     assert "Cuts by misfit" not in report_html(recovery)

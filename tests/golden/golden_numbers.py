@@ -136,7 +136,11 @@ def measure_recovery(recovery: Recovery, metrics: Mapping[str, float | None]) ->
         recovery: The recovery.
         metrics: Its metrics beside the truth.
     """
-    words = {"category": recovery.target.category, "template": recovery.template, "cut": str(recovery.manifest["cut"])}
+    words = {
+        "category": recovery.target.category,
+        "template": recovery.template,
+        "cut": str(recovery.report.manifest["cut"]),
+    }
     return (
         Measured({}, words)
         | pick(metrics, FIT)
@@ -144,7 +148,7 @@ def measure_recovery(recovery: Recovery, metrics: Mapping[str, float | None]) ->
         | measure_contours(recovery.garment)
         | measure_body(recovery.body)
         | measure_fabric(recovery.fabric)
-        | measure_gates(recovery.gates)
+        | measure_gates(recovery.report.gates)
     )
 
 

@@ -148,7 +148,7 @@ def take_person_apart(name: str, shift: Shift, wearing: tuple[Part, ...] | None 
     reading = cut_garment_of(find_surface(raw, separation.body), separation, garment.part)
     settings = RecoverySettings(method="deform", vertex_count=VERTICES)
     recovery = recover(Request(Path(name), settings=settings, reading=reading))
-    return found | measure_recovery(recovery, recovery.metrics)
+    return found | measure_recovery(recovery, recovery.report.metrics)
 
 
 def wear(template: str, shift: Shift) -> Worn:
@@ -165,7 +165,7 @@ def dress_another(shift: Shift) -> Measured:
     found = name_under("before", measure_all(depths))
     for word, wear_again in (("dressed", dress_body), ("refitted", make_to_measure)):
         one = wear_again(skirt, body, None, Clock())
-        found |= name_under(word, measure_all(one.metrics) | measure_gates(one.gates))
+        found |= name_under(word, measure_all(one.report.metrics) | measure_gates(one.report.gates))
         found |= name_under(word, measure_contours(one.worn.garment) | measure_pattern(one.worn.pattern))
     return found
 
@@ -176,10 +176,10 @@ def edit_hem(shift: Shift) -> Measured:
     longer = worn.pattern.with_points(worn.pattern.points * np.array([1.0, 1.1]))
     edited = drape_edit(worn, longer, worn.pattern, Clock())
     return (
-        measure_all(edited.metrics)
+        measure_all(edited.report.metrics)
         | measure_pattern(edited.worn.pattern)
         | measure_contours(edited.worn.garment)
-        | measure_gates(edited.gates)
+        | measure_gates(edited.report.gates)
     )
 
 
@@ -189,7 +189,7 @@ def animate_walk(shift: Shift) -> Measured:
     assert path is not None
     settings = AnimateSettings(fps=24.0, end=WALK, lead=LEAD)
     moved = move_worn(wear("skirt", shift), load_motion(path), "walk", settings, Clock())
-    found = measure_all(moved.metrics) | measure_gates(moved.gates)
+    found = measure_all(moved.report.metrics) | measure_gates(moved.report.gates)
     for n, nodes in enumerate(moved.animation.frames):
         low, high = nodes.min(axis=0), nodes.max(axis=0)
         own = {f"frame{n}.{axis}_cm": CM * float(size) for axis, size in zip("xyz", high - low, strict=True)}

@@ -24,6 +24,7 @@ from garmentq.core.reuse.edit import drape_edit
 from garmentq.core.reuse.wear import Dressed, DressedOutfit, Worn, judge_wear, measure_ease, measure_worn
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.report import ResultReport
 from garmentq.service.jobs import claim
 from garmentq.service.kinds import KINDS
 from garmentq.service.kinds.recover import Recover
@@ -66,7 +67,7 @@ def dress(worn: Worn) -> Dressed:
     drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
     metrics, loads = measure_worn(worn, WearerGeometry(worn.body), drape), np.zeros((2, len(worn.garment.nodes)))
     ease = measure_ease(worn.garment, worn.body)
-    return Dressed(worn, worn, drape, ease, *loads, metrics, judge_wear(metrics), (), {}, 0.1, 1.0, {}, ())
+    return Dressed(worn, worn, drape, ease, *loads, ResultReport(metrics, judge_wear(metrics)))
 
 
 def write_dress(worn: Worn, folder: Path) -> None:
@@ -78,14 +79,16 @@ def write_outfits(worn: Worn, folder: Path) -> None:
     """Write an outfit of every garment that a person can wear."""
     one = dress(worn)
     garments = dict.fromkeys(("lower", "upper", "one-piece", "outer"), one)
-    write_outfit(DressedOutfit(garments, worn.body, one.drape, one.metrics, one.gates), folder)
+    write_outfit(DressedOutfit(garments, worn.body, one.drape, one.report), folder)
 
 
 def write_motion(worn: Worn, folder: Path) -> None:
     """Write two frames."""
     frames, turned = np.stack([worn.garment.nodes] * 2), np.tile(worn.body.transforms, (2, 1, 1, 1))
     verdicts = (Verdict(True, 1e-4, 1, 1, 4, 0.5),) * 2
-    write_moved(Moved(Animation(worn, 25.0, np.arange(2) / 25.0, frames, turned, verdicts), "walk", {}, ()), folder)
+    write_moved(
+        Moved(Animation(worn, 25.0, np.arange(2) / 25.0, frames, turned, verdicts), "walk", ResultReport()), folder
+    )
 
 
 def write_edit(worn: Worn, folder: Path) -> None:

@@ -14,6 +14,7 @@ from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.size_drapes import drape_size
 from garmentq.core.recover.drape import measure_wearer
 from garmentq.core.reuse.wear import Worn, is_sound, wear_template
+from garmentq.core.run.report import ResultReport
 from PIL import Image
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
@@ -52,7 +53,7 @@ def test_files_of_draped_sizes_tell_each_size(tmp_path, monkeypatch):
     class Quick:
         """A drape that was made before."""
 
-        gates, warnings, metrics = (), (), {"ease.chest_mm": 40.0}
+        report = ResultReport({"ease.chest_mm": 40.0})
 
     quick = Quick()
     quick.worn = worn
@@ -75,5 +76,5 @@ def test_every_size_hangs_at_rest_on_its_body(name):
     worn = wear(name)
     base = measure_wearer(worn.body)
     for size in grade_sizes(worn.pattern, name, base, 1.70, ExportOptions("sizes", first=-2, last=4)):
-        metrics = drape_size(worn, size, base).metrics
+        metrics = drape_size(worn, size, base).report.metrics
         assert is_sound(metrics), (size.name, metrics)

@@ -15,6 +15,7 @@ from garmentq.core.garment import load_draped_template
 from garmentq.core.garment.pieces import measure_pieces
 from garmentq.core.reuse.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
+from garmentq.core.run.report import ResultReport
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.models import PieceRow
@@ -69,7 +70,8 @@ def quick(monkeypatch):
         ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
         metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
         return Dressed(
-            worn, now, drape, ease, *loads, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {},
+            worn, now, drape, ease, *loads,
+            ResultReport(metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0),
             measure_pieces(worn.pattern).pieces,
         )  # fmt: skip
 

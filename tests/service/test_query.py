@@ -71,7 +71,8 @@ def results(database, store, folder):
         files = folder / name
         files.mkdir()
         recovery = make_recovery(order, rms)
-        recovery = replace(recovery, metrics=recovery.metrics | measure_knowledge(KNOWN.get(name, ())))
+        metrics = recovery.report.metrics | measure_knowledge(KNOWN.get(name, ()))
+        recovery = replace(recovery, report=replace(recovery.report, metrics=metrics))
         write(recovery, files)
         store_result(database, store, held, Recover(), recovery, files)
     submit(database, store, Order(put_file(folder, "queued.ply"), folder / "body.ply"))

@@ -15,6 +15,7 @@ from garmentq.core.garment.reading import Reading, save_reading
 from garmentq.core.recover.recovery import Request
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.hooks import Hooks
+from garmentq.core.run.report import ResultReport
 from garmentq.core.scan import Pieces, Scan
 from garmentq.service.kinds import Work
 from garmentq.service.kinds.person_found import PersonFound
@@ -77,4 +78,5 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     person = {"garments": garments, "outfits": outfits, "parts": dict.fromkeys(parts, 2)}
     problem = Unsure() if name.startswith("unsure") else None
     metrics = {f"confidence.{part}": 0.97 for part in parts}
-    return Found(recovery.body, person, metrics, ("this is a stand-in",), problem, {"separate": 0.1}, 0.1, 100.0)
+    report = ResultReport(metrics, (), ("this is a stand-in",), {"separate": 0.1}, 0.1, 100.0)
+    return Found(recovery.body, person, report, problem)

@@ -24,6 +24,7 @@ from garmentq.core.garment.pieces import PieceNumbers
 from garmentq.core.recover.recovery import STAGES, Recovery, Request
 from garmentq.core.run.errors import BadInput, Cancelled
 from garmentq.core.run.hooks import Hooks
+from garmentq.core.run.report import ResultReport
 from garmentq.core.run.verdict import Gate, Verdict
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import Target
@@ -66,7 +67,7 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
 def write(recovery: Recovery, folder: Path) -> list[Path]:
     """Write one file."""
     path = folder / "metrics.txt"
-    path.write_text(repr(recovery.metrics))
+    path.write_text(repr(recovery.report.metrics))
     return [path]
 
 
@@ -124,12 +125,14 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         fabric=Fabric(request.settings.fabric, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
         garment=garment,
         meshes=Meshes(nodes, nodes),
-        metrics={"surface_rms_mm.t2s": rms, "surface_rms_mm.s2t": rms / 2, "panel_area_error": None},
-        gates=(Gate("penetration", Verdict.PASS, 0.1, 1.0, "fine"),),
-        warnings=("this is a stand-in",),
-        stage_seconds=dict.fromkeys(STAGES, 0.01),
-        cpu_seconds=0.1,
-        peak_mb=100.0,
-        manifest={"seed": request.settings.seed},
+        report=ResultReport(
+            metrics={"surface_rms_mm.t2s": rms, "surface_rms_mm.s2t": rms / 2, "panel_area_error": None},
+            gates=(Gate("penetration", Verdict.PASS, 0.1, 1.0, "fine"),),
+            warnings=("this is a stand-in",),
+            stage_seconds=dict.fromkeys(STAGES, 0.01),
+            cpu_seconds=0.1,
+            peak_mb=100.0,
+            manifest={"seed": request.settings.seed},
+        ),
         pieces=(PieceNumbers("FRONT", 1, False, False, 0.4, 0.0144, 0.0144, 0),),
     )

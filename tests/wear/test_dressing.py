@@ -71,5 +71,5 @@ def test_the_wearer_himself_wears_the_redraped_mesh(worn, rate):
     nodes, _ = redrape(garment, WearerGeometry(worn.body), worn.fabric, scan, rotation=rotation)
     result = replace(worn, garment=garment.at(nodes), rotation=rotation)
     dressed = dress_body(result, worn.body, None, Clock())
-    assert dressed.metrics["self_intersecting_faces"] == 0.0
+    assert dressed.report.metrics["self_intersecting_faces"] == 0.0
     assert np.linalg.norm(dressed.worn.garment.nodes - nodes, axis=1).max() < 5e-4

@@ -19,7 +19,7 @@ def test_ease_is_kept_on_the_drape(name):
     """Broken where cloth hangs elsewhere than foreseen, or what a drape shows of one body is not taken back again."""
     worn = wear_template(name, get_fabric("cotton_poplin"))
     there = make_to_measure(worn, builtin_body(BROAD), None, Clock())
-    changes = {place: value for place, value in there.metrics.items() if place.startswith("ease_change.")}
+    changes = {place: value for place, value in there.report.metrics.items() if place.startswith("ease_change.")}
     assert len(changes) == 3 and max(abs(value) for value in changes.values()) <= 5.0
     back = refit_pattern(there.worn, worn.body).pattern
     assert np.linalg.norm(back.points - worn.pattern.points, axis=1).max() < 5e-4

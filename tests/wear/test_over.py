@@ -113,13 +113,17 @@ def test_an_outfit_is_judged_garment_by_garment(monkeypatch):
     monkeypatch.setattr("garmentq.core.reuse.wear.outfit.rest_together", stay)
     right = dress_outfit({"lower": inner, "upper": skirt}, skirt.body, Clock())
     wrong = dress_outfit({"upper": skirt, "lower": inner}, skirt.body, Clock())
-    verdicts = [{gate.name: gate.verdict for gate in one.gates} for one in (right, wrong)]
+    verdicts = [{gate.name: gate.verdict for gate in one.report.gates} for one in (right, wrong)]
     assert [one["at_rest"] for one in verdicts] == ["fail", "fail"]
     assert (verdicts[0]["upper.layers"], verdicts[1]["lower.layers"]) == ("pass", "fail")
     assert "lower.layers" not in verdicts[0] and list(right.garments) == ["lower", "upper"]
-    assert wrong.metrics["layers.depth_mm"] == pytest.approx(1.5, rel=0.1)
-    assert right.metrics["vertices"] == 2.0 * len(skirt.garment.nodes) == 2.0 * right.metrics["upper.vertices"]
-    assert right.metrics["drape.residual"] == 0.2 and "upper.drape.residual" not in right.metrics
+    assert wrong.report.metrics["layers.depth_mm"] == pytest.approx(1.5, rel=0.1)
+    assert (
+        right.report.metrics["vertices"]
+        == 2.0 * len(skirt.garment.nodes)
+        == 2.0 * right.report.metrics["upper.vertices"]
+    )
+    assert right.report.metrics["drape.residual"] == 0.2 and "upper.drape.residual" not in right.report.metrics
 
 
 @pytest.mark.nightly
@@ -128,12 +132,12 @@ def test_a_shirt_over_trousers():
     shirt, trousers = wear("tshirt", "cotton_poplin"), wear("trousers", "denim")
     dressed = dress_over(shirt, trousers, builtin_body(f"{SPEC},pose=A"), None, Clock())
     assert dressed.under is not None and dressed.under.fabric.name == "denim"
-    assert [gate.name for gate in dressed.gates if gate.verdict == "fail"] == []
+    assert [gate.name for gate in dressed.report.gates if gate.verdict == "fail"] == []
     below, above = dressed.under.garment, dressed.worn.garment
     faces = np.concatenate([below.faces, above.faces + len(below.nodes)])
     assert len(self_intersections(np.concatenate([below.nodes, above.nodes]), faces)) == 0
     hem = above.nodes[:, 1] < below.nodes[:, 1].max() - 0.05
     assert hem.sum() > 100
     outfit = dress_outfit({"lower": trousers, "upper": shirt}, builtin_body(f"{SPEC},pose=A"), Clock())
-    assert [gate.name for gate in outfit.gates if gate.verdict == "fail"] == []
+    assert [gate.name for gate in outfit.report.gates if gate.verdict == "fail"] == []
     np.testing.assert_array_equal(outfit.garments["upper"].worn.garment.nodes, above.nodes)

@@ -54,7 +54,8 @@ def tell_left_out(moved: Moved) -> Moved:
         told.append(f"no GLB: it would be larger than {MOST_BYTES // 10**6} MB; the point caches hold all frames.")
     if _body_bytes(animation) > MOST_BYTES:
         told.append(f"no body.pc2: it would be larger than {MOST_BYTES // 10**6} MB; take a part of the motion.")
-    return replace(moved, warnings=(*moved.warnings, *told))
+    report = replace(moved.report, warnings=(*moved.report.warnings, *told))
+    return replace(moved, report=report)
 
 
 def _body_bytes(animation: Animation) -> int:
@@ -74,8 +75,8 @@ def write_moved(moved: Moved, folder: Path) -> list[Path]:
     files.append(write_ply(body.vertices, body.faces, folder / "body.ply"))
     if _body_bytes(animation) <= MOST_BYTES:
         files.append(write_pc2(animation.bodies(), folder / "body.pc2"))
-    files.append(write_json(moved.metrics, folder / "metrics.json"))
-    files.append(write_json(moved.manifest, folder / "manifest.json"))
+    files.append(write_json(moved.report.metrics, folder / "metrics.json"))
+    files.append(write_json(moved.report.manifest, folder / "manifest.json"))
     report = folder / "report.html"
     preview, sheet = ((folder / name).read_bytes() for name in ("preview.gif", "sheet.png"))
     report.write_text(report_animation(moved, preview, sheet), encoding="utf-8")

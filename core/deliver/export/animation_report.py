@@ -27,10 +27,10 @@ def report_animation(moved: Moved, preview: bytes, sheet: bytes) -> str:
         [
             _header(moved),
             _pictures(preview, sheet),
-            gates_html(moved.gates),
+            gates_html(moved.report.gates),
             _worst(moved),
-            numbers_html(moved.metrics),
-            manifest_html(moved.manifest),
+            numbers_html(moved.report.metrics),
+            manifest_html(moved.report.manifest),
         ],
     )
 
@@ -42,9 +42,10 @@ def _header(moved: Moved) -> str:
         "Frames": f"{len(animation.frames)} at {animation.fps:g} a second",
         "Fabric": worn.fabric.title or worn.fabric.name,
         "Wearer": worn.body.source,
-        "CPU time": f"{moved.cpu_seconds:.0f} s",
+        "CPU time": f"{moved.report.cpu_seconds:.0f} s",
     }
-    return head_html(Heading("in motion", worn.pattern.name or worn.category, facts), moved.gates, moved.warnings)
+    heading = Heading("in motion", worn.pattern.name or worn.category, facts)
+    return head_html(heading, moved.report.gates, moved.report.warnings)
 
 
 def _pictures(preview: bytes, sheet: bytes) -> str:

@@ -31,8 +31,8 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
         files += write_meshes(below, below.nodes, folder, "under", ("obj", "glb"))
         files.append(write_ply(below.nodes, below.faces, folder / "under.ply"))
     files += write_body(worn.body, folder)
-    files.append(write_json(dressed.metrics, folder / "metrics.json"))
-    files.append(write_json(dressed.manifest, folder / "manifest.json"))
+    files.append(write_json(dressed.report.metrics, folder / "metrics.json"))
+    files.append(write_json(dressed.report.manifest, folder / "manifest.json"))
     picture, report = folder / "picture.png", folder / "report.html"
     picture.write_bytes(draw_wearers(dressed))
     report.write_text(report_dressed(dressed, picture.read_bytes()), encoding="utf-8")

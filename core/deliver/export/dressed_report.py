@@ -68,10 +68,10 @@ def report_dressed(dressed: Dressed, picture: bytes) -> str:
         [
             _header(dressed),
             _pictures(picture),
-            gates_html(dressed.gates),
+            gates_html(dressed.report.gates),
             ease_html(dressed.ease),
-            numbers_html(dressed.metrics),
-            manifest_html(dressed.manifest),
+            numbers_html(dressed.report.metrics),
+            manifest_html(dressed.report.manifest),
         ],
     )
 
@@ -84,11 +84,12 @@ def _header(dressed: Dressed) -> str:
         "Fabric": worn.fabric.title or worn.fabric.name,
         "First wearer": dressed.before.body.source,
         "Wearer": worn.body.source,
-        "CPU time": f"{dressed.cpu_seconds:.0f} s",
+        "CPU time": f"{dressed.report.cpu_seconds:.0f} s",
     }
     if dressed.under is not None:
         facts["Worn over"] = dressed.under.pattern.name or dressed.under.category
-    return head_html(Heading("worn again", worn.pattern.name or worn.category, facts), dressed.gates, dressed.warnings)
+    heading = Heading("worn again", worn.pattern.name or worn.category, facts)
+    return head_html(heading, dressed.report.gates, dressed.report.warnings)
 
 
 def _pictures(picture: bytes) -> str:

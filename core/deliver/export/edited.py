@@ -36,8 +36,8 @@ def write_edited(edited: Edited, folder: Path) -> list[Path]:
     write_svg(worn.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")
     files.append(write_json(asdict(edited.difference), folder / "difference.json"))
-    files.append(write_json(edited.metrics, folder / "metrics.json"))
-    files.append(write_json(edited.manifest, folder / "manifest.json"))
+    files.append(write_json(edited.report.metrics, folder / "metrics.json"))
+    files.append(write_json(edited.report.manifest, folder / "manifest.json"))
     files.append(save_worn(worn, folder))
     picture, report = folder / "picture.png", folder / "report.html"
     picture.write_bytes(draw_versions(edited))

@@ -38,20 +38,20 @@ def report_edited(edited: Edited, picture: bytes) -> str:
         "Fabric": worn.fabric.title or worn.fabric.name,
         "Wearer": worn.body.source,
         "Draped from": "where the garment hung" if edited.is_warm else "the panels' placement",
-        "CPU time": f"{edited.cpu_seconds:.0f} s",
+        "CPU time": f"{edited.report.cpu_seconds:.0f} s",
     }
     heading = Heading("edited", worn.pattern.name or worn.category, facts)
     return page_html(
         f"{worn.category}, edited",
         [
-            head_html(heading, edited.gates, edited.warnings),
+            head_html(heading, edited.report.gates, edited.report.warnings),
             _pictures(picture),
-            gates_html(edited.gates),
+            gates_html(edited.report.gates),
             _panels(edited),
             _seams(edited),
             ease_html(edited.ease),
-            numbers_html(edited.metrics),
-            manifest_html(edited.manifest),
+            numbers_html(edited.report.metrics),
+            manifest_html(edited.report.manifest),
         ],
     )
 

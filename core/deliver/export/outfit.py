@@ -36,8 +36,8 @@ def write_outfit(outfit: DressedOutfit, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files = [file for word, one in outfit.garments.items() for file in write_garment(one, folder / word)]
     files += write_body(outfit.body, folder)
-    files.append(write_json(outfit.metrics, folder / "metrics.json"))
-    files.append(write_json(outfit.manifest, folder / "manifest.json"))
+    files.append(write_json(outfit.report.metrics, folder / "metrics.json"))
+    files.append(write_json(outfit.report.manifest, folder / "manifest.json"))
     picture, report = folder / "picture.png", folder / "report.html"
     picture.write_bytes(draw_outfit(outfit))
     report.write_text(report_outfit(outfit, picture.read_bytes()), encoding="utf-8")
@@ -62,7 +62,8 @@ def report_outfit(outfit: DressedOutfit, picture: bytes) -> str:
         picture: PNG of them, as `draw_outfit` makes it.
     """
     words = list(outfit.garments)
-    facts = {"Garments": ", ".join(words), "Wearer": outfit.body.source, "CPU time": f"{outfit.cpu_seconds:.0f} s"}
+    seconds = f"{outfit.report.cpu_seconds:.0f} s"
+    facts = {"Garments": ", ".join(words), "Wearer": outfit.body.source, "CPU time": seconds}
     for word, one in outfit.garments.items():
         facts[word.capitalize()] = f"{one.worn.template}, {one.worn.fabric.title or one.worn.fabric.name}"
     heading = Heading("worn again", f"{' under '.join(words)}", facts)
@@ -75,11 +76,11 @@ def report_outfit(outfit: DressedOutfit, picture: bytes) -> str:
     return page_html(
         f"{', '.join(words)} on {outfit.body.source}",
         [
-            head_html(heading, outfit.gates, outfit.warnings),
+            head_html(heading, outfit.report.gates, outfit.report.warnings),
             shown,
-            gates_html(outfit.gates),
+            gates_html(outfit.report.gates),
             *tables,
-            numbers_html(outfit.metrics),
-            manifest_html(outfit.manifest),
+            numbers_html(outfit.report.metrics),
+            manifest_html(outfit.report.manifest),
         ],
     )

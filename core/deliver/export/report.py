@@ -122,7 +122,7 @@ def number(value: Any) -> str:
 
 
 def _header(recovery: Recovery) -> str:
-    of_product = {product: [g for g in recovery.gates if product_of(g.name) is product] for product in Product}
+    of_product = {product: [g for g in recovery.report.gates if product_of(g.name) is product] for product in Product}
     verdicts = "".join(
         f'<span class="verdict {verdict}">{VERDICTS[product][verdict]}</span>'
         for product, gates in of_product.items()
@@ -131,14 +131,14 @@ def _header(recovery: Recovery) -> str:
     facts = (
         ("Category", recovery.target.category),
         ("Template", recovery.template),
-        *_describe_candidates(recovery.manifest.get("candidates", [])),
+        *_describe_candidates(recovery.report.manifest.get("candidates", [])),
         ("Fabric", recovery.fabric.title or recovery.fabric.name),
         ("Body", recovery.body.source),
-        ("CPU time", f"{recovery.cpu_seconds:.0f} s"),
-        ("Memory", f"{recovery.peak_mb:.0f} MB"),
+        ("CPU time", f"{recovery.report.cpu_seconds:.0f} s"),
+        ("Memory", f"{recovery.report.peak_mb:.0f} MB"),
     )
     cells = "".join(f"<div><dt>{title}</dt><dd>{escape(value)}</dd></div>" for title, value in facts)
-    notes = "".join(f"<li>{escape(text)}</li>" for text in recovery.warnings)
+    notes = "".join(f"<li>{escape(text)}</li>" for text in recovery.report.warnings)
     return (
         f'<header><p class="brand">garmentq · recovery report</p><h1>{escape(recovery.scan.name)}</h1>'
         f'<p class="verdicts">{verdicts}</p><dl class="facts">{cells}</dl></header>'
@@ -181,7 +181,7 @@ def _meshes(recovery: Recovery) -> str:
     """Describe what each mesh is for, and how far from the scan it lies."""
     rows = []
     for prefix, name, use in MESHES:
-        ways = [recovery.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
+        ways = [recovery.report.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
         if any(way is not None for way in ways):
             there, back = (number(way) for way in ways)
             rows.append(f"<tr><td>{name}</td><td class=num>{there} / {back}</td><td>{use}</td></tr>")
@@ -196,7 +196,7 @@ def _gates(recovery: Recovery) -> str:
         f"<td class=num>{number(gate.value)}</td>"
         f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
         for product in Product
-        for gate in recovery.gates
+        for gate in recovery.report.gates
         if product_of(gate.name) is product
     )
     head = (
@@ -271,7 +271,7 @@ def _narrowing(estimate: FabricEstimate) -> str:
 
 
 def _numbers(recovery: Recovery) -> str:
-    metrics = recovery.metrics
+    metrics = recovery.report.metrics
     prefixes = [prefix for prefix, _ in COLUMNS if prefix]
     bases: dict[str, None] = dict.fromkeys(TITLES)
     for name in sorted(metrics):
@@ -297,13 +297,13 @@ def _contour_title(name: str) -> str:
 
 
 def _settings(recovery: Recovery) -> str:
-    total = max(sum(recovery.stage_seconds.values()), 1e-9)
+    total = max(sum(recovery.report.stage_seconds.values()), 1e-9)
     stages = "".join(
         f'<tr><td>{escape(name)}</td><td class=num>{seconds:.1f}</td><td class="share">'
         f'<i style="width:{100.0 * seconds / total:.1f}%"></i></td></tr>'
-        for name, seconds in recovery.stage_seconds.items()
+        for name, seconds in recovery.report.stage_seconds.items()
     )
-    manifest = escape(json.dumps(recovery.manifest, indent=1, ensure_ascii=False, default=str))
+    manifest = escape(json.dumps(recovery.report.manifest, indent=1, ensure_ascii=False, default=str))
     head = '<tr><th>Stage</th><th class=num>CPU [s]</th><th class="share"></th></tr>'
     return (
         f'<section><h2>Time</h2><table class="stages">{head}{stages}</table></section>'

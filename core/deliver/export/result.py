@@ -51,8 +51,8 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     files.append(folder / "pattern.svg")
     if recovery.estimates:
         files.append(write_json(describe_fit(recovery), folder / "fit.json"))
-    files.append(write_json(recovery.metrics, folder / "metrics.json"))
-    files.append(write_json(recovery.manifest, folder / "manifest.json"))
+    files.append(write_json(recovery.report.metrics, folder / "metrics.json"))
+    files.append(write_json(recovery.report.manifest, folder / "manifest.json"))
     files.append(save_worn(worn_of(recovery), folder))
     report = folder / "report.html"
     report.write_text(report_html(recovery), encoding="utf-8")

@@ -69,9 +69,10 @@ def _tell(size: Size, dressed: Dressed | None, why: str = "") -> dict[str, Any]:
     told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
     if dressed is None:
         return {**told, "verdict": Verdict.FAIL, "warnings": [why], "metrics": {}}
-    gates = [{"name": gate.name, "verdict": gate.verdict, "message": gate.message} for gate in dressed.gates]
-    verdict = worst_verdict(gate.verdict for gate in dressed.gates)
-    return {**told, "verdict": verdict, "gates": gates, "warnings": dressed.warnings, "metrics": dressed.metrics}
+    report = dressed.report
+    gates = [{"name": gate.name, "verdict": gate.verdict, "message": gate.message} for gate in report.gates]
+    verdict = worst_verdict(gate.verdict for gate in report.gates)
+    return {**told, "verdict": verdict, "gates": gates, "warnings": report.warnings, "metrics": report.metrics}
 
 
 def _draw(dressed: Dressed) -> np.ndarray:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 from ...body.motion import LeadIn, Pose, Recording, retarget
-from ...run.clock import Clock, peak_mb
-from ...run.verdict import Gate
+from ...run.clock import Clock
+from ...run.report import ResultReport
 from ..wear import Worn
 from .animation import STAGE, Animation, animate
 from .clearing import clear_motion
@@ -22,24 +21,12 @@ class Moved:
     Attributes:
         animation: The frames.
         motion: Name of the motion.
-        metrics: Flat dotted names to numbers.
-        gates: The verdicts.
-        warnings: What the user should know, one sentence each.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole.
-        peak_mb: Largest resident memory of the process [MB].
-        manifest: What reproduces the result.
+        report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
 
     animation: Animation
     motion: str
-    metrics: dict[str, float | None]
-    gates: tuple[Gate, ...]
-    warnings: tuple[str, ...] = ()
-    stage_seconds: dict[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
-    manifest: dict[str, Any] = field(default_factory=dict)
+    report: ResultReport
 
 
 def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSettings, clock: Clock) -> Moved:
@@ -71,26 +58,18 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         warnings.append(f"the motion is over after {track.seconds:.2f} s; after that the wearer stands still.")
     if worn.rotation is not None:
         warnings.append("the scanned cloth was in motion; here it moves from rest.")
-    return Moved(
-        animation=animation,
-        motion=name,
-        metrics=metrics,
-        gates=(judge_motion(recording), *judge_animation(metrics)),
-        warnings=tuple(warnings),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=peak_mb(),
-        manifest={
-            "motion": name,
-            "fps": settings.fps,
-            "from": float(animation.times[0]),
-            "to": float(animation.times[-1]),
-            "damping_per_s": settings.step.damping,
-            "keep_motion": settings.keep_motion,
-            "limbs_spread_deg": {} if clearing is None else clearing.degrees,
-            "body": worn.body.source,
-            "fabric": worn.fabric.name,
-            "template": worn.template,
-            "category": worn.category,
-        },
-    )
+    manifest = {
+        "motion": name,
+        "fps": settings.fps,
+        "from": float(animation.times[0]),
+        "to": float(animation.times[-1]),
+        "damping_per_s": settings.step.damping,
+        "keep_motion": settings.keep_motion,
+        "limbs_spread_deg": {} if clearing is None else clearing.degrees,
+        "body": worn.body.source,
+        "fabric": worn.fabric.name,
+        "template": worn.template,
+        "category": worn.category,
+    }
+    gates = (judge_motion(recording), *judge_animation(metrics))
+    return Moved(animation, name, ResultReport.of(clock, metrics, gates, warnings, manifest))

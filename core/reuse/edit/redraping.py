@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +11,9 @@ from ...garment import Garment, Pattern, lay_over, mesh_pattern, panel_area
 from ...geometry import ClosedCurve
 from ...judge.patterns import measure_seams
 from ...recover.drape import DrapeSettings, WearerGeometry, drape_graded, flat_length, redrape
-from ...run.clock import Clock, peak_mb
+from ...run.clock import Clock
 from ...run.hooks import Hooks
+from ...run.report import ResultReport
 from ...run.verdict import Gate, Verdict
 from ...scan.contours import Contour
 from ..wear import Ease, Worn, judge_wear, measure_ease, measure_pressure, measure_strain, measure_worn
@@ -48,13 +48,7 @@ class Edited:
         ease: Garment and body at each place where cloth goes round the body.
         strain: Largest principal strain of the cloth at each node, shape [node_count].
         pressure: Of the cloth on the body at each node [Pa], shape [node_count].
-        metrics: Flat dotted names to numbers; None where a metric does not apply.
-        gates: The verdicts.
-        warnings: What the user should know, one sentence each.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole.
-        peak_mb: Largest resident memory of the process [MB].
-        manifest: What reproduces the result.
+        report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
 
     before: Worn
@@ -65,13 +59,7 @@ class Edited:
     ease: tuple[Ease, ...]
     strain: np.ndarray
     pressure: np.ndarray
-    metrics: dict[str, float | None]
-    gates: tuple[Gate, ...]
-    warnings: tuple[str, ...] = ()
-    stage_seconds: dict[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
-    manifest: dict[str, Any] = field(default_factory=dict)
+    report: ResultReport
 
 
 def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -> Edited:
@@ -103,7 +91,9 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
         }
         metrics |= _measure_change(worn.garment, garment, worn.fabric) | {"drape.warm": float(start is not None)}
         difference = compare_versions(pattern, recovered)
-    warnings = [] if drape.at_rest else [f"the garment is {drape.advice}"]
+    warnings = [COLD] if start is None else []
+    warnings += [] if drape.at_rest else [f"the garment is {drape.advice}"]
+    manifest = {"fabric": worn.fabric.name, "template": worn.template, "category": worn.category}
     return Edited(
         before=worn,
         worn=now,
@@ -113,13 +103,7 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
         ease=ease,
         strain=strain,
         pressure=pressure,
-        metrics=metrics,
-        gates=(*judge_wear(metrics), _judge_seams(metrics)),
-        warnings=tuple(warnings if start is not None else [COLD, *warnings]),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=peak_mb(),
-        manifest={"fabric": worn.fabric.name, "template": worn.template, "category": worn.category},
+        report=ResultReport.of(clock, metrics, (*judge_wear(metrics), _judge_seams(metrics)), warnings, manifest),
     )
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from ...cloth import Drape, Fabric
 from ...garment.pieces import PieceNumbers, measure_pieces
 from ...geometry import self_intersections
 from ...recover.drape import WearerGeometry, redrape
-from ...run.clock import Clock, peak_mb
+from ...run.clock import Clock
 from ...run.hooks import Hooks
-from ...run.verdict import Gate
+from ...run.report import ResultReport
 from ...scan.contours import name_contours
 from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
@@ -38,13 +37,7 @@ class Dressed:
         ease: Garment and body at each place where cloth goes round the body.
         strain: Largest principal strain of the cloth at each node, shape [node_count].
         pressure: Of the cloth on the body at each node [Pa], shape [node_count].
-        metrics: Flat dotted names to numbers; None where a metric does not apply.
-        gates: The verdicts.
-        warnings: What the user should know, one sentence each.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole.
-        peak_mb: Largest resident memory of the process [MB].
-        manifest: What reproduces the result.
+        report: Numbers, verdicts, warnings, cost, and what reproduces it.
         pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
         under: The garment below it at rest with it, or None where it is worn alone.
     """
@@ -55,13 +48,7 @@ class Dressed:
     ease: tuple[Ease, ...]
     strain: np.ndarray
     pressure: np.ndarray
-    metrics: dict[str, float | None]
-    gates: tuple[Gate, ...]
-    warnings: tuple[str, ...] = ()
-    stage_seconds: dict[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
-    manifest: dict[str, Any] = field(default_factory=dict)
+    report: ResultReport
     pieces: tuple[PieceNumbers, ...] = ()
     under: Worn | None = None
 
@@ -147,6 +134,7 @@ def judge_dressed(
     warnings = [] if drape.at_rest else [f"the garment is {drape.advice}"]
     if before.rotation is not None and draped.rotation is None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
+    manifest = {"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category}
     return Dressed(
         before=before,
         worn=now,
@@ -154,14 +142,8 @@ def judge_dressed(
         ease=ease,
         strain=strain,
         pressure=pressure,
-        metrics=metrics,
-        gates=judge_wear(metrics),
+        report=ResultReport.of(clock, metrics, judge_wear(metrics), warnings, manifest),
         pieces=cut.pieces,
-        warnings=tuple(warnings),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=peak_mb(),
-        manifest={"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category},
     )
 
 

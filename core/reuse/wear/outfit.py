@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from ...body import Body
 from ...cloth import Drape
 from ...recover.drape import WearerGeometry
-from ...run.clock import Clock, peak_mb
-from ...run.verdict import Gate
+from ...run.clock import Clock
+from ...run.report import ResultReport
 from .dressing import Dressed, carry_alone, carry_worn, drape_worn, judge_dressed
 from .over import lay_each, rest_together
 from .underneath import measure_layers
@@ -37,25 +36,13 @@ class DressedOutfit:
         garments: Each by its word (`upper`), from the innermost to the outermost.
         body: Who wears them.
         drape: The equilibrium of all.
-        metrics: Those of the whole, and each garment's own under its word: `upper.ease.chest_mm`.
-        gates: One verdict on the rest of all, and each garment's others under its word: `upper.depth`.
-        warnings: What the user should know, one sentence each.
-        stage_seconds: CPU seconds by stage name.
-        cpu_seconds: CPU seconds of the whole.
-        peak_mb: Largest resident memory of the process [MB].
-        manifest: What reproduces the result.
+        report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
 
     garments: Mapping[str, Dressed]
     body: Body
     drape: Drape
-    metrics: Metrics
-    gates: tuple[Gate, ...]
-    warnings: tuple[str, ...] = ()
-    stage_seconds: dict[str, float] = field(default_factory=dict)
-    cpu_seconds: float = 0.0
-    peak_mb: float = 0.0
-    manifest: dict[str, Any] = field(default_factory=dict)
+    report: ResultReport
 
 
 def dress_outfit(outfit: Mapping[str, Worn], body: Body, clock: Clock) -> DressedOutfit:
@@ -98,27 +85,17 @@ def _measure_over(below: tuple[Worn, ...], above: Worn, wearer: WearerGeometry) 
 
 def _gather(judged: Mapping[str, Dressed], body: Body, drape: Drape, clock: Clock) -> DressedOutfit:
     """Return garments that were judged one by one as one result."""
-    each = [one.metrics for one in judged.values()]
+    each = [one.report.metrics for one in judged.values()]
     metrics: Metrics = {name: each[0][name] for name in SHARED} | {"garments": float(len(judged))}
     for name in (*WORST, *SUMMED):
         values = [value for one in each if (value := one.get(name)) is not None]
         if values:
             metrics[name] = max(values) if name in WORST else sum(values)
-    gates = [gate for gate in next(iter(judged.values())).gates if gate.name == "at_rest"]
+    gates = [gate for gate in next(iter(judged.values())).report.gates if gate.name == "at_rest"]
     for word, one in judged.items():
-        metrics |= {f"{word}.{name}": value for name, value in one.metrics.items() if name not in SHARED}
-        others = [gate for gate in one.gates if gate.name != "at_rest"]
+        metrics |= {f"{word}.{name}": value for name, value in one.report.metrics.items() if name not in SHARED}
+        others = [gate for gate in one.report.gates if gate.name != "at_rest"]
         gates += [replace(gate, name=f"{word}.{gate.name}", message=f"{word}: {gate.message}") for gate in others]
-    told = itertools.chain.from_iterable(one.warnings for one in judged.values())
-    return DressedOutfit(
-        garments=judged,
-        body=body,
-        drape=drape,
-        metrics=metrics,
-        gates=tuple(gates),
-        warnings=tuple(dict.fromkeys(told)),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=peak_mb(),
-        manifest={"body": body.source, "garments": {word: one.manifest for word, one in judged.items()}},
-    )
+    told = itertools.chain.from_iterable(one.report.warnings for one in judged.values())
+    manifest = {"body": body.source, "garments": {word: one.report.manifest for word, one in judged.items()}}
+    return DressedOutfit(judged, body, drape, ResultReport.of(clock, metrics, gates, told, manifest))

@@ -117,7 +117,9 @@ def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock)
     if told:
         notes = (*notes, f"the ease is not the wearer's: {', '.join(told)}.".replace("_", " "))
     metrics: dict[str, float | None] = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
-    return replace(dressed, before=worn, metrics=dressed.metrics | metrics, warnings=(*notes, *dressed.warnings))
+    told_first = dict.fromkeys((*notes, *dressed.report.warnings))
+    report = replace(dressed.report, metrics=dressed.report.metrics | metrics, warnings=tuple(told_first))
+    return replace(dressed, before=worn, report=report)
 
 
 def _pair(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ease, float]]:

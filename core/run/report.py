@@ -1,0 +1,44 @@
+"""What every result carries beside its data: numbers, verdicts, warnings, cost, and what reproduces it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from .clock import Clock, peak_mb
+from .verdict import Gate
+
+Metrics = dict[str, float | None]
+"""Flat dotted names to numbers; None where a metric does not apply."""
+
+
+@dataclass(frozen=True)
+class ResultReport:
+    """Describe one result.
+
+    Attributes:
+        metrics: What was measured.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result: versions, hashes, settings, findings.
+    """
+
+    metrics: Metrics = field(default_factory=dict)
+    gates: tuple[Gate, ...] = ()
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, clock: Clock, metrics: Metrics, gates: Iterable[Gate], warnings: Iterable[str], manifest: dict[str, Any]
+    ) -> ResultReport:
+        """Return the report of a calculation that ends now; a warning that is given twice stands once."""
+        told = tuple(dict.fromkeys(warnings))
+        return cls(metrics, tuple(gates), told, clock.seconds, clock.total, peak_mb(), manifest)
