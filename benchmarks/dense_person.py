@@ -95,8 +95,8 @@ def take_apart(path: Path) -> dict[str, object]:
     """Read a scan and take it apart in this process; return what that cost, and the cut that each garment shows."""
     from garmentq.core.people.garments import cut_garment_of, find_surface
     from garmentq.core.people.separate import separate
-    from garmentq.core.recover.pipeline import make_case
     from garmentq.core.recover.recovery import Request
+    from garmentq.core.recover.start import choose_base, read_case
     from garmentq.core.run.clock import Clock
     from garmentq.core.scan.load_raw import load_raw
 
@@ -110,7 +110,7 @@ def take_apart(path: Path) -> dict[str, object]:
     spent = spent_seconds() - start
     surface = find_surface(raw, separation.body)
     readings = [cut_garment_of(surface, separation, garment.part) for garment in separation.garments]
-    cuts = [make_case(Request(path, reading=reading), Clock()).template for reading in readings]
+    cuts = [choose_base(read_case(Request(path, reading=reading), Clock())).template for reading in readings]
     return {"seconds": spent, "stages": seconds, "peaks": peaks, "cuts": cuts}
 
 

@@ -21,11 +21,11 @@ from garmentq.core.garment.curves import unit_points
 from garmentq.core.judge import TruePanel, measure_distance, read_packs, read_true_mesh
 from garmentq.core.judge.crossings import count_crossings
 from garmentq.core.judge.packs import Pack, read_true_pattern
-from garmentq.core.recover.case import Case
 from garmentq.core.recover.drape import redrape
-from garmentq.core.recover.pipeline import make_case
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.start import choose_base, read_case
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.reuse.wear import load_worn
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT
@@ -81,20 +81,20 @@ def _fit_edge(edge: Edge, line: np.ndarray) -> Edge:
     return fitted
 
 
-def dress_truth(pack: Pack, case: Case, result: Path) -> dict[str, float | str | None]:
+def dress_truth(pack: Pack, state: RecoveryState, vertices: int, result: Path) -> dict[str, float | str | None]:
     """Dress the wearer in the true pattern and in the recovered one, and measure both against the scan."""
     truth = read_true_pattern(pack)
     assert truth is not None
     worn = load_worn(result)
     surface = read_true_mesh(pack)
     line: dict[str, float | str | None] = {"target": pack.name}
-    for name, pattern in (("true", draw_truth(case.base, truth.panels)), ("recovered", worn.pattern)):
-        garment = mesh_pattern(pattern, case.settings.vertex_count)
-        nodes, drape = redrape(garment, case.wearer, worn.fabric, case.target)
+    for name, pattern in (("true", draw_truth(state.base, truth.panels)), ("recovered", worn.pattern)):
+        garment = mesh_pattern(pattern, vertices)
+        nodes, drape = redrape(garment, state.wearer, worn.fabric, state.target)
         distance = measure_distance(nodes, garment.faces, *surface)
         line[f"{name} [mm]"] = distance["surface_rms_mm.s2t"]
         line[f"{name} t2s [mm]"] = distance["surface_rms_mm.t2s"]
-        line[f"{name} crossings"] = count_crossings(nodes, garment.faces, case.wearer.exposed)[
+        line[f"{name} crossings"] = count_crossings(nodes, garment.faces, state.wearer.exposed)[
             "self_intersecting_faces"
         ]
         line[f"{name} outcome"] = drape.outcome.name
@@ -112,8 +112,8 @@ def main() -> None:
         if pack.template is None or pack.scan is not None:
             continue
         request = Request(pack.garment, pack.body, pack.template, RecoverySettings())
-        case = make_case(request, Clock(SILENT))
-        print(json.dumps(dress_truth(pack, case, options.results / pack.name)), flush=True)
+        state, vertices = choose_base(read_case(request, Clock(SILENT))), request.settings.vertex_count
+        print(json.dumps(dress_truth(pack, state, vertices, options.results / pack.name)), flush=True)
 
 
 if __name__ == "__main__":

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
     from ..core.garment import Garment
     from ..core.judge import Pack
-    from ..core.recover.case import Case, GradedDrape
+    from ..core.recover.case import Case
     from ..core.recover.deform import DeformSettings
+    from ..core.recover.state import RecoveryState
 
 SAMPLES = 10_000
 """Samples of each surface for the distances: they then scatter by about a per cent."""
@@ -138,7 +139,7 @@ class _Stage:
 
     pack: Pack
     case: Case
-    graded: GradedDrape
+    graded: RecoveryState
     ungraded: Garment
     preset: DeformSettings
 
@@ -147,33 +148,38 @@ class _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
         from ..core.recover.deform import DeformSettings
         from ..core.recover.drape import drape_graded, drape_template, remesh
-        from ..core.recover.pipeline import drape_to_scan, make_case
+        from ..core.recover.methods import GRADED
+        from ..core.recover.pipeline import run_steps
         from ..core.recover.recovery import Request
         from ..core.recover.settings import RecoverySettings
+        from ..core.recover.start import choose_base, read_case
         from ..core.run.clock import Clock
 
         settings = RecoverySettings(method="deform", vertex_count=VERTICES)
         clock = Clock()
-        case = make_case(Request(pack.garment, pack.body, template=pack.template, settings=settings), clock)
-        worn = drape_template(case.base, case.wearer, case.target)
-        ungraded = drape_graded(remesh(worn, VERTICES), case.wearer, case.fabric, case.target)[0]
-        return cls(pack, case, drape_to_scan(case, clock), ungraded, DeformSettings.of_preset(preset))
+        case = read_case(Request(pack.garment, pack.body, template=pack.template, settings=settings), clock)
+        state = choose_base(case)
+        worn = drape_template(state.base, state.wearer, state.target)
+        ungraded = drape_graded(remesh(worn, VERTICES), state.wearer, state.fabric, state.target)[0]
+        return cls(pack, case, run_steps(GRADED, case, state, clock), ungraded, DeformSettings.of_preset(preset))
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
         from ..core.recover.fit import InverseSettings, fit_inverse
+        from ..core.recover.state import made
 
         few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
-        found = fit_inverse(self.case, self.graded, replace(few, **switch.descent))
-        return self._measure(found.garment, found.garment.nodes)
+        found = made(fit_inverse(self.case, self.graded, replace(few, **switch.descent)).garment)
+        return self._measure(found, found.nodes)
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
         """Run the deformer and measure the detail mesh."""
         from ..core.recover.deform import deform
+        from ..core.recover.state import made
 
-        start = self.graded.garment if switch.graded else self.ungraded
+        start, state = made(self.graded.graded) if switch.graded else self.ungraded, self.graded
         settings = replace(self.preset, **switch.deforming)
-        return self._measure(start, deform(start, self.case.target, self.case.wearer.exposed, settings=settings).nodes)
+        return self._measure(start, deform(start, state.target, state.wearer.exposed, settings=settings).nodes)
 
     def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""

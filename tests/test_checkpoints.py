@@ -10,8 +10,8 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 import pytest
 from garmentq.core.body import Body
-from garmentq.core.recover import pipeline
 from garmentq.core.recover.fit import Descent, material, shape
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.reuse.animate import animation
 from garmentq.core.run.checkpoints import FORMAT, fingerprint, load, pack, save, unpack
 from garmentq.core.run.hooks import Arrays, Hooks
@@ -19,7 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-KINDS = (Body, pipeline._KeptDrape, shape._Reached, Descent, material._Tried, animation._Chunk)
+KINDS = (Body, RecoveryState, shape._Reached, Descent, material._Tried, animation._Chunk)
 """Every type that a stage keeps."""
 
 
@@ -54,6 +54,8 @@ class State:
     pairs: tuple[tuple[int, str], ...]
     pair: tuple[float, Colour]
     table: dict[str, np.ndarray]
+    names: dict[Colour, str]
+    values: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ WHOLE = st.integers(-(2**63), 2**63 - 1)
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 INNERS = st.builds(Inner, ARRAYS, TEXT)
 COLOURS = st.sampled_from(Colour)
+JSON_LEAVES = st.none() | st.booleans() | st.floats(allow_nan=False) | WHOLE | TEXT
 STATES = st.builds(
     State,
     count=WHOLE,
@@ -109,6 +112,8 @@ STATES = st.builds(
     pairs=st.lists(st.tuples(WHOLE, TEXT)).map(tuple),
     pair=st.tuples(st.floats(), COLOURS),
     table=st.dictionaries(TEXT, ARRAYS, max_size=3),
+    names=st.dictionaries(COLOURS, TEXT),
+    values=st.dictionaries(TEXT, st.recursive(JSON_LEAVES, st.lists, max_leaves=4), max_size=3),
 )
 
 
@@ -143,7 +148,22 @@ def test_another_set_of_fields_is_another_format() -> None:
 def test_a_text_in_place_of_a_number_is_ignored() -> None:
     """Breaks if a value of another type than its field's gets into a state."""
     kept = pack(
-        State(1, 0.5, True, "", Colour.RED, np.zeros(0), Inner(np.zeros(0), ""), None, None, (), (0.0, Colour.RED), {})
+        State(
+            1,
+            0.5,
+            True,
+            "",
+            Colour.RED,
+            np.zeros(0),
+            Inner(np.zeros(0), ""),
+            None,
+            None,
+            (),
+            (0.0, Colour.RED),
+            {},
+            {},
+            {},
+        )
     )
     for name, wrong in (
         ("count", np.array(1.0)),
@@ -178,7 +198,8 @@ def example(kind: Any, rng: np.random.Generator) -> Any:
     if get_origin(kind) is tuple:
         return tuple(example(each, rng) for each in (inner[:1] * 2 if inner[-1] is Ellipsis else inner))
     if get_origin(kind) is dict:
-        return {name: example(inner[1], rng) for name in ("a", "b")}
+        keys = ("a", "b") if inner[0] is str else (example(inner[0], rng),)
+        return {key: 0.1 if inner[1] is Any else example(inner[1], rng) for key in keys}
     if issubclass(kind, Enum):
         return list(kind)[-1]
     return {np.ndarray: rng.normal(size=(7, 3)), float: float(rng.normal()), int: 3, bool: True, str: "scan: a, b"}[
@@ -199,3 +220,17 @@ def test_every_checkpoint_comes_back_only_for_its_inputs(kind: type) -> None:
     assert load(hooks, "elsewhere", kind, start, 800) is None
     old = Hooks(load_checkpoint=lambda name: {"points": start, "texts": np.zeros(3, np.uint8)})
     assert load(old, "at", kind, start, 800) is None
+
+
+def test_an_empty_dictionary_of_the_release_before_is_read() -> None:
+    """Breaks if stored results whose patterns were kept without what their files held beyond them open no more."""
+
+    @dataclass(frozen=True)
+    class Kept:
+        extra: dict[str, Any]
+
+    kept = pack(Kept({"a": [1, None]}))
+    assert unpack(Kept, kept) == Kept({"a": [1, None]})
+    del kept["extra"]
+    assert unpack(Kept, kept) is None
+    assert unpack(Kept, {**kept, "extra:#": np.array(0), "extra#": np.array(0)}) == Kept({})

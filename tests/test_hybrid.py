@@ -18,12 +18,14 @@ from garmentq.core.garment import (
     seam_mismatch,
 )
 from garmentq.core.garment.meshes import Meshes
-from garmentq.core.recover import pipeline
+from garmentq.core.recover import pipeline, steps
 from garmentq.core.recover.drape import DrapeSettings, drape_template
-from garmentq.core.recover.fit import METHODS, Fit, LockUnknown, methods
+from garmentq.core.recover.fit import LockUnknown
+from garmentq.core.recover.methods import METHODS
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import STAGES, Recovery, Request
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.errors import Cancelled, GarmentqError
 from wearers import WOMAN, find_wearer
@@ -109,25 +111,29 @@ def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPa
         raise error
 
     garment = mesh_pattern(load_template("skirt"), 300)
-    graded = Fit(garment, None, Meshes(garment.nodes, garment.nodes), warnings=("the hem is frayed",))
-    monkeypatch.setattr(methods.Graded, "fit", lambda *arguments: graded)
-    monkeypatch.setattr(methods, "fit_pattern", fail)
+    meshes = Meshes(garment.nodes, garment.nodes)
+    graded = RecoveryState("skirt", garment.pattern, None, None, None, garment=garment, graded=garment, meshes=meshes)
+    graded = graded.with_notes("the hem is frayed")
+    monkeypatch.setattr(steps, "fit_pattern", fail)
     for error in (GarmentqError("the cloth is knotted."), np.linalg.LinAlgError("singular")):
         clock = Clock()
-        found = METHODS["hybrid"].fit(None, None, clock)
-        assert found.garment.pattern is garment.pattern and found.meshes.simulation is None
-        assert found.warnings[0] == "the hem is frayed"
-        assert "the pattern is the graded one" in found.warnings[1] and str(error) in found.warnings[1]
-        assert "fit" in clock.seconds
+        found = graded
+        for step in METHODS["hybrid"][-2:]:
+            found = step(None, found, clock)
+        assert found.garment is garment and found.meshes.simulation is None
+        told = [finding.message for finding in found.findings]
+        assert told[0] == "the hem is frayed"
+        assert "the pattern is the graded one" in told[1] and str(error) in told[1]
+        assert set(clock.seconds) == {"fit"}
     error = Cancelled()
     with pytest.raises(Cancelled):
-        METHODS["hybrid"].fit(None, None, Clock())
+        steps.FitShape()(None, graded, Clock())
 
 
 def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Breaks if a misspelt panel is found out only after a minute's work."""
     worn = load_draped_template("skirt")
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(tmp_path / "scan.ply")
-    monkeypatch.setattr(pipeline, "drape_to_scan", lambda *arguments: pytest.fail("draped"))
+    monkeypatch.setattr(pipeline, "run_steps", lambda *arguments: pytest.fail("draped"))
     with pytest.raises(LockUnknown, match="nowhere"):
         recover(Request(tmp_path / "scan.ply", WEARER, settings=RecoverySettings(lock="panel:nowhere")))

@@ -23,7 +23,7 @@ INNER_ROOMS = {
     "body": ("", "motion"),
     "scan": ("", "contours"),
     "garment": ("", "pieces"),
-    "recover": ("settings", "drape", "grade", "deform", "recovery", "case", "fit", ""),
+    "recover": ("settings", "drape", "grade", "deform", "recovery", "case", "proved_corner", "state", "fit", ""),
     "reuse": ("wear", "animate", "edit"),
     "deliver": ("ply", "texture", "formats", "export"),
 }  # fmt: skip

@@ -113,7 +113,7 @@ def inspect_file(
         holes_m=tuple(round(smoothed_length(scan.vertices[hole]), 4) for hole in target.holes),
         category=target.category,
         remarks=(
-            *(one.tell() for one in found.undeclared or () if one.is_off_body),
+            *(one.describe() for one in found.undeclared or () if one.is_off_body),
             *find_remarks(scan.vertices, who),
         ),
         body={

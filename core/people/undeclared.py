@@ -52,7 +52,7 @@ class Undeclared:
         """Return whether it lies farther from the body than skin does."""
         return self.offset > OFF_BODY
 
-    def tell(self) -> str:
+    def describe(self) -> str:
         """Return what the user should know and do."""
         names = ", ".join(self.labels)
         what = f"Label {names}" if self.labels else "What is not of the garment's colour"

@@ -7,6 +7,7 @@ code (another set of fields), of another input, or is not whole is ignored: the 
 from __future__ import annotations
 
 import hashlib
+import json
 import types
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -23,9 +24,6 @@ FORMAT, INPUTS = "format", "inputs"
 """Keys beside the fields: a hash of the type's structure, and of what the content was computed from."""
 
 _NUMBERS: dict[Any, type] = {bool: np.bool_, int: np.int64, float: np.float64}
-
-
-_TEXTS = tuple[str, ...]
 
 
 class NotWhole(ValueError):
@@ -55,8 +53,8 @@ def load(hooks: Hooks, name: str, kind: type[T], *inputs: Any) -> T | None:
 def pack(value: Any) -> dict[str, np.ndarray]:
     """Return a dataclass as arrays by dotted names.
 
-    Fields may be arrays, numbers, texts, enums, dataclasses of such, tuples and dictionaries by text of one kind of
-    them, and each of them or None.
+    Fields may be arrays, numbers, texts, enums, dataclasses of such, tuples and dictionaries of one kind of them, and
+    each of them or None; a dictionary of any values by text holds JSON values.
 
     Raises:
         TypeError: where a field is of another type.
@@ -110,9 +108,12 @@ def _put(kind: Any, value: Any, at: str, arrays: dict[str, np.ndarray]) -> None:
         for index, (hint, each) in enumerate(zip(_items(kind, len(value)), value, strict=True)):
             _put(hint, each, f"{at}.{index}", arrays)
         arrays[f"{at}#"] = np.array(len(value))
+    elif _is_json(kind):
+        arrays[at] = _write(json.dumps(value))
     elif get_origin(kind) in (dict, Mapping):
-        _put(_TEXTS, tuple(value), f"{at}:", arrays)
-        _put(_many(get_args(kind)[1]), tuple(value.values()), at, arrays)
+        keys, values = map(_many, get_args(kind))
+        _put(keys, tuple(value), f"{at}:", arrays)
+        _put(values, tuple(value.values()), at, arrays)
     elif kind is np.ndarray:
         if (array := np.asarray(value)).dtype == object:
             raise TypeError(f"{at} holds Python objects")
@@ -137,9 +138,11 @@ def _take(kind: Any, at: str, arrays: dict[str, np.ndarray]) -> Any:
     if get_origin(kind) is tuple:
         hints = _items(kind, _number(int, f"{at}#", arrays))
         return tuple(_take(hint, f"{at}.{index}", arrays) for index, hint in enumerate(hints))
-    if get_origin(kind) in (dict, Mapping):
-        names = _take(_TEXTS, f"{at}:", arrays)
-        return dict(zip(names, _take(_many(get_args(kind)[1]), at, arrays), strict=True))
+    if _is_json(kind) and at in arrays:
+        return json.loads(_read(arrays.pop(at)))
+    if get_origin(kind) in (dict, Mapping):  # of JSON values, too: 0.1.0 kept none but empty ones, and as others
+        keys, values = map(_many, get_args(kind))
+        return dict(zip(_take(keys, f"{at}:", arrays), _take(values, at, arrays), strict=True))
     if kind in _NUMBERS:
         return _number(kind, at, arrays)
     if kind is str:
@@ -147,6 +150,11 @@ def _take(kind: Any, at: str, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind[_read(arrays.pop(at))]
     return arrays.pop(at)
+
+
+def _is_json(kind: Any) -> bool:
+    """Return whether a type is a dictionary of JSON values."""
+    return get_origin(kind) in (dict, Mapping) and get_args(kind) == (str, Any)
 
 
 def _optional(kind: Any) -> Any | None:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
+from .finding import Finding
 from .hooks import SILENT, Hooks
 
 
@@ -23,12 +24,13 @@ def peak_mb() -> float:
 
 
 class Clock:
-    """Measure CPU seconds by stage and tell the hooks which stage runs."""
+    """Measure CPU seconds by stage, tell the hooks which stage runs, and collect what stages find."""
 
     def __init__(self, hooks: Hooks = SILENT) -> None:
-        self.hooks = hooks
+        self.hooks = replace(hooks, on_finding=self._collect)
         self.seconds: dict[str, float] = {}
         self.start = time.process_time()
+        self._found: list[Finding] = []
 
     @contextmanager
     def stage(self, name: str, message: str) -> Iterator[Hooks]:
@@ -38,6 +40,14 @@ class Clock:
         yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
         self.seconds[name] = self.seconds.get(name, 0.0) + time.process_time() - before
         self.hooks.progress(name, 1.0, message)
+
+    def _collect(self, finding: Finding) -> None:
+        self._found.append(finding)
+
+    def take_findings(self) -> tuple[Finding, ...]:
+        """Return what was found since the last call."""
+        found, self._found = tuple(self._found), []
+        return found
 
     @property
     def total(self) -> float:

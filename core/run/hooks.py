@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .errors import Cancelled
+from .finding import Finding
 
 Arrays = Mapping[str, np.ndarray]
 
@@ -28,26 +29,36 @@ def _no_load(name: str) -> Arrays | None:
     return None
 
 
+def _no_report(finding: Finding) -> None:
+    return None
+
+
 @dataclass(frozen=True)
 class Hooks:
-    """Carry the four calls that a running stage makes to its surroundings.
+    """Carry the calls that a running stage makes to its surroundings.
 
     Attributes:
         on_progress: Called with (stage, fraction in 0..1, message).
         is_cancelled: Asked between iterations; True stops the stage within one of them.
         save_checkpoint: Keep named arrays under a name; a later run of the same job finds them again.
         load_checkpoint: The arrays kept under a name, or None.
+        on_finding: Called with what a stage finds beside its result.
     """
 
     on_progress: Callable[[str, float, str], None] = field(default=_no_progress)
     is_cancelled: Callable[[], bool] = field(default=_never)
     save_checkpoint: Callable[[str, Arrays], None] = field(default=_no_save)
     load_checkpoint: Callable[[str], Arrays | None] = field(default=_no_load)
+    on_finding: Callable[[Finding], None] = field(default=_no_report)
 
     def progress(self, stage: str, fraction: float, message: str = "") -> None:
         """Report progress of a stage and raise `Cancelled` if the job was cancelled meanwhile."""
         self.on_progress(stage, float(min(max(fraction, 0.0), 1.0)), message)
         self.check()
+
+    def report(self, finding: Finding) -> None:
+        """Hand over what was found beside the result."""
+        self.on_finding(finding)
 
     def quiet(self) -> Hooks:
         """Return the same hooks without the progress: for a stage within a stage, whose fractions would jump."""

@@ -10,9 +10,9 @@ from garmentq.core.body import Body, builtin_body
 from garmentq.core.garment import flat_contours, load_template
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
-from garmentq.core.recover.pipeline import find_template
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.start import find_template
 from garmentq.core.scan.contours import Target
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,15 +21,12 @@ from garmentq.core.garment import (
 )
 from garmentq.core.garment.editing.darts import find_darts
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.case import Case
 from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, measure_wearer, remesh
-from garmentq.core.recover.fit import DartedGarment, add_bust_darts
+from garmentq.core.recover.fit import add_bust_darts
 from garmentq.core.recover.fit.bust_darts import plan_bust_darts
 from garmentq.core.recover.fit.dart_cutting import cut_darts
 from garmentq.core.recover.grade import BustPoints, SlideSettings, grade_pattern, slide_seams
-from garmentq.core.recover.recovery import Request
-from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.scan import Scan
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.scan.contours import Target
 
 ANGLE = 0.65
@@ -70,7 +66,7 @@ def darted(wearer: WearerGeometry, plain: Garment) -> Pattern:
     return cut_darts(worn, np.zeros((len(worn.faces), 2, 2)), plain.pattern, (plan,)).pattern
 
 
-def recut(wearer: WearerGeometry, true: Pattern) -> DartedGarment:
+def recut(wearer: WearerGeometry, true: Pattern) -> RecoveryState:
     """Drape a pattern on the wearer, and grade and slide the library's tank to that drape."""
     base = load_template("tank")
     worn = drape_template(true, wearer)
@@ -78,21 +74,20 @@ def recut(wearer: WearerGeometry, true: Pattern) -> DartedGarment:
     garment, _ = drape_graded(remesh(worn, 2500), wearer, get_fabric("cotton_poplin"), hangs)
     normals = vertex_normals(garment.nodes, garment.faces)
     target = replace(hangs, vertices=garment.nodes, faces=garment.faces, normals=normals, contours=garment.contours)
-    request = Request(Path("tank.ply"), settings=RecoverySettings())
-    scan = Scan(target.vertices, target.faces, name="tank.ply", sha256="")
-    case = Case(request, scan, wearer, target, "tank", base, get_fabric("cotton_poplin"))
     graded = grade_pattern(drape_template(base, wearer, target), target, wearer.body).garment
     settings = SlideSettings().by_newton(curves=True)
     slid = slide_seams(graded, target, wearer.body, base, settings=settings)
-    return add_bust_darts(slid, graded, case, settings)
+    state = RecoveryState("tank", base, target, wearer, get_fabric("cotton_poplin"), garment=slid)
+    return add_bust_darts(state, graded, settings)
 
 
 @pytest.mark.slow
 def test_bust_darts_come_back(wearer: WearerGeometry, darted: Pattern) -> None:
     """Broken where a dart ends elsewhere, is half as wide, or leaves seams unequal or an outline crossed."""
     found = recut(wearer, darted)
-    assert {(change.kind, change.panel) for change in found.changes} == {("added", "front")}
-    assert len(found.changes) == 2 and all(change.after < change.before for change in found.changes)
+    changes = [one.evidence for one in found.findings]
+    assert {(change["kind"], change["panel"]) for change in changes} == {("added", "front")}
+    assert len(changes) == 2 and all(change["after"] < change["before"] for change in changes)
     pattern = found.garment.pattern
     for dart, truth in zip(find_darts(pattern), find_darts(darted), strict=True):
         assert np.linalg.norm(dart.ends(pattern)[1] - truth.ends(darted)[1]) < 0.03
@@ -105,7 +100,7 @@ def test_bust_darts_come_back(wearer: WearerGeometry, darted: Pattern) -> None:
 @pytest.mark.nightly
 def test_a_tank_without_darts_gets_none(wearer: WearerGeometry, plain: Garment) -> None:
     """Broken where cloth that lies over a bust is taken for cloth with darts."""
-    assert not recut(wearer, plain.pattern).changes
+    assert not recut(wearer, plain.pattern).findings
 
 
 def test_a_front_that_is_not_its_own_mirror_image_gets_no_darts(wearer: WearerGeometry, plain: Garment) -> None:

@@ -24,8 +24,9 @@ from garmentq.core.garment import (
     mesh_pattern,
     seam_mismatch,
 )
+from garmentq.core.garment.meshes import Meshes
 from garmentq.core.geometry import TriangleSurface
-from garmentq.core.recover.case import Case, GradedDrape
+from garmentq.core.recover.case import Case
 from garmentq.core.recover.drape import WearerGeometry
 from garmentq.core.recover.fit import (
     FitScene,
@@ -45,6 +46,7 @@ from garmentq.core.recover.fit import (
 from garmentq.core.recover.grade import find_proportions, mean_width
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Arrays, Hooks
 from garmentq.core.scan import Scan
@@ -125,10 +127,12 @@ def test_the_pattern_of_our_own_drape_is_recovered(scene: Worn) -> None:
     wearer = WearerGeometry(scene.body)
     settings = RecoverySettings(vertex_count=max(500, len(scene.registered)))
     request, scan = Request(Path("skirt.ply"), settings=settings), Scan(scene.target.vertices, scene.target.faces)
-    case = Case(request, scan, wearer, scene.target, "skirt", scene.template, scene.fabric)
+    case = Case(request, scan, scene.target, wearer)
     cloth = Scene(Topology.from_garment(scene.worn), scene.fabric, scene.grid, scene.pins)
     rest = equilibrium(cloth, scene.worn.nodes)
-    found = fit_pattern(case, GradedDrape(scene.worn, rest), scene.registered)
+    meshes = Meshes(scene.worn.nodes, scene.registered)
+    state = RecoveryState("skirt", scene.template, scene.target, wearer, scene.fabric, graded=scene.worn, drape=rest)
+    found = fit_pattern(case, replace(state, meshes=meshes))
     assert area_errors(found.garment.pattern, scene.true).max() < 0.02
     # To the surface: registering again slides nodes within it. With both drapes fully at rest it is 2.8 mm.
     away = TriangleSurface(scene.registered, scene.worn.faces).distance(found.meshes.simulation)

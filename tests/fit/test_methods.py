@@ -7,10 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from garmentq.core.garment import load_draped_template
-from garmentq.core.recover.case import GradedDrape
+from garmentq.core.recover import steps
 from garmentq.core.recover.deform import DeformSettings
-from garmentq.core.recover.fit import METHODS, methods, second_registration
+from garmentq.core.recover.fit import second_registration
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT
 from garmentq.core.scan.contours import Target
@@ -33,16 +34,23 @@ def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid:
         off = 0.0 if len(began) == 1 + nearer else 0.01
         return SimpleNamespace(nodes=worn.nodes + [0.0, off, 0.0], warnings=(str(len(began)),))
 
-    monkeypatch.setattr(methods, "deform", begin)
-    monkeypatch.setattr(methods, "_fair", lambda case, drape, garment, nodes: (garment.at(nodes), ()))
+    monkeypatch.setattr(steps, "deform", begin)
+    monkeypatch.setattr(steps, "prove_corners", lambda *given: ())
+    monkeypatch.setattr(steps, "fair_garment", lambda garment, *given: garment)
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
     settings = RecoverySettings(preset=preset)
-    case = SimpleNamespace(settings=settings, target=target, wearer=SimpleNamespace(exposed=exposed), fabric=None)
+    case = SimpleNamespace(settings=settings, seen=target, has_free_curves=True)
     laid = worn.nodes + [0.1, 0.0, 0.0] if is_laid else None
-    fit = METHODS["deform"].fit(case, GradedDrape(worn, None, laid=laid), Clock())
+    state = RecoveryState(
+        "skirt", worn.pattern, target, SimpleNamespace(exposed=exposed), None, garment=worn, graded=worn, laid=laid
+    )
+    clock = Clock()
+    fit = steps.register(case, state, clock)
+    choices = [finding.evidence for finding in clock.take_findings()]
+    assert [len(choice["scores"]) for choice in choices] == [2] * (count - 1)
     assert len(began) == count
     assert np.array_equal(began[-1], worn.nodes)
-    assert fit.warnings == (str(1 + nearer) if count == 2 else "1",)
+    assert [one.message for one in fit.findings] == [str(1 + nearer) if count == 2 else "1"]
     off = 0.01 if count == 1 and nearer == 1 else 0.0
     np.testing.assert_array_equal(fit.meshes.detail, worn.nodes + [0.0, off, 0.0])
     np.testing.assert_array_equal(fit.garment.nodes, fit.meshes.detail)
@@ -59,7 +67,7 @@ def test_the_nearer_of_two_second_registrations_is_kept(
     worn = load_draped_template("skirt")
     assert worn is not None
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
-    case = SimpleNamespace(settings=RecoverySettings(), target=target)
+    case = SimpleNamespace(settings=RecoverySettings())
     first, second, other = (worn.at(worn.nodes + [0.0, off, 0.0]) for off in (first_off, 0.01, other_off))
 
     exposed = object()
@@ -70,5 +78,6 @@ def test_the_nearer_of_two_second_registrations_is_kept(
         return SimpleNamespace(nodes=other.nodes)
 
     monkeypatch.setattr(second_registration, "deform", begin)
-    found = second_registration.find_nearer(first, second, case, SimpleNamespace(exposed=exposed), SILENT)
+    state = SimpleNamespace(target=target, wearer=SimpleNamespace(exposed=exposed))
+    found = second_registration.find_nearer(first, second, case, state, SILENT)
     assert np.array_equal(found.nodes, {"second": second, "other": other}[kept].nodes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,16 +29,20 @@ from garmentq.core.garment import (
 from garmentq.core.garment.editing.darts import close_dart, find_darts, insert_dart
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
-from garmentq.core.recover.fit import METHODS, fit_isometry
+from garmentq.core.recover.fit import fit_isometry
 from garmentq.core.recover.fit.dart_closing import asked_width, close_darts
 from garmentq.core.recover.fit.dart_cutting import cut_darts
 from garmentq.core.recover.fit.dart_search import is_image, propose_dart, relax_panel, rms_strain
-from garmentq.core.recover.fit.panel_change import FittedPanels, change_panels
+from garmentq.core.recover.fit.panel_change import change_panels
 from garmentq.core.recover.fit.wedge import wanted_strain
-from garmentq.core.recover.pipeline import complete_case, drape_to_scan, make_case
+from garmentq.core.recover.methods import METHODS
+from garmentq.core.recover.pipeline import run_steps
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.start import choose_base, read_case
+from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
+from garmentq.core.run.finding import FindingKind
 from garmentq.core.run.hooks import SILENT
 from garmentq.core.scan.contours import Target
 
@@ -190,7 +195,7 @@ def test_a_dart_on_a_flat_surface_asks_to_be_closed() -> None:
 DARTED, PLAIN = "pencil_skirt+shaping=darts", "pencil_skirt"
 
 
-def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None) -> FittedPanels:
+def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None) -> RecoveryState:
     """Drape a cut on the built-in body, and fit another to that drape as a recovery does, up to its panels."""
     wearer, fabric = WearerGeometry(builtin_body("builtin:female,height=1.70")), get_fabric("cotton_poplin")
     worn = drape_template(load_template(true), wearer)
@@ -202,11 +207,15 @@ def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None)
     settings = RecoverySettings(method="deform", keep_cut=keep_cut)
     request = Request(folder / "garment.ply", folder / "body.ply", folder / "base.json", settings)
     clock = Clock(SILENT)
-    case = complete_case(make_case(request, clock), clock)
-    drape = drape_to_scan(case, clock)
-    registered = METHODS["deform"].fit(case, drape, clock).meshes.detail
-    fitted = fit_isometry(drape.garment, registered, case.target, case.body, case.base)
-    return change_panels(fitted, case, drape, registered)
+    case = read_case(request, clock)
+    state = run_steps(METHODS["deform"], case, choose_base(case), clock)
+    fitted = fit_isometry(state.graded, state.meshes.detail, state.target, case.body, state.base)
+    return change_panels(case, replace(state, garment=fitted))
+
+
+def list_changes(found: RecoveryState) -> list[dict]:
+    """Return the evidence of the darts that were added or closed."""
+    return [one.evidence for one in found.findings if one.kind is FindingKind.PANEL_CHANGE]
 
 
 @pytest.mark.nightly
@@ -214,7 +223,7 @@ def test_a_skirt_with_darts_gets_them_back(tmp_path: Path) -> None:
     """Breaks where the back's darts are not found, or further than 2 cm or 5 degrees from where they were sewn."""
     found, true = fit_panels(tmp_path, DARTED, PLAIN), load_template(DARTED)
     sewn = {dart.panel: dart for dart in find_darts(true) if dart.ends(true)[1][0] > 0.0}
-    assert found.changes and {change.kind for change in found.changes} == {"added"}
+    assert {change["kind"] for change in list_changes(found)} == {"added"}
     pattern = found.garment.pattern
     for dart in find_darts(pattern):
         truth = sewn[dart.panel]
@@ -235,7 +244,7 @@ def test_panels_stay_where_nothing_asks_for_another_cut(
 ) -> None:
     """Breaks where a skirt without darts gets some, or `keep_cut` is not obeyed."""
     found = fit_panels(tmp_path, true, base, keep_cut)
-    assert not found.changes
+    assert not list_changes(found)
     assert len(find_darts(found.garment.pattern)) == len(find_darts(load_template(base)))
 
 
@@ -243,6 +252,6 @@ def test_panels_stay_where_nothing_asks_for_another_cut(
 def test_needless_darts_are_closed(tmp_path: Path) -> None:
     """Breaks where a skirt that was sewn without darts keeps those of its base pattern in front."""
     found = fit_panels(tmp_path, PLAIN, DARTED)
-    assert {(change.kind, change.panel) for change in found.changes} >= {("closed", "front")}
+    assert {(change["kind"], change["panel"]) for change in list_changes(found)} >= {("closed", "front")}
     assert not [dart for dart in find_darts(found.garment.pattern) if dart.panel == "front"]
     assert np.abs(seam_mismatch(found.garment.pattern)).max() < 1e-6

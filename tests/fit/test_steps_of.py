@@ -32,7 +32,7 @@ def test_what_begins_far_off_slides(category: str, template: Path | None, lock: 
     nowhere = np.zeros((0, 3))
     target = Target(nowhere, nowhere.astype(int), nowhere, (), (), category)
     request = Request(Path("scan.ply"), template=template, settings=RecoverySettings(lock=lock))
-    case = Case(request, scan=None, wearer=None, target=target, template="name", base=None, fabric=None)
+    case = Case(request, scan=None, seen=target, wearer=None)
     steps = steps_of(case)
     assert steps.newton == newton
     assert not steps.curves

@@ -2,41 +2,32 @@
 
 from ..grade import IsometrySettings, move_pattern
 from .body_offset import estimate_body_offset, is_estimated
-from .bust_darts import DartedGarment, add_bust_darts
+from .bust_darts import add_bust_darts
+from .choose_start import choose_start
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .fairness import fair_garment
 from .hybrid import fit_pattern
 from .independence import count_independent
-from .inverse import InverseFit, fit_inverse
+from .inverse import fit_inverse
 from .isometry import fit_isometry
-from .locks import LockUnknown, find_held, keep_held
+from .locks import LockUnknown, find_held, fit_reference, keep_held, locks_of
 from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
-from .methods import METHODS, Graded, Hybrid, Inverse, Method
-from .result import Fit
+from .rim_corners import prove_corners
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
-from .uncross import uncross
 
 __all__ = [
-    "METHODS",
     "ChamferLoss",
     "ContourLoss",
-    "DartedGarment",
     "Descent",
     "DescentProblem",
-    "Fit",
     "FitScene",
-    "Graded",
-    "Hybrid",
-    "Inverse",
-    "InverseFit",
     "InverseSettings",
     "IsometrySettings",
     "LockUnknown",
     "MaterialSettings",
-    "Method",
     "PanelLoss",
     "PlaneLoss",
     "RangeLoss",
@@ -46,6 +37,7 @@ __all__ = [
     "ShapeProblem",
     "ShapeSettings",
     "add_bust_darts",
+    "choose_start",
     "count_independent",
     "descend",
     "estimate_body_offset",
@@ -55,14 +47,16 @@ __all__ = [
     "fit_inverse",
     "fit_isometry",
     "fit_pattern",
+    "fit_reference",
     "fit_shape",
     "folding",
     "is_estimated",
     "keep_held",
     "keep_seams",
+    "locks_of",
     "move_pattern",
     "nearest_fabrics",
     "posterior",
+    "prove_corners",
     "ratio_prior",
-    "uncross",
 ]

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment, Pattern
+from ...garment import EdgeRef, Garment
 from ...garment.editing.darts import find_darts
 from ...run.errors import GarmentqError
-from ..case import Case
 from ..grade import (
-    LEAST_WIDTH,
     BustPoints,
-    PanelChange,
     SlideSettings,
     TrunkCurvature,
     can_be_meshed,
@@ -21,6 +18,7 @@ from ..grade import (
     find_parts,
     lay_coarsely,
 )
+from ..state import RecoveryState, made
 from .dart_cutting import cut_darts
 from .dart_search import (
     INSIDE,
@@ -32,7 +30,7 @@ from .dart_search import (
     mirror_of,
     reflect_point,
 )
-from .panel_change import LEAST_ANGLE, describe_dart, fit_cut, strains_of
+from .panel_change import LEAST_ANGLE, LEAST_WIDTH, describe_dart, fit_cut, strains_of
 from .wedge import Wedge, wanted_strain
 
 BELOW_ARM = 0.04
@@ -50,22 +48,7 @@ SYMMETRIC = 0.05
 """Largest distance of one point from the other one's mirror image in the panel [m]."""
 
 
-@dataclass(frozen=True)
-class DartedGarment:
-    """Describe a slid garment, whose front may have bust darts now.
-
-    Attributes:
-        garment: Its mesh, nodes on the target.
-        base: The base pattern with the same darts.
-        changes: The darts, one each; empty where there are none.
-    """
-
-    garment: Garment
-    base: Pattern
-    changes: tuple[PanelChange, ...] = ()
-
-
-def add_bust_darts(slid: Garment, graded: Garment, case: Case, settings: SlideSettings) -> DartedGarment:
+def add_bust_darts(state: RecoveryState, graded: Garment, settings: SlideSettings) -> RecoveryState:
     """Cut bust darts into a slid pattern where the cloth is pointed there, and slide its seams again.
 
     Without them the side seam goes to the front, to where a front as long as the back is wide enough, and a waist seam
@@ -73,32 +56,34 @@ def add_bust_darts(slid: Garment, graded: Garment, case: Case, settings: SlideSe
     is told by the curvature, and what strain is left by the other seams, too.
 
     Args:
-        slid: The pattern's coarse mesh as `slide_seams` left it, nodes on the target.
+        state: Target, wearer and base pattern; the pattern's coarse mesh as `slide_seams` left it on the target.
         graded: The graded pattern's mesh that it was made of.
-        case: The scan, the wearer and the base pattern.
         settings: How the seams were slid.
+
+    Returns:
+        The state with the darts in garment and base pattern, or as it was.
     """
-    found = DartedGarment(slid, case.base)
-    points = find_bust_points(TrunkCurvature.of(case.target, case.body))
+    slid = made(state.garment)
+    points = find_bust_points(TrunkCurvature.of(state.target, state.body))
     plan = None if points is None else plan_bust_darts(slid, points)
     if plan is None or plan.angle < LEAST_ANGLE:
-        return found
+        return state
     _, strain = lay_coarsely(graded, settings.isometry)
     try:
-        cut = cut_darts(slid, wanted_strain(slid, strain), case.base, (plan,))
-        garment, carried = fit_cut(cut, slid, strain, case, settings)
+        cut = cut_darts(slid, wanted_strain(slid, strain), state.base, (plan,))
+        garment, carried = fit_cut(cut, slid, strain, state, settings)
     except (GarmentqError, np.linalg.LinAlgError):  # a front that cannot be meshed or fitted is no better
-        return found
+        return state
     name = slid.pattern.panels[plan.panel].name
     strains = strains_of(slid, strain)[name], strains_of(garment, carried)[name]
     widths = [dart.width(garment.pattern) for dart in cut.darts]
     if strains[1] >= strains[0] or min(widths) < LEAST_WIDTH or not can_be_meshed(garment):
-        return found
+        return state
     changes = (
         describe_dart(garment.pattern, dart, "added", width, strains)
         for dart, width in zip(cut.darts, widths, strict=True)
     )
-    return DartedGarment(garment, cut.base, tuple(changes))
+    return replace(state, garment=garment, base=cut.base).with_findings(*changes)
 
 
 def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:

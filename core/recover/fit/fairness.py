@@ -9,8 +9,8 @@ import numpy as np
 from ...garment import Garment, Pattern, fair_curves, redraw
 from ...garment.errors import PanelCrossing, PanelDegenerate
 from ...garment.validity import check_outline
+from ..proved_corner import ProvedCorner
 from .locks import held_points
-from .rim_corners import ProvedCorner
 
 
 def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:

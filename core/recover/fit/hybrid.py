@@ -7,145 +7,174 @@ from dataclasses import replace
 import numpy as np
 
 from ...body import project_outside, untangle_outside
-from ...cloth import Fabric, FabricEstimate
-from ...garment import resample
+from ...cloth import Drape, FabricEstimate
+from ...garment import Garment, resample
 from ...garment.meshes import Meshes
 from ...geometry import self_intersections
+from ...run.best import best
 from ...run.hooks import SILENT, Hooks
-from ..case import Case, GradedDrape
+from ..case import Case
 from ..drape import pin_waist
 from ..grade import move_pattern
+from ..state import RecoveryState, made
 from .body_offset import estimate_body_offset, is_estimated
 from .fairness import fair_garment
 from .isometry import fit_isometry, steps_of
-from .locks import find_held, keep_held
+from .locks import find_held, fit_reference, keep_held, locks_of
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .panel_change import change_panels
-from .result import Fit
 from .rim_corners import prove_corners
 from .scene import FitScene
 from .second_registration import find_nearer, register_again
 from .settings import MaterialSettings, ShapeSettings
-from .shape import ShapeProblem, fit_shape
+from .shape import ShapeFit, ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
+
+Starts = dict[str, tuple[np.ndarray, np.ndarray | None]]
+"""Nodes from which an equilibrium is looked for, and friction's anchors there or None [m], by name."""
 
 
 def fit_pattern(
     case: Case,
-    drape: GradedDrape,
-    registered: np.ndarray,
+    state: RecoveryState,
     settings: ShapeSettings = ShapeSettings(),  # noqa: B008 - frozen
     hooks: Hooks = SILENT,
-) -> Fit:
+) -> RecoveryState:
     """Recover the pattern of a registered garment and drape it.
 
     Args:
-        case: The scan with named contours, wearer, template and cloth; its settings tell the vertices of the recovered
-            pattern's mesh, how to register again, and what stays as it is given: `fabric`, `panel:NAME` (and its mirror
-            image).
-        drape: The graded pattern's mesh at rest.
-        registered: The same nodes on the target [m], shape [node_count, 3].
+        case: The scan; its settings tell the vertices of the recovered pattern's mesh, how to register again, and what
+            stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        state: The graded pattern's mesh at its drape, and its nodes on the target.
         settings: How to fit through the simulator.
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The fit; its detail mesh is the second registration, with the pattern and the place that isometry found; where
-        that ended further from the scan than the first, one that begins at the first, if it is nearer.
+        The recovered garment; its detail mesh is the second registration, with the pattern and the place that isometry
+        found; where that ended further from the scan than the first, one that begins at the first, if it is nearer.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ...cloth import BendingFriction, Scene, SelfContact, Topology, equilibrium, soften
-
-    garment, target, wearer, like, fabric = drape.garment, case.target, case.wearer, case.base, case.fabric
-    material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
-    held = find_held(garment.pattern, like, locks)
-    isometric = fit_isometry(garment, registered, target, wearer.body, like, steps_of(case), hooks)
-    changed = change_panels(isometric, case, drape, registered, hooks)
-    if changed.changes:
-        isometric, like, garment = changed.garment, changed.base, changed.graded
-        held = find_held(garment.pattern, like, locks)
-    pattern = isometric.pattern
-    if held.any():
-        pattern = keep_held(pattern, garment.pattern, like, held)
-    refitted = remesh_and_transfer(pattern, case.settings.vertex_count, isometric, isometric.nodes, wearer.body)
-    graded = resample(garment, garment.nodes, refitted)
-    hooks.progress("fit", 0.2, "registering again")
-    first = None if changed.changes else garment.at(registered)
-    refitted = register_again(refitted, case, wearer, hooks)
-    registered = refitted.nodes
-    hooks.progress("fit", 0.3, "preparing the fit through the simulator")
-
-    def problem_on(vertices: int, cloth: Fabric) -> ShapeProblem:
-        """State the fit on the registered mesh, or on a coarser one."""
-        mesh = refitted
-        if vertices < len(registered):
-            mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
-        scene = Scene(Topology.from_garment(mesh), soften(cloth), wearer.grid, pin_waist(mesh), rotation)
-        return ShapeProblem.of(FitScene.of(mesh, like, scene, locked=held), settings)
-
-    coarse = problem_on(material.vertices, fabric)
-    if is_estimated(wearer.body):
-        hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        wearer = wearer.raised(
-            estimate_body_offset(replace(coarse, scene=coarse.scene.with_folds_held()), wearer, hooks)
-        )
-        coarse = replace(coarse, scene=coarse.scene.with_body(wearer.grid))
-        registered = project_outside(registered, wearer.exposed.sparing_pinched, refitted.faces)
-        registered = untangle_outside(registered, wearer.exposed.sparing_pinched, refitted.faces)
-        refitted = refitted.at(registered)
-        graded = project_outside(graded, wearer.exposed, refitted.faces)  # it was draped on the body as guessed
+    given, locks, material = state, locks_of(case, state), MaterialSettings()
+    reference = fit_reference(case, state)
+    state = _fit_panels(case, replace(state, base=reference), hooks)
+    is_same_cut = state.base is reference
+    held = find_held(made(state.graded).pattern, state.base, locks)
+    state = _register_fitted(case, state, held, hooks)
+    coarse = _state_problem(state, held, material.vertices, settings)
+    if is_estimated(state.body):
+        state, coarse = _raise_body(state, coarse, hooks)
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
-        fabric = replace(fabric, k=found.k, title=found.title, sources=found.sources)
         bending = (estimate,)
-    problem = problem_on(settings.vertices, fabric)
+        state = replace(state, fabric=replace(state.fabric, k=found.k, title=found.title, sources=found.sources))
+    problem = _state_problem(state, held, settings.vertices, settings)
     problem = replace(problem, scene=problem.scene.with_folds_held())
     if bending and estimate.identifiable:
         problem = problem.fitting_bending(estimate.std)
-    shape = fit_shape(problem, hooks)
-    problem = problem.with_fabric(shape.fabric)
-    point_std, membrane, bending_std = posterior(
-        problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes), material
-    )
+    shape, fabric = fit_shape(problem, hooks), state.fabric
+    problem, loss = problem.with_fabric(shape.fabric), problem.loss.value(shape.nodes)
+    point_std, membrane, bending_std = posterior(problem, fabric, shape.pattern, shape.drape, loss, material)
     if problem.bending is not None:
         fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate, material)
         bending = (estimate,)
-    estimates = (*bending, *membrane, state_density(fabric))
-    unfair = move_pattern(refitted, shape.pattern)
-    corners = prove_corners(unfair, registered, case.seen, like)
-    recovered = fair_garment(unfair, like, held, corners)
-    rest = shape.drape
-    started = problem.garment is refitted and recovered is unfair and rest.converged
-    if not started or len(self_intersections(rest.nodes, recovered.faces)):
-        hooks.progress("fit", 0.9, "draping the recovered pattern")
-        topology = Topology.from_garment(recovered)
-        folds, contact = BendingFriction.at(topology, registered), SelfContact.of(topology)
-        pins = pin_waist(recovered)
-        scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, folds, self_contact=contact)
-        starts: list[tuple[np.ndarray, np.ndarray | None]] = [] if started else [(registered, None)]
-        if problem.garment is refitted:  # the fit's own drape is of this mesh
-            starts.append((rest.nodes, rest.anchors))
-        drapes = [equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for nodes, anchors in starts]
-        if len(drapes) > 1:
-            drapes.sort(key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
-        rest = drapes[0]
-    simulation = project_outside(rest.nodes, wearer.exposed.sparing_pinched, recovered.faces)
-    simulation = untangle_outside(simulation, wearer.exposed.sparing_pinched, recovered.faces)
+    state = replace(state, fabric=fabric, point_std=point_std, nearest=nearest_fabrics(fabric))
+    state, second = replace(state, estimates=(*bending, *membrane, state_density(fabric))), made(state.garment)
+    state = _simulate(case, state, problem, shape, held, hooks)
+    if not is_same_cut:
+        return state
     hooks.progress("fit", 0.98, "comparing both registrations")
-    detail = refitted if first is None else find_nearer(first, refitted, case, wearer, hooks)
-    return Fit(
-        garment=recovered.at(detail.nodes),
-        fabric=fabric,
-        meshes=Meshes(graded, detail.nodes, simulation),
-        estimates=estimates,
-        nearest=nearest_fabrics(fabric),
-        point_std=point_std,
-        wearer=wearer,
-        simulated=rest,
-        warnings=() if rest.at_rest else (f"the simulation mesh is {rest.advice}",),
-        base=like,
-        changes=changed.changes,
-        corners=corners,
-    )
+    first, meshes = made(given.graded).at(made(given.meshes).detail), made(state.meshes)
+    detail = find_nearer(first, second, case, state, hooks).nodes
+    garment = made(state.garment).at(detail)
+    return replace(state, base=given.base, garment=garment, meshes=replace(meshes, detail=detail))
+
+
+def _fit_panels(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
+    """Fit the flat panels to the registered cloth by isometry; darts may be added or closed."""
+    graded, registered = made(state.graded), made(state.meshes).detail
+    fitted = fit_isometry(graded, registered, state.target, state.body, state.base, steps_of(case), hooks)
+    return change_panels(case, replace(state, garment=fitted), hooks)
+
+
+def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: Hooks) -> RecoveryState:
+    """Mesh the fitted pattern finely and register it, from where isometry laid it."""
+    graded, fitted = made(state.graded), made(state.garment)
+    pattern = fitted.pattern
+    if held.any():
+        pattern = keep_held(pattern, graded.pattern, state.base, held)
+    garment = remesh_and_transfer(pattern, case.settings.vertex_count, fitted, fitted.nodes, state.body)
+    hooks.progress("fit", 0.2, "registering again")
+    garment, draped = register_again(garment, case, state, hooks), resample(graded, graded.nodes, garment)
+    hooks.progress("fit", 0.3, "preparing the fit through the simulator")
+    return replace(state, garment=garment, meshes=Meshes(draped, garment.nodes))
+
+
+def _state_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
+    """State the fit of pattern and cloth on the registered mesh, or on a coarser one."""
+    from ...cloth import Scene, Topology, soften
+
+    mesh = made(state.garment)
+    if vertices < len(mesh.nodes):
+        mesh = remesh_and_transfer(mesh.pattern, vertices, mesh, mesh.nodes, state.body)
+    cloth, rotation = soften(state.fabric), made(state.drape).rotation
+    scene = Scene(Topology.from_garment(mesh), cloth, state.wearer.grid, pin_waist(mesh), rotation)
+    return ShapeProblem.of(FitScene.of(mesh, state.base, scene, locked=held), settings)
+
+
+def _raise_body(state: RecoveryState, problem: ShapeProblem, hooks: Hooks) -> tuple[RecoveryState, ShapeProblem]:
+    """Raise a body that was guessed below the cloth to where the cloth rests on it."""
+    hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
+    offset = estimate_body_offset(replace(problem, scene=problem.scene.with_folds_held()), state.wearer, hooks)
+    wearer, garment = state.wearer.raised(offset), made(state.garment)
+    skin, faces = wearer.exposed.sparing_pinched, garment.faces
+    registered = untangle_outside(project_outside(garment.nodes, skin, faces), skin, faces)
+    graded = project_outside(made(state.meshes).graded, wearer.exposed, faces)  # draped on the body as guessed
+    state = replace(state, wearer=wearer, garment=garment.at(registered), meshes=Meshes(graded, registered))
+    return state, replace(problem, scene=problem.scene.with_body(wearer.grid))
+
+
+def _simulate(
+    case: Case, state: RecoveryState, problem: ShapeProblem, shape: ShapeFit, held: np.ndarray, hooks: Hooks
+) -> RecoveryState:
+    """Make the fitted pattern's curves fair and bring it to rest: the simulation mesh."""
+    registered, meshes = made(state.garment), made(state.meshes)
+    fitted = move_pattern(registered, shape.pattern)
+    corners = prove_corners(fitted, registered.nodes, case.seen, state.base)
+    recovered = fair_garment(fitted, state.base, held, corners)
+    rest = shape.drape
+    is_settled = problem.garment is registered and recovered is fitted and rest.converged
+    if not is_settled or len(self_intersections(rest.nodes, recovered.faces)):
+        hooks.progress("fit", 0.9, "draping the recovered pattern")
+        starts: Starts = {} if is_settled else {"from the registration": (registered.nodes, None)}
+        if problem.garment is registered:  # the fit's own drape is of this mesh
+            starts |= {"from the fit's drape": (rest.nodes, rest.anchors)}
+        rest = _bring_to_rest(state, recovered, problem, starts, hooks)
+    skin = state.wearer.exposed.sparing_pinched
+    nodes = project_outside(rest.nodes, skin, recovered.faces)
+    nodes = untangle_outside(nodes, skin, recovered.faces)
+    meshes = Meshes(meshes.graded, registered.nodes, nodes)
+    state = replace(state, garment=recovered.at(registered.nodes), meshes=meshes, simulated=rest, corners=corners)
+    return state.with_notes(*(() if rest.at_rest else (f"the simulation mesh is {rest.advice}",)))
+
+
+def _bring_to_rest(
+    state: RecoveryState,
+    recovered: Garment,
+    problem: ShapeProblem,
+    starts: Starts,
+    hooks: Hooks,
+) -> Drape:
+    """Return the equilibrium of the recovered pattern, apart from itself, from each of some starts; the best of all."""
+    from ...cloth import BendingFriction, Scene, SelfContact, Topology, equilibrium, soften
+
+    topology, rotation = Topology.from_garment(recovered), made(state.drape).rotation
+    folds, contact = BendingFriction.at(topology, made(state.garment).nodes), SelfContact.of(topology)
+    cloth, grid, pins = soften(state.fabric), state.wearer.grid, pin_waist(recovered)
+    scene = Scene(topology, cloth, grid, pins, rotation, folds, self_contact=contact)
+    drapes = {
+        name: equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for name, (nodes, anchors) in starts.items()
+    }
+    return best("equilibrium", drapes, lambda one: (not one.converged, problem.loss.value(one.nodes)), hooks)

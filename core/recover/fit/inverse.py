@@ -2,76 +2,53 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
+from dataclasses import replace
 
 from ...body import project_outside, untangle_outside
-from ...cloth import Drape, Fabric, FabricEstimate
-from ...garment import Garment, resample
+from ...cloth import Fabric, FabricEstimate
 from ...run.hooks import SILENT, Hooks
-from ..case import Case, GradedDrape
+from ..case import Case
 from ..drape import pin_waist
-from .descent import Descent, DescentProblem, InverseSettings, descend
-from .locks import find_held
+from ..state import RecoveryState, made
+from .descent import DescentProblem, InverseSettings, descend
+from .locks import find_held, fit_reference, locks_of
 from .losses.range import STIFFNESSES
-from .material import ratio_prior, state_density
+from .material import nearest_fabrics, ratio_prior, state_density
 from .scene import FitScene
 from .settings import MaterialSettings
 from .transfer import remesh_and_transfer
 
 
-@dataclass(frozen=True)
-class InverseFit:
-    """What the thesis' inverse fit ends at.
-
-    Attributes:
-        garment: The recovered pattern, meshed; nodes at its equilibrium, contours named.
-        graded: The graded pattern's drape on that mesh [m], shape [node_count, 3].
-        descent: The loop's end: its losses and what it found.
-        fabric: The cloth, descended to, or the given one where it is locked.
-        estimates: What is known of each parameter of the fabric: descent tells no posterior.
-        simulated: The equilibrium behind the garment's nodes.
-        warnings: What the user should know, one sentence each.
-    """
-
-    garment: Garment
-    graded: np.ndarray
-    descent: Descent
-    fabric: Fabric
-    estimates: tuple[FabricEstimate, ...]
-    simulated: Drape
-    warnings: tuple[str, ...]
-
-
 def fit_inverse(
     case: Case,
-    graded: GradedDrape,
+    state: RecoveryState,
     settings: InverseSettings = InverseSettings(),  # noqa: B008 - frozen
     hooks: Hooks = SILENT,
-) -> InverseFit:
+) -> RecoveryState:
     """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
 
     Args:
-        case: The scan with named contours, wearer, template and the cloth to begin with; its settings tell the vertices
-            of the recovered pattern's mesh, and what stays as it is given: `fabric`, `panel:NAME` (and its mirror
-            image).
-        graded: The graded pattern's mesh at rest.
+        case: Its settings tell the vertices of the recovered pattern's mesh, and what stays as it is given: `fabric`,
+            `panel:NAME` (and its mirror image).
+        state: Target, wearer, the cloth to begin with, and the graded pattern's mesh at rest.
         settings: Weights and steps.
         hooks: Progress, cancellation and checkpoints.
+
+    Returns:
+        The state with the pattern's mesh at its equilibrium, and the fabric that was descended to.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
     from ...cloth import Scene, SelfContact, Topology, equilibrium
 
-    garment, target, wearer, fabric = graded.garment, case.target, case.wearer, case.fabric
-    locks, rotation = graded.locks(case.settings), graded.drape.rotation
-    held = find_held(garment.pattern, case.base, locks)
+    garment, target, wearer, fabric = made(state.graded), state.target, state.wearer, state.fabric
+    locks, rotation, reference = locks_of(case, state), made(state.drape).rotation, fit_reference(case, state)
+    held = find_held(garment.pattern, reference, locks)
     count = min(settings.vertices, len(garment.nodes))
     coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
     cloth = Scene(Topology.from_garment(coarse), fabric, wearer.grid, pin_waist(coarse, target), rotation)
-    problem = DescentProblem.of(FitScene.of(coarse, case.base, cloth, STIFFNESSES, held), target, settings)
+    problem = DescentProblem.of(FitScene.of(coarse, reference, cloth, STIFFNESSES, held), target, settings)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
@@ -83,15 +60,16 @@ def fit_inverse(
     scene = Scene(topology, found, wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, fine.nodes, hooks=hooks)
     nodes = project_outside(drape.nodes, wearer.exposed.sparing_pinched, fine.faces)
-    return InverseFit(
+    found_state = replace(
+        state,
         garment=fine.at(untangle_outside(nodes, wearer.exposed.sparing_pinched, fine.faces)),
-        graded=resample(garment, garment.nodes, fine),
-        descent=descent,
+        laid=None,  # that was of another mesh
         fabric=found,
-        estimates=_state_fabric(found) if fit_fabric else (),
         simulated=drape,
-        warnings=() if drape.at_rest else (f"the simulation mesh is {drape.advice}",),
+        estimates=_state_fabric(found) if fit_fabric else (),
+        nearest=nearest_fabrics(found),
     )
+    return found_state.with_notes(*(() if drape.at_rest else (f"the simulation mesh is {drape.advice}",)))
 
 
 def _state_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:

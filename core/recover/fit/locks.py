@@ -7,6 +7,8 @@ import numpy as np
 from ...garment import Pattern, equalise_seams, find_symmetry
 from ...geometry import fit_rigid
 from ...run.errors import BadInput
+from ..case import Case
+from ..state import RecoveryState, made
 
 _ROUNDS = 40
 """Most turns between equal seams and held points; each halves what is left, so 40 take a decimetre below 1e-12 m."""
@@ -16,6 +18,20 @@ class LockUnknown(BadInput):
     """A lock names no panel or point of the pattern; `garmentq templates show NAME` lists its panels."""
 
     code = "fit.lock_unknown"
+
+
+def locks_of(case: Case, state: RecoveryState) -> tuple[str, ...]:
+    """Return what the user locks; also the fabric where the cloth was in motion, which tells nothing of it."""
+    locks, drape = case.settings.locks, state.drape
+    return locks if drape is None or drape.rotation is None else (*locks, "fabric")
+
+
+def fit_reference(case: Case, state: RecoveryState) -> Pattern:
+    """Return the pattern whose symmetry, proportions and curves a fit keeps.
+
+    Where curves are free, fits start from those that the scan has shown.
+    """
+    return made(state.graded).pattern if case.has_free_curves else state.base
 
 
 def find_held(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from ...garment import Garment, Pattern, mesh_pattern
 from ...garment.editing.darts import Dart, find_darts
 from ...garment.editing.partners import mirror_corners
+from ...garment.meshes import Meshes
 from ...run.errors import Cancelled, GarmentqError
+from ...run.finding import Finding, FindingKind
 from ...run.hooks import SILENT, Hooks
 from ...scan.contours import name_contours
-from ..case import Case, GradedDrape
+from ..case import Case
 from ..drape import DrapeSettings, drape_graded, hangs_in_sleeves
-from ..grade import LEAST_WIDTH, Isometry, PanelChange, SlideSettings, move_pattern, solve_isometry
+from ..grade import Isometry, SlideSettings, move_pattern, solve_isometry
+from ..state import RecoveryState, made
 from .dart_closing import asked_width, close_darts
 from .dart_cutting import CutGarment, cut_darts, relax_panels
 from .dart_search import is_image, propose_dart, relax_panel, rms_strain
 from .isometry import SETTLED, lay_on_target, steps_of, strain_on_target
 from .wedge import wanted_strain
 
-if TYPE_CHECKING:
-    from ...cloth import SteadyRotation
+LEAST_WIDTH = 0.01
+"""Of a dart's mouth [m]: a narrower one is sewn less than 5 mm from its fold; a maker eases it into the seam."""
 
 LEAST_STRAIN = 0.01
 """Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
@@ -46,136 +48,126 @@ ROUNDS = 2
 1 mm in a third."""
 
 
-@dataclass(frozen=True)
-class FittedPanels:
-    """Describe a pattern fitted by isometry, whose panels may have changed.
-
-    Attributes:
-        garment: The coarse mesh of the fitted pattern, nodes on the target.
-        base: The base pattern with the same panels and darts.
-        strain: That the cloth of each face is believed to have, shape [face_count, 2, 2].
-        graded: A fine mesh of the same panels and darts, nodes at its drape: the graded one's, or with darts added
-            that of the pattern with them.
-        registered: The nodes of `graded` on the target [m], shape [node_count, 3].
-        changes: What changed; empty where nothing did.
-    """
-
-    garment: Garment
-    base: Pattern
-    strain: np.ndarray
-    graded: Garment
-    registered: np.ndarray
-    changes: tuple[PanelChange, ...] = ()
+Strained = tuple[RecoveryState, np.ndarray]
+"""A state whose garment is a coarse mesh of a pattern fitted by isometry, nodes on the target, while its `meshes` are
+those of `graded`, a fine mesh of the same panels; and the strain that the cloth of each face of the coarse mesh is
+believed to have, shape [face_count, 2, 2]."""
 
 
-def change_panels(
-    garment: Garment, case: Case, drape: GradedDrape, registered: np.ndarray, hooks: Hooks = SILENT
-) -> FittedPanels:
+def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT) -> RecoveryState:
     """Close darts that the scan has no use for, and add those that its panels cannot be isometric without.
 
     Args:
-        garment: The pattern as `fit_isometry` left it.
-        case: The scan, the wearer and the base pattern; `keep_cut` and locked panels leave panels as they are.
-        drape: The graded drape.
-        registered: Its nodes on the target [m], shape [node_count, 3].
+        case: `keep_cut` and locked panels leave panels as they are.
+        state: The garment as `fit_isometry` left it, the base pattern that it was fitted like, the graded drape, and
+            its nodes on the target.
         hooks: Cancellation.
 
     Returns:
-        The fitted pattern; with nothing changed the one that was given, to the last digit.
+        The fitted pattern with the base pattern and the graded drape of the same panels, that of the pattern with them
+        where darts were added; with nothing changed the state that was given.
     """
-    _, strain = lay_on_target(drape.garment, registered)
-    found = FittedPanels(garment, case.base, strain, drape.garment, registered)
     if case.settings.keep_cut or case.has_locked_panels:
-        return found
+        return state
     hooks.check()
+    _, strain = lay_on_target(made(state.graded), made(state.meshes).detail)
     try:
-        return _add(_close(found, case), case, drape.drape.rotation)
+        return _add(case, _close(case, (state, strain)))
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError):  # changed panels that cannot be meshed or fitted are no better
-        return found
+        return state
 
 
-def _close(found: FittedPanels, case: Case) -> FittedPanels:
+def _close(case: Case, given: Strained) -> Strained:
     """Close the darts for which the scan asks for less than `LEAST_WIDTH`, unless one would be proposed again."""
-    if not find_darts(found.garment.pattern):
-        return found
-    relaxed = _relax(found, case, {dart.panel for dart in find_darts(found.garment.pattern)})
-    wanted = wanted_strain(relaxed.garment, relaxed.strain)
-    widths = {dart: asked_width(relaxed.garment, wanted, dart) for dart in find_darts(relaxed.garment.pattern)}
+    state, strain = given
+    garment = made(state.garment)
+    if not find_darts(garment.pattern):
+        return given
+    relaxed, its_strain = _relax(case, given, {dart.panel for dart in find_darts(garment.pattern)})
+    loose = made(relaxed.garment)
+    wanted = wanted_strain(loose, its_strain)
+    widths = {dart: asked_width(loose, wanted, dart) for dart in find_darts(loose.pattern)}
     needless = [dart for dart, width in widths.items() if width < LEAST_WIDTH]
-    needless = [dart for dart in needless if _images(relaxed.garment.pattern, dart) <= set(needless)]
+    needless = [dart for dart in needless if _images(loose.pattern, dart) <= set(needless)]
     if not needless:
-        return found
-    closed = _refit(relaxed, close_darts(relaxed.garment, wanted, relaxed.base, needless), case)
-    strains = strains_of(found.garment, found.strain), strains_of(closed.garment, closed.strain)
+        return given
+    closed, after_strain = _refit(case, (relaxed, its_strain), close_darts(loose, wanted, relaxed.base, needless))
+    strains = strains_of(garment, strain), strains_of(made(closed.garment), after_strain)
     changes = []
     for dart in needless:
         before, after = (each[dart.panel] for each in strains)
         if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > LEAST_STRAIN:
-            return found  # without it one would be proposed
-        changes.append(describe_dart(found.garment.pattern, dart, "closed", widths[dart], (before, after)))
-    return replace(closed, changes=tuple(changes))
+            return given  # without it one would be proposed
+        changes.append(describe_dart(garment.pattern, dart, "closed", widths[dart], (before, after)))
+    return closed.with_findings(*changes), after_strain
 
 
-def _add(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> FittedPanels:
+def _add(case: Case, given: Strained) -> RecoveryState:
     """Add the darts that take enough strain and come out wide enough; one that does not is taken back.
 
     What cloth is believed to be strained by is then that of a drape with them. Without them a skirt is compressed at
     its waist, which hides half of what a dart takes in.
     """
-    wanted = wanted_strain(found.garment, found.strain)
-    before = strains_of(found.garment, found.strain)
+    state, strain = given
+    garment = made(state.garment)
+    wanted, before = wanted_strain(garment, strain), strains_of(garment, strain)
     proposals = [
         one
-        for index in range(len(found.garment.pattern.panels))
-        if not is_image(found.garment, index)
-        and (one := propose_dart(found.garment, wanted, index)) is not None
+        for index in range(len(garment.pattern.panels))
+        if not is_image(garment, index)
+        and (one := propose_dart(garment, wanted, index)) is not None
         and one.before > LEAST_STRAIN
         and one.share > PROPOSED_SHARE
         and one.angle > LEAST_ANGLE
     ]
     while proposals:
-        cut = cut_darts(found.garment, wanted, found.base, tuple(proposals))
+        cut = cut_darts(garment, wanted, state.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
-        added = _relax(_drape_anew(_refit(found, cut, case), case, rotation), case, names)
-        after = strains_of(added.garment, added.strain)
-        changes: dict[int, list[PanelChange]] = {}
+        added, its_strain = _relax(case, _drape_with_darts(case, _refit(case, given, cut)), names)
+        pattern, after = made(added.garment).pattern, strains_of(made(added.garment), its_strain)
+        changes: dict[int, list[Finding]] = {}
         for number in range(len(proposals)):
             darts = [dart for dart, owner in zip(cut.darts, cut.owner, strict=True) if owner == number]
-            widths = [dart.width(added.garment.pattern) for dart in darts]
+            widths = [dart.width(pattern) for dart in darts]
             square = [sum(each[name] ** 2 for name in {dart.panel for dart in darts}) for each in (before, after)]
             is_wide = bool(darts) and min(widths) >= LEAST_WIDTH
             if is_wide and square[1] <= (1.0 - KEPT_SHARE) * square[0]:
                 changes[number] = [
-                    describe_dart(added.garment.pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
+                    describe_dart(pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
                     for dart, width in zip(darts, widths, strict=True)
                 ]
         if len(changes) == len(proposals):
-            every = tuple(change for number in sorted(changes) for change in changes[number])
-            return replace(added, changes=(*found.changes, *every))
+            return added.with_findings(*(change for number in sorted(changes) for change in changes[number]))
         proposals = [proposals[number] for number in sorted(changes)]
-    return found
+    return state
 
 
-def _refit(found: FittedPanels, cut: CutGarment, case: Case) -> FittedPanels:
+def _refit(case: Case, given: Strained, cut: CutGarment) -> Strained:
     """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
-    garment, strain = fit_cut(cut, found.garment, found.strain, case, _settings_of(case))
-    fine = mesh_pattern(cut.pattern, len(found.graded.nodes))
-    nodes, registered = (cut.place(found.graded, each, fine) for each in (found.graded.nodes, found.registered))
-    return FittedPanels(garment, cut.base, strain, fine.at(nodes), registered, found.changes)
+    state, strain = given
+    graded, nodes = made(state.graded), made(state.meshes)
+    garment, carried = fit_cut(cut, made(state.garment), strain, state, _settings_of(case))
+    fine = mesh_pattern(cut.pattern, len(graded.nodes))
+    placed, registered = (cut.place(graded, each, fine) for each in (graded.nodes, nodes.detail))
+    meshes = Meshes(placed, registered)
+    return replace(state, garment=garment, base=cut.base, graded=fine.at(placed), meshes=meshes), carried
 
 
-def _drape_anew(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> FittedPanels:
+def _drape_with_darts(case: Case, given: Strained) -> Strained:
     """Drape the panels on the wearer, and believe of their cloth on the target what that drape is strained by."""
-    start = move_pattern(found.graded, found.garment.pattern)
-    settings = DrapeSettings(apart=hangs_in_sleeves(case.target, case.body))
-    drape, _ = drape_graded(start, case.wearer, case.fabric, case.target, rotation=rotation, settings=settings)
-    return replace(found, strain=strain_on_target(found.garment, drape, found.registered), graded=drape)
+    state, _ = given
+    garment, registered = made(state.garment), made(state.meshes).detail
+    start, rotation = move_pattern(made(state.graded), garment.pattern), made(state.drape).rotation
+    settings = DrapeSettings(apart=hangs_in_sleeves(state.target, case.body))
+    drape, _ = drape_graded(start, state.wearer, state.fabric, state.target, rotation=rotation, settings=settings)
+    state = replace(state, graded=drape, meshes=Meshes(drape.nodes, registered))
+    return state, strain_on_target(garment, drape, registered)
 
 
 def fit_cut(
-    cut: CutGarment, before: Garment, strain: np.ndarray, case: Case, settings: SlideSettings
+    cut: CutGarment, before: Garment, strain: np.ndarray, state: RecoveryState, settings: SlideSettings
 ) -> tuple[Garment, np.ndarray]:
     """Mesh a pattern with other darts anew, and fit it to the target by isometry.
 
@@ -183,7 +175,7 @@ def fit_cut(
         cut: The pattern, and where its darts were cut.
         before: The garment without them.
         strain: The strain that the cloth of its faces is believed to have, shape [face_count, 2, 2].
-        case: The target and the wearer.
+        state: The target and the wearer.
         settings: How.
 
     Returns:
@@ -192,27 +184,28 @@ def fit_cut(
     mesh = mesh_pattern(cut.pattern, len(before.nodes))
     start = mesh.at(cut.place(before, before.nodes, mesh))
     carried = cut.carry_strain(strain, mesh)
-    return _fit(start, carried, cut.base, case, settings), carried
+    return _fit(start, carried, cut.base, state, settings), carried
 
 
-def _relax(found: FittedPanels, case: Case, panels: set[str]) -> FittedPanels:
+def _relax(case: Case, given: Strained, panels: set[str]) -> Strained:
     """Let the darts of some panels open or close as strain asks for, and fit again, `ROUNDS` times."""
+    state, strain = given
     for _ in range(ROUNDS):
-        wanted = wanted_strain(found.garment, found.strain)
-        pattern, base = relax_panels(found.garment, wanted, found.base, panels)
-        fitted = _fit(move_pattern(found.garment, pattern), found.strain, base, case, _settings_of(case))
-        found = replace(found, garment=fitted, base=base)
-    return found
+        garment = made(state.garment)
+        pattern, base = relax_panels(garment, wanted_strain(garment, strain), state.base, panels)
+        fitted = _fit(move_pattern(garment, pattern), strain, base, state, _settings_of(case))
+        state = replace(state, garment=fitted, base=base)
+    return state, strain
 
 
 def _settings_of(case: Case) -> SlideSettings:
     return SlideSettings(SETTLED, steps_of(case))
 
 
-def _fit(start: Garment, strain: np.ndarray, base: Pattern, case: Case, settings: SlideSettings) -> Garment:
+def _fit(start: Garment, strain: np.ndarray, base: Pattern, state: RecoveryState, settings: SlideSettings) -> Garment:
     """Fit a pattern and its place on the target to each other, from where a garment lies."""
-    named = start.at(start.nodes, name_contours(start.nodes, start.faces, case.body)[0])
-    problem = Isometry.of(named, case.target, case.body, base, strain, settings.isometry)
+    named = start.at(start.nodes, name_contours(start.nodes, start.faces, state.body)[0])
+    problem = Isometry.of(named, state.target, state.body, base, strain, settings.isometry)
     return solve_isometry(problem, named, settings.settled, lambda step: None)
 
 
@@ -239,12 +232,33 @@ def _images(pattern: Pattern, dart: Dart) -> set[Dart]:
     return {apexes[corner] for corner, _ in images if corner in apexes}
 
 
-def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> PanelChange:
-    """Return a change with its place."""
+def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> Finding:
+    """Return that a dart was added or closed, with its place and the evidence for it.
+
+    Args:
+        pattern: The pattern that has the dart.
+        dart: Which.
+        kind: `added` or `closed`.
+        width: Of its mouth [m]; of one that was closed: what the scan asks for.
+        strain: Root mean square over the panel of the strain that no flat shape takes, before and after.
+    """
     panel = pattern.panel(dart.panel)
     edge = panel.edges[(dart.first - 1) % len(panel.edges)]
     first, apex, last = dart.ends(pattern)
-    middle = 0.5 * (first + last)
-    where = edge.label or edge.contour or str((dart.first - 1) % len(panel.edges))
-    points = (float(middle[0]), float(middle[1])), (float(apex[0]), float(apex[1]))
-    return PanelChange(kind, panel.name, where, *points, width, *strain)
+    mouth, end = 0.5 * (first + last), edge.label or edge.contour or str((dart.first - 1) % len(panel.edges))
+    evidence = {
+        "kind": kind, "panel": panel.name, "edge": end, "mouth": [float(x) for x in mouth],
+        "apex": [float(x) for x in apex], "width": float(width), "before": float(strain[0]), "after": float(strain[1]),
+    }  # fmt: skip
+    fall, where = f"{100 * strain[0]:.1f} to {100 * strain[1]:.1f} %", f"panel '{panel.name}' at '{end}'"
+    if kind == "added":
+        message = (
+            f"A dart of {1e3 * width:.0f} mm, {1e3 * float(np.linalg.norm(apex - mouth)):.0f} mm long, was added to "
+            f"{where}: the strain that no flat panel takes falls from {fall} there; --keep-cut leaves it out."
+        )
+    else:
+        message = (
+            f"A dart of {where} was closed: the scan asks for {1e3 * width:.0f} mm, less than "
+            f"{1e3 * LEAST_WIDTH:.0f}, and without it strain goes from {fall}; --keep-cut leaves it."
+        )
+    return Finding(FindingKind.PANEL_CHANGE, message, width, evidence)

@@ -12,6 +12,7 @@ from ...garment.editing.partners import mirror_corners
 from ...garment.fairness import SMOOTH, SmoothJoin, boundary_edges, find_smooth_joins
 from ...geometry import rim_turns
 from ...scan.contours import Contour, Target
+from ..proved_corner import ProvedCorner
 
 WINDOW = 0.02
 """Length on either side of a seam's end within which the rim's corner is sought [m]: registration finds the place of a
@@ -33,41 +34,6 @@ is smooth. Without it 1 of 60 skirts with 1 mm of noise got a corner of 41 degre
 
 LEAST_PLACES = 8
 """Places on the rim without a seam that are needed to know how much the rim turns by itself."""
-
-
-@dataclass(frozen=True)
-class ProvedCorner:
-    """Describe a corner that the scan proves where the base pattern is smooth.
-
-    Attributes:
-        join: Its place in the pattern.
-        contour: Name of the opening that it is on; of both where its mirror image was measured, too.
-        angle: How far the rim turns there beyond its course, positive where it bulges out [rad].
-        std: Standard deviation of that, from how far the rim turns elsewhere [rad].
-    """
-
-    join: SmoothJoin
-    contour: str
-    angle: float
-    std: float
-
-    def tell(self) -> str:
-        """Return the finding as one sentence with its evidence."""
-        where = " and ".join(f"'{panel}' at point {index}" for panel, index in self.join.corners)
-        return (
-            f"The scan has a corner at its {self.contour} where the base pattern is smooth: {where}, "
-            f"{np.degrees(self.angle):.1f} degrees with a standard deviation of {np.degrees(self.std):.1f}; "
-            f"the pattern keeps it."
-        )
-
-    def record(self) -> dict[str, object]:
-        """Return what the manifest holds: place, contour, angle and standard deviation [degrees]."""
-        return {
-            "corners": [list(corner) for corner in self.join.corners],
-            "contour": self.contour,
-            "angle_deg": float(np.round(np.degrees(self.angle), 3)),
-            "std_deg": float(np.round(np.degrees(self.std), 3)),
-        }
 
 
 def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pattern) -> tuple[ProvedCorner, ...]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from ...garment import Garment, resample
+from ...run.best import best
 from ...run.hooks import Hooks
 from ..case import Case
 from ..deform import DeformSettings, deform
-from ..drape import WearerGeometry
 from ..drape.motion import miss
+from ..state import RecoveryState
 
 FURTHER = 1.1
 """Times the distance of the first registration that the second may have. Of four garments with the library's base
@@ -15,24 +16,24 @@ patterns two had 1.0, trousers 1.2, shorts 1.7; from the first registration on i
 the trousers."""
 
 
-def register_again(start: Garment, case: Case, wearer: WearerGeometry, hooks: Hooks) -> Garment:
+def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
     """Return a garment that already lies on the scan, registered with it; its contours are named."""
     settings = DeformSettings.of_preset(case.settings.preset).going_on()
-    return start.at(deform(start, case.target, wearer.exposed, settings=settings, hooks=hooks.quiet()).nodes)
+    return start.at(deform(start, state.target, state.wearer.exposed, settings=settings, hooks=hooks.quiet()).nodes)
 
 
-def find_nearer(first: Garment, second: Garment, case: Case, wearer: WearerGeometry, hooks: Hooks) -> Garment:
+def find_nearer(first: Garment, second: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
     """Return the second registration, or its mesh registered from the first on where that is nearer to the scan.
 
     Args:
         first: The first registration.
         second: A mesh of a pattern of the same panels, registered from where the pattern was fitted.
         case: The scan.
-        wearer: The wearer's geometry; cloth is kept outside.
+        state: The target, and the wearer; cloth is kept outside.
         hooks: Cancellation.
     """
-    reached = miss(second, case.target)
-    if reached <= FURTHER * miss(first, case.target):
+    if miss(second, state.target) <= FURTHER * miss(first, state.target):
         return second
-    other = register_again(second.at(resample(first, first.nodes, second)), case, wearer, hooks)
-    return other if miss(other, case.target) < reached else second
+    other = register_again(second.at(resample(first, first.nodes, second)), case, state, hooks)
+    starts = {"from the fitted pattern": second, "from the first": other}
+    return best("second registration", starts, lambda one: miss(one, state.target), hooks)

@@ -3,8 +3,7 @@
 from .bust_points import BustPoints, find_bust_points
 from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template
 from .completion import complete_target
-from .cut_name import name_recovered, tell_cut
-from .dart_changes import LEAST_WIDTH, PanelChange
+from .cut_name import describe_cut_change, name_recovered
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
     FlatteningSettings,
@@ -26,7 +25,6 @@ from .strain import believed_strain, hidden_folds
 from .trunk_curvature import TrunkCurvature
 
 __all__ = [
-    "LEAST_WIDTH",
     "BustPoints",
     "Candidate",
     "Choice",
@@ -37,7 +35,6 @@ __all__ = [
     "HemShare",
     "Isometry",
     "IsometrySettings",
-    "PanelChange",
     "Proportions",
     "RegistrationSettings",
     "SlideSettings",
@@ -50,6 +47,7 @@ __all__ = [
     "choose_template",
     "compare_contours",
     "complete_target",
+    "describe_cut_change",
     "find_bust_points",
     "find_parts",
     "find_proportions",
@@ -70,5 +68,4 @@ __all__ = [
     "solve_sewn",
     "step_without_folds",
     "stretch_between",
-    "tell_cut",
 ]

@@ -7,11 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
+import numpy as np
+
 from ...body import Body
 from ...garment import Pattern, flat_contours, list_templates, load_template, name_cut
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
 from ...garment.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck
 from ...run.errors import BadInput
+from ...run.finding import Finding, FindingKind
 from ...scan.contours import Target
 from ..drape import outgrown_measures
 from .cut_search import search_cuts
@@ -46,6 +49,12 @@ class Candidate:
     misfit: float
     girths: float | None = None
     neckline: float | None = None
+
+    def describe(self) -> Finding:
+        """Return the cut as a finding, with what its misfit is made of."""
+        parts = {"misfit": self.misfit, "girths": self.girths, "neckline": self.neckline}
+        known = {name: float(np.round(value, 4)) for name, value in parts.items() if value is not None}
+        return Finding(FindingKind.CUT, value=self.misfit, evidence={"template": self.template} | known)
 
 
 @dataclass(frozen=True)
@@ -106,7 +115,7 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         if not cut.has_place_for(part)
     ]
     if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
-        notes.append(gores.tell(cut))
+        notes.append(gores.describe(cut))
     measures = outgrown_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)

@@ -39,7 +39,7 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
     return template if not ranked or ranked[0].cut == own else _name(ranked[0].cut)
 
 
-def tell_cut(cut: str, template: str) -> tuple[str, ...]:
+def describe_cut_change(cut: str, template: str) -> tuple[str, ...]:
     """Return what the user should know of a cut that is not its template's; nothing where it is."""
     return () if cut == template else (f"Graded from '{template}' the pattern has the girths of '{cut}'.",)
 

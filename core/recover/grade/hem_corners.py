@@ -34,7 +34,7 @@ class HemShare:
     front: float
     turns: tuple[float, float]
 
-    def tell(self) -> str:
+    def describe(self) -> str:
         """Return one sentence for the user."""
         first, second = np.abs(np.degrees(self.turns))
         return (

@@ -38,7 +38,7 @@ class HemGores:
         """Return a cut with as many gores with them flared alike; others, and gores below darts, as they are."""
         return replace(cut, sweep=self.sweep) if self.is_cut(cut) and cut.shaping is Shaping.NONE else cut
 
-    def tell(self, cut: Cut) -> str:
+    def describe(self, cut: Cut) -> str:
         """Return one sentence for the user, who is given a cut without them, with the parts that draft them."""
         angle = np.degrees(self.sweep)
         seam = "" if cut.bodice is Bodice.NONE else ",waist=seam"

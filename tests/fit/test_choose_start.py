@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,15 @@ from garmentq.core.geometry import self_intersections, vertex_normals
 from garmentq.core.recover.case import Case
 from garmentq.core.recover.drape import WearerGeometry
 from garmentq.core.recover.drape.shipped import WEARER
-from garmentq.core.recover.fit import uncross
+from garmentq.core.recover.fit import choose_start
 from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.state import RecoveryState
+from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import Target
 
-module = sys.modules[uncross.__module__]
+module = sys.modules[choose_start.__module__]
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +42,15 @@ def case() -> Case:
     return Case(
         request=Request(Path("tshirt.ply"), WEARER),
         scan=Scan(worn.nodes, worn.faces),
+        seen=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
         wearer=WearerGeometry(builtin_body(WEARER)),
-        target=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
-        template="tshirt",
-        base=worn.pattern,
-        fabric=get_fabric("cotton_poplin"),
     )
+
+
+def start_from(case: Case, garment: Garment, drape: Drape) -> RecoveryState:
+    """Return the state that a graded drape leaves."""
+    state = RecoveryState("tshirt", garment.pattern, case.seen, case.wearer, get_fabric("cotton_poplin"))
+    return replace(state, garment=garment, graded=garment, drape=drape)
 
 
 def at_rest(nodes: np.ndarray) -> Drape:
@@ -55,8 +61,8 @@ def test_a_drape_without_crossings_stays(case, shirt):
     """Broken where a drape in order costs another one, or is replaced by it."""
     assert not len(self_intersections(shirt.nodes, shirt.faces))
     drape = at_rest(shirt.nodes)
-    found = uncross(case, shirt, drape, SILENT)
-    assert found[0] is shirt and found[1] is drape
+    found = choose_start(case, start_from(case, shirt, drape), SILENT)
+    assert found.garment is shirt and found.drape is drape
 
 
 def lose_sleeve(case: Case, shirt: Garment) -> Garment:
@@ -71,9 +77,11 @@ def lose_sleeve(case: Case, shirt: Garment) -> Garment:
 def test_a_sleeve_beside_its_arm_is_dressed_anew(case, shirt):
     """Broken where a sleeve that a scan shows grown together with the trunk stays beside its arm."""
     lost = lose_sleeve(case, shirt)
-    found, drape = uncross(case, lost, at_rest(lost.nodes), SILENT)
-    assert len(self_intersections(found.nodes, found.faces)) == 0 and drape.converged
-    assert {contour.name for contour in found.contours} == {"cuff.left", "cuff.right", "hem", "neck"}
+    found = choose_start(case, start_from(case, lost, at_rest(lost.nodes)), SILENT)
+    garment = found.garment
+    assert garment is found.graded and len(self_intersections(garment.nodes, garment.faces)) == 0
+    assert found.drape.converged
+    assert {contour.name for contour in garment.contours} == {"cuff.left", "cuff.right", "hem", "neck"}
 
 
 @pytest.mark.parametrize("is_deformed", [False, pytest.param(True, marks=pytest.mark.nightly)])
@@ -85,5 +93,8 @@ def test_a_drape_that_is_no_farther_stays(case, shirt, is_deformed, monkeypatch)
     if not is_deformed:  # neither comes any nearer
         monkeypatch.setattr(module, "deform", lambda garment, *given, **named: garment)
     drape = at_rest(lost.nodes)
-    found = uncross(case, lost, drape, SILENT)
-    assert found[0] is lost and found[1] is drape
+    clock = Clock()
+    found = choose_start(case, start_from(case, lost, drape), clock.hooks)
+    assert found.garment is lost and found.drape is drape
+    (choice,) = clock.take_findings()
+    assert choice.evidence["taken"] == "graded drape" and len(choice.evidence["scores"]) == 2

@@ -1,0 +1,124 @@
+"""The end of a recovery: what is measured of it, how it is judged, and the manifest that reproduces it."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from ..garment.pieces import measure_pieces
+from ..judge import (
+    Reference,
+    judge,
+    measure_contour_shapes,
+    measure_fairness,
+    measure_fit,
+    measure_knowledge,
+    measure_plausibility,
+    measure_seams,
+    measure_upright,
+    measure_wear,
+)
+from ..run.clock import Clock
+from ..run.finding import FindingKind
+from ..run.report import Metrics, ResultReport
+from ..scan.contours import find_remarks, mark_hidden_border
+from .case import Case
+from .grade import describe_cut_change, name_recovered
+from .recovery import Recovery
+from .state import RecoveryState, made
+
+PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
+"""The packages whose versions decide the digits of a result; the manifest names them."""
+
+IN_MANIFEST = {
+    "candidates": FindingKind.CUT, "panel_changes": FindingKind.PANEL_CHANGE,
+    "proved_corners": FindingKind.CORNER, "choices": FindingKind.CHOICE,
+}  # fmt: skip
+"""Names in the manifest under which findings stand."""
+
+SHOWN = (FindingKind.NOTE, FindingKind.PANEL_CHANGE, FindingKind.CORNER)
+"""Findings that are warnings, in the order in which a result shows them."""
+
+
+def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
+    """Measure and judge a finished state, and return it as the result."""
+    garment, settings = made(state.garment), case.settings
+    state = state.with_findings(*(corner.describe() for corner in state.corners))
+    remarks = [one.describe() for one in case.undeclared or () if one.is_off_body]
+    remarks += find_remarks(case.scan.vertices, case.body)
+    with clock.stage("measure", "measuring the result"):
+        pieces = measure_pieces(garment.pattern)
+        metrics = {**measure(case, state), **pieces.metrics}
+        cut = state.template
+        if case.request.template is None:
+            cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
+    told = [one.message for kind in SHOWN for one in state.findings if one.kind is kind]
+    warnings = (*remarks, *case.scan.repairs, *told, *describe_cut_change(cut, state.template))
+    manifest = describe(case, state) | {"cut": cut}
+    for name, kind in IN_MANIFEST.items():
+        manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
+    return Recovery(
+        scan=case.scan,
+        body=state.body,
+        target=case.seen,
+        template=state.template,
+        pattern=garment.pattern,
+        fabric=state.fabric,
+        garment=garment,
+        meshes=made(state.meshes),
+        report=ResultReport.of(clock, metrics, judge(metrics), warnings, manifest),
+        estimates=state.estimates,
+        nearest_fabrics=state.nearest,
+        point_std=state.point_std,
+        rotation=made(state.drape).rotation,
+        pieces=pieces.pieces,
+    )
+
+
+def measure(case: Case, state: RecoveryState) -> Metrics:
+    """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
+    scan, garment, meshes, body = case.scan, made(state.garment), made(state.meshes), state.body
+    contours, seed = case.seen.contours_of_scan(), case.settings.seed
+    hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
+    truth = Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
+    metrics = measure_knowledge(state.estimates, state.point_std)
+    for name, equilibrium in (("drape", state.drape), ("sim", state.simulated), ("redrape", state.redrape)):
+        if equilibrium is not None:
+            metrics |= equilibrium.measure(name)
+    metrics |= measure_fit(garment, meshes, truth) | measure_seams(garment.pattern)
+    proved = {corner.join: corner.angle for corner in state.corners}
+    metrics |= measure_fairness(garment.pattern, state.base, proved) | measure_plausibility(garment.pattern)
+    metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.seen, body)
+    metrics |= measure_wear(state.target, body, meshes.detail, garment.faces, seed) | measure_upright(case.seen)
+    cuts = [one.value for one in state.findings if one.kind is FindingKind.CUT]
+    metrics |= dict(zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), cuts, strict=False))
+    rotation = made(state.drape).rotation
+    metrics["drape.spin_rad_s"] = 0.0 if rotation is None else rotation.rate
+    metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
+    if case.undeclared is not None:
+        metrics["body.undeclared_mm"] = 1e3 * max((one.offset for one in case.undeclared), default=0.0)
+    return metrics
+
+
+def describe(case: Case, state: RecoveryState) -> dict[str, Any]:
+    """Return what reproduces the result: versions, hashes, settings and what was understood of the input."""
+    scan, body = case.scan, state.body
+    return {
+        "versions": {name: _version(name) for name in PACKAGES} | {"python": platform.python_version()},
+        "scan": {"name": scan.name, "sha256": scan.sha256, "units": scan.units, "up": scan.up_axis},
+        "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
+        "template": state.template,
+        "category": state.target.category,
+        "fitted_faces": len(state.target.faces),
+        "settings": case.settings.as_dict(),
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,49 @@
+"""Choose what a recovery starts from where its graded drape crosses itself: that, or the pattern dressed from flat."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...garment import Garment
+from ...geometry import self_intersections
+from ...run.best import best
+from ...run.hooks import Hooks
+from ...scan.contours import name_contours
+from ..case import Case
+from ..deform import DeformSettings, deform
+from ..drape import redrape
+from ..drape.motion import miss
+from ..state import RecoveryState, made
+
+CLEAR = 0.8
+"""Share of the other's distance from the scan that the drape from flat has at most, both deformed onto it: it was 0.3
+and 0.7 where a sleeve hung crumpled in front of its arm, and 0.95 where five faces crossed in an armpit."""
+
+
+def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
+    """Keep a graded drape, or where it crosses itself take the pattern dressed from flat if that is nearer to the scan.
+
+    A scan in which a sleeve has grown together with the trunk gives a start in which the two lie in each other, and on
+    the way out of that a sleeve can end beside its arm. Dressed from flat it is on the arm, if in other folds than the
+    scan's. Which is nearer shows when both are deformed onto the scan.
+
+    Args:
+        case: The garment to recover.
+        state: The graded pattern as it was draped from the scan, kept apart from itself, and the equilibrium of that.
+        hooks: Progress and cancellation.
+    """
+    garment, drape, target = made(state.graded), made(state.drape), state.target
+    if not len(self_intersections(garment.nodes, garment.faces)):
+        return state
+    nodes, again = redrape(garment, state.wearer, state.fabric, target, rotation=drape.rotation, hooks=hooks)
+    flat = garment.at(nodes, name_contours(nodes, garment.faces, state.body)[0])
+    settings = DeformSettings.of_preset(case.settings.preset)
+
+    def reach(start: Garment) -> float:
+        """Return how far a start is from the scan when it is deformed onto it [m], RMS, the worse way."""
+        detail = deform(start, target, state.wearer.exposed, settings=settings, hooks=hooks)
+        distance = miss(start.at(detail.nodes), target)
+        return CLEAR * distance if start is garment else distance
+
+    taken = best("start of the deformation", {"graded drape": garment, "dressed from flat": flat}, reach, hooks)
+    return replace(state, garment=taken, graded=taken, drape=drape if taken is garment else again)

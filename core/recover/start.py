@@ -1,0 +1,86 @@
+"""What a recovery starts from: the files, the wearer, the named contours and the base pattern."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..body import Body
+from ..cloth import get_fabric
+from ..garment import draft_template, find_cut, load_template, name_cut
+from ..garment.parts import PartsConflict
+from ..run.clock import Clock
+from ..scan.contours import CATEGORIES, Target, segment_garment
+from ..scan.contours.rounded_rims import straighten_scan
+from .case import Case
+from .drape import WearerGeometry, outgrown_measures
+from .fit.locks import find_held
+from .grade import Choice, choose_cut, share_by_hems
+from .inputs import read_files, read_template
+from .recovery import Request
+from .settings import SettingsBad
+from .state import RecoveryState
+from .wearer import find_wearer
+
+
+def read_case(request: Request, clock: Clock) -> Case:
+    """Read the files, find the wearer and name the garment's contours."""
+    with clock.stage("scan", "reading the scan"):
+        pieces = read_files(request)
+    with clock.stage("body", "finding the wearer's joints") as hooks:
+        found = find_wearer(request, pieces, hooks)
+    with clock.stage("segment", "naming the open contours"):
+        scan = straighten_scan(pieces.garment)
+        target = segment_garment(scan, found.body)
+        category = request.settings.garment or (None if request.reading is None else request.reading.category)
+        if category is not None:
+            target = replace(target, category=check_category(category))
+    return Case(request, scan, target, WearerGeometry(found.body), found.undeclared)
+
+
+def choose_base(case: Case) -> RecoveryState:
+    """Return what the steps begin with: the base pattern, the wearer and the cloth as they are given.
+
+    Raises:
+        LockUnknown: where a lock names nothing of the base pattern, now, not after the drape.
+    """
+    settings = case.settings
+    choice = find_template(case.request, case.seen, case.body)
+    base = replace(choice.pattern, symmetric=settings.free != "symmetry")
+    find_held(base, base, settings.locks)
+    state = RecoveryState(choice.template, base, case.seen, case.wearer, get_fabric(settings.fabric))
+    return state.with_findings(*(one.describe() for one in choice.candidates)).with_notes(*choice.notes)
+
+
+def find_template(request: Request, target: Target, body: Body) -> Choice:
+    """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
+
+    One that is not given is shared out between front and back as the scan's hems say (`share_by_hems`).
+
+    Raises:
+        PartsConflict: where parts are chosen for a pattern file, or they cannot be sewn to each other.
+    """
+    given, settings = read_template(request), request.settings
+    if request.template is not None and given is not None:
+        if settings.parts is not None:
+            raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
+        return Choice(request.template.stem, given)
+    if settings.template is None:
+        choice = choose_cut(target, body, settings.chosen_parts)
+    else:
+        stem = settings.template.partition("+")[0]
+        name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
+        measures = outgrown_measures(body)
+        choice = Choice(name, load_template(name) if measures is None else draft_template(name, measures))
+    pattern, shares = share_by_hems(choice.pattern, target, body)
+    return replace(choice, pattern=pattern, notes=(*choice.notes, *(share.describe() for share in shares)))
+
+
+def check_category(name: str) -> str:
+    """Return the category back if there is one of that name.
+
+    Raises:
+        SettingsBad: where there is none.
+    """
+    if name not in CATEGORIES:
+        raise SettingsBad(f"garment '{name}' is not one of {', '.join(CATEGORIES)}.")
+    return name

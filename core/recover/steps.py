@@ -1,0 +1,205 @@
+"""The steps of a recovery: each takes what is known by then and returns a better state.
+
+A step is a function `(case, state, clock) -> state`. It times its stages by the clock, and adds what it finds to the
+state's findings. `METHODS` (`methods.py`) puts steps in a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..garment import Garment, resample
+from ..garment.meshes import Meshes
+from ..run.best import best
+from ..run.clock import Clock
+from ..run.errors import Cancelled, GarmentqError
+from ..run.hooks import Hooks
+from .case import Case
+from .deform import DeformSettings, deform
+from .drape import (
+    DrapeSettings,
+    describe_motion,
+    drape_as_scanned,
+    drape_template,
+    hangs_in_sleeves,
+    needs_easing,
+    redrape,
+)
+from .drape.motion import miss
+from .fit import (
+    InverseSettings,
+    ShapeSettings,
+    add_bust_darts,
+    choose_start,
+    fair_garment,
+    find_held,
+    fit_inverse,
+    fit_pattern,
+    fit_reference,
+    locks_of,
+    prove_corners,
+)
+from .grade import SlideSettings, complete_target, grade_pattern, slide_seams
+from .state import RecoveryState, made
+
+Step = Callable[[Case, RecoveryState, Clock], RecoveryState]
+
+GRADINGS = 2
+"""Times the pattern is graded: the second starts from the first's mesh on the target and takes out what symmetry and
+seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
+
+
+def complete(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Complete a target that ends where another garment hides it; others stay."""
+    if state.target.hidden is None:
+        return state
+    with clock.stage("template", "completing what another garment hides") as hooks:
+        worn = _dress(case, state, hooks)
+        target = complete_target(worn, state.target, state.wearer.exposed, hooks)
+    if target is state.target:
+        return state
+    shown = {contour.name for contour in case.seen.contours if not contour.hidden}
+    guessed = [end.name for end in target.contours if end.name not in shown and not end.hidden]
+    return replace(state, target=target).with_notes(
+        *(f"The contour '{name}' is hidden; beyond what is seen the garment is its base pattern's." for name in guessed)
+    )
+
+
+def dress(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Dress the wearer in the base pattern."""
+    with clock.stage("template", "dressing the body in the template") as hooks:
+        return replace(state, garment=_dress(case, state, hooks))
+
+
+def _dress(case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
+    """Return the base pattern on the wearer, to be graded.
+
+    A maker's own is eased where it would hang too low: its seams creep from where they lie, so they have to lie right;
+    those of tops and of the library slide.
+    """
+    is_eased = not case.has_free_curves and needs_easing(state.base, state.target.category)
+    settings = DrapeSettings().eased() if is_eased else DrapeSettings()
+    return drape_template(state.base, state.wearer, state.target, settings=settings, hooks=hooks)
+
+
+def grade(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Grade the worn base pattern to the target; slide its seams, and shape its curves, to where the cloth has them.
+
+    The garment then lies on the target, its front with darts where only they make the cloth as pointed as it is.
+    """
+    with clock.stage("grade", "grading the pattern to the scan") as hooks:
+        worn, target, body = made(state.garment), state.target, state.body
+        for _ in range(GRADINGS):
+            grading = grade_pattern(worn, target, body, hooks=hooks)
+            worn = grading.garment
+        settings = SlideSettings().by_newton(case.has_free_curves) if case.has_far_seams else SlideSettings()
+        slid = slide_seams(worn, target, body, state.base, settings=settings, hooks=hooks)
+        state = replace(state, garment=slid).with_notes(*grading.warnings)
+        if not case.has_free_curves:
+            return state
+        if not case.settings.keep_cut:
+            state = add_bust_darts(state, worn, settings)
+        slid = made(state.garment)
+        return replace(state, garment=fair_garment(slid, state.base, find_held(slid.pattern, state.base, ())))
+
+
+def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Drape the graded pattern on the wearer, in motion where only that explains the scan."""
+    slid, target = made(state.garment), state.target
+    with clock.stage("drape", "draping the graded pattern") as hooks:
+        settings, count = DrapeSettings(apart=hangs_in_sleeves(target, case.body)), case.settings.vertex_count
+        garment, found = drape_as_scanned(
+            slid, state.wearer, state.fabric, target, vertex_count=count, settings=settings, hooks=hooks
+        )
+        state = replace(state, garment=garment, graded=garment, drape=found)
+        if settings.apart:
+            state = choose_start(case, state, hooks)
+        garment, found = made(state.garment), made(state.drape)
+        is_laid = case.has_free_curves and not settings.apart
+        state = replace(state, laid=resample(slid, slid.nodes, garment) if is_laid else None)
+    motion = () if found.rotation is None else (describe_motion(found.rotation),)
+    return state.with_notes(*motion, *(() if found.at_rest else (f"the graded drape is {found.advice}",)))
+
+
+def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Deform the garment onto the scan, and make the curves of its pattern fair.
+
+    **Deviation** from thesis chapter 4, which begins with the drape: but for the preset `thesis` it also begins where
+    the sliding of the seams left the cloth, and the nearer result is taken. On the target its folds are the target's,
+    but lie in each other where the target does not show them; a drape is clear of itself, but full skirts hang in other
+    folds, 15 mm off.
+    """
+    garment, graded, simulation = made(state.garment), made(state.graded), None
+    starts = {"from the drape": garment}
+    if state.laid is not None and case.settings.preset != "thesis":
+        starts = {"from the target": garment.at(state.laid)} | starts
+    settings = DeformSettings.of_preset(case.settings.preset)
+    with clock.stage("deform", "deforming the garment onto the scan") as hooks:
+        found = {
+            name: deform(start, state.target, state.wearer.exposed, settings=settings, hooks=told)
+            for (name, start), told in zip(starts.items(), (hooks, hooks.quiet()), strict=False)
+        }
+        detail = best("registration", found, lambda one: miss(garment.at(one.nodes), state.target), hooks)
+    nodes = garment.nodes
+    if state.simulated is not None:  # a fit has moved the pattern since it was graded
+        nodes, simulation = resample(graded, graded.nodes, garment), garment.nodes
+    reference = fit_reference(case, state)
+    corners = prove_corners(garment, detail.nodes, case.seen, reference)
+    held = find_held(garment.pattern, reference, locks_of(case, state))
+    fair = fair_garment(garment, reference, held, corners).at(detail.nodes)
+    meshes = Meshes(nodes, detail.nodes, simulation)
+    return replace(state, garment=fair, meshes=meshes, corners=corners).with_notes(*detail.warnings)
+
+
+@dataclass(frozen=True)
+class FitShape:
+    """The step that refits the pattern to the registered cloth by isometry and through the simulator.
+
+    Attributes:
+        settings: How to fit through the simulator.
+    """
+
+    settings: ShapeSettings = field(default_factory=ShapeSettings)
+
+    def __call__(self, case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+        """Return the fitted pattern; where the fit fails, the graded one with a note that says why."""
+        with clock.stage("fit", "fitting the pattern through the simulator") as hooks:
+            try:
+                return fit_pattern(case, state, self.settings, hooks)
+            except Cancelled:
+                raise
+            except (GarmentqError, np.linalg.LinAlgError) as error:
+                return state.with_notes(
+                    f"the pattern is the graded one, for it could not be fitted through the simulator: {error}"
+                )
+
+
+@dataclass(frozen=True)
+class Descend:
+    """The step that descends from the graded pattern through the simulator (the thesis' loop).
+
+    Attributes:
+        settings: Weights and steps of the descent.
+    """
+
+    settings: InverseSettings = field(default_factory=InverseSettings)
+
+    def __call__(self, case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+        """Return the pattern and fabric that were descended to."""
+        with clock.stage("fit", "descending through the simulator") as hooks:
+            return fit_inverse(case, state, self.settings, hooks)
+
+
+def drape_anew(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
+    """Drape a fitted pattern from its rest placement, in the graded drape's rotation if any; others stay."""
+    meshes, garment = made(state.meshes), made(state.garment)
+    if meshes.simulation is None:
+        return state
+    with clock.stage("redrape", "dressing the body in the recovered pattern") as hooks:
+        rotation = made(state.drape).rotation
+        nodes, found = redrape(garment, state.wearer, state.fabric, state.target, rotation=rotation, hooks=hooks)
+    state = replace(state, meshes=replace(meshes, redraped=nodes), redrape=found)
+    return state.with_notes(*(() if found.at_rest else (f"the re-draped mesh is {found.advice}",)))
