@@ -69,7 +69,7 @@ def check_pattern(source: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Kept:
-    """A reading, and as JSON what its pattern's file held beyond the pattern."""
+    """A reading, and as JSON what its pattern's file held beyond the pattern, as stored results of 0.1.0 have it."""
 
     reading: Reading
     extra: str = ""
@@ -98,17 +98,9 @@ def load_reading(path: Path) -> Reading:
         raise ReaderCrashed() from error
 
 
-@dataclass(frozen=True)
-class _GivenPattern:
-    """A pattern, and as JSON what its file held beyond it."""
-
-    pattern: Pattern
-    extra: str
-
-
 def save_given_pattern(pattern: Pattern, path: Path) -> None:
     """Write a pattern that was read from a user's file as plain arrays."""
-    write_record(_GivenPattern(replace(pattern, extra={}), json.dumps(pattern.extra)), path)
+    write_record(pattern, path)
 
 
 def load_given_pattern(path: Path) -> Pattern:
@@ -117,8 +109,4 @@ def load_given_pattern(path: Path) -> Pattern:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = read_record(_GivenPattern, path)
-    try:
-        return replace(kept.pattern, extra=json.loads(kept.extra))
-    except (ValueError, RecursionError) as error:
-        raise ReaderCrashed() from error
+    return read_record(Pattern, path)

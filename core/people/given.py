@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -107,19 +106,9 @@ def describe_given(given: Given) -> dict[str, Any]:
     return found
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """What was read, and as JSON what each pattern's file held beyond the pattern."""
-
-    given: Given
-    extras: tuple[str, ...] = ()
-
-
 def save_given(given: Given, path: Path) -> None:
     """Write what was read as plain arrays."""
-    extras = tuple(json.dumps(pattern.extra) for pattern in given.patterns.values())
-    bare = {word: replace(pattern, extra={}) for word, pattern in given.patterns.items()}
-    write_record(_Kept(replace(given, patterns=bare), extras), path)
+    write_record(given, path)
 
 
 def load_given(path: Path) -> Given:
@@ -128,13 +117,12 @@ def load_given(path: Path) -> Given:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = read_record(_Kept, path)
+    given = read_record(Given, path)
     try:
-        _check(kept.given.raw)
-        pairs = zip(kept.given.patterns.items(), kept.extras, strict=True)
-        return replace(kept.given, patterns={word: replace(p, extra=json.loads(text)) for (word, p), text in pairs})
-    except (ValueError, TypeError, RecursionError) as error:
+        _check(given.raw)
+    except (ValueError, TypeError) as error:
         raise ReaderCrashed() from error
+    return given
 
 
 def _check(raw: RawScan) -> None:

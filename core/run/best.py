@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
@@ -28,6 +29,8 @@ def best(question: str, candidates: Mapping[str, T], score: Callable[[T], Score]
     Raises:
         ValueError: where there is no candidate.
     """
+    if not candidates:
+        raise ValueError(f"no candidate for {question}")
     if len(candidates) == 1:
         return next(iter(candidates.values()))
     scores = {name: score(one) for name, one in candidates.items()}
@@ -37,6 +40,12 @@ def best(question: str, candidates: Mapping[str, T], score: Callable[[T], Score]
     return candidates[taken]
 
 
-def _round(score: Score) -> float | list[float]:
-    """Return a score with four digits, as JSON values."""
-    return [float(f"{one:.4g}") for one in score] if isinstance(score, tuple) else float(f"{score:.4g}")
+def _round(score: Score) -> float | list[float | None] | None:
+    """Return a score with four digits, as JSON values: what is not finite as None."""
+    if isinstance(score, tuple):
+        return [_round_one(one) for one in score]
+    return _round_one(score)
+
+
+def _round_one(value: float) -> float | None:
+    return float(f"{value:.4g}") if math.isfinite(value) else None

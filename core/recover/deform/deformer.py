@@ -7,6 +7,7 @@ import numpy as np
 from ...body import ExposedSurface, penetration_depth, project_outside, untangle_outside
 from ...garment import Garment
 from ...geometry import gradient_operator, move_towards, self_intersections, shape_gradients
+from ...run.best import best
 from ...run.hooks import SILENT, Hooks
 from ...scan.contours import Target
 from .acceptance import accept_polish, crossing, flipped
@@ -74,7 +75,9 @@ def deform(
         ironed = iron_crossings(x, gradient, areas, faces, allowed)
         x = ironed if crossing(ironed, faces).any() else move_towards(ironed, x, faces)
         eased = ease_stretch(x, gradient, areas, faces)
-        x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
+        least = max(allowed, int(crossing(x, faces).sum()))
+        tried = {"limited": eased, "as it was": x}
+        x = best("strain", tried, lambda one: crossing(one, faces).sum() if one is eased else least, hooks)
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
         body = body.sparing_pinched

@@ -10,6 +10,7 @@ from ...body import Body
 from ...cloth import Drape, Fabric, Outcome, SteadyRotation, Stop
 from ...garment import Garment
 from ...geometry import TriangleSurface
+from ...run.best import best
 from ...run.hooks import SILENT, Hooks
 from ...scan.contours import Target
 from .stage import DrapeSettings, drape_graded, remesh
@@ -96,10 +97,16 @@ def drape_as_scanned(
         found.append(find_rotation(graded, wearer, fabric, target, rest, settings, coarse, hooks))
     if found[0] is None:
         return garment, drape
-    turning, turned = drape_at(found[0])
-    if turned.converged and miss(turning, target) <= motion.explained * rest:
-        return turning, turned
-    return (garment, drape) if drape.outcome is not Outcome.STOPPED else drape_at(None)
+    turning = drape_at(found[0])
+
+    def score(one: tuple[Garment, Drape]) -> float:
+        """Return a drape's distance from the scan [m]: that at rest less what a rotation has to gain."""
+        if one is not turning:
+            return motion.explained * rest
+        return miss(one[0], target) if one[1].converged else float("inf")
+
+    taken = best("motion", {"turning": turning, "at rest": (garment, drape)}, score, hooks)
+    return drape_at(None) if taken is not turning and drape.outcome is Outcome.STOPPED else taken
 
 
 def find_rotation(

@@ -21,6 +21,7 @@ from ...cloth import (
 )
 from ...garment import Garment, Pattern, mesh_pattern, resample
 from ...geometry import deformation_gradients, principal_stretches
+from ...run.best import best
 from ...run.hooks import SILENT, Hooks
 from ...scan.contours import Target, find_loops, name_contours, smoothed_length
 from .carry import take_pose
@@ -121,10 +122,11 @@ def drape_template(
     hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
     # The way into the pose is long, so what is lost is looked for before it.
-    if settings.dress.outline and (kept := _openings(hung, garment, wearer.rest)) < loops:
+    if settings.dress.outline and _openings(hung, garment, wearer.rest) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
         freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
-        hung = freed if _openings(freed, garment, wearer.rest) > kept else hung
+        tried = {"outline held": hung, "outline free": freed}
+        hung = best("dressing", tried, lambda nodes: -float(_openings(nodes, garment, wearer.rest)), hooks)
     worn = _take_pose(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
     return name_as_placed(worn, wearer.rest) if lost else worn
@@ -298,9 +300,9 @@ def redrape(
         placed = garment.at(resample(worn, worn.nodes, garment))
         return drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=chosen, hooks=hooks)
 
-    draped, drape = dress_and_settle(settings)
-    if measure_stretch(draped) > CAUGHT:
+    tried = {"usual": dress_and_settle(settings)}
+    if measure_stretch(tried["usual"][0]) > CAUGHT:
         # a sleeve of few faces can be caught beside an arm, and a leg on the other; what is caught stays so at rest
-        again = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
-        draped, drape = min((draped, drape), again, key=lambda found: measure_stretch(found[0]))
+        tried["finer"] = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
+    draped, drape = best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)
     return draped.nodes, drape

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...body import Body
 from ...garment import Garment, Pattern, mesh_pattern, resample
+from ...run.best import best
 from ...run.errors import BadInput
 from ...run.hooks import SILENT, Hooks
 from ...scan.contours import Target
@@ -86,7 +87,8 @@ def slide_seams(
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
 
     slid = solve_isometry(problem, found, settings.settled, tell)
-    return slid if can_be_meshed(slid) else found
+    tried = {"slid": slid, "as graded": found}
+    return best("seams", tried, lambda one: float(one is slid and not can_be_meshed(one)), hooks)
 
 
 def lay_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment, np.ndarray]:
