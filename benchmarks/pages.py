@@ -26,7 +26,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
-from garmentq.core.body import builtin_body
+from garmentq.core.body import BuiltinWearer, builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export import write_recovery
 from garmentq.core.garment import load_draped_template
@@ -92,7 +92,9 @@ def keep_result(settings: ServiceSettings) -> str:
         given, out = Path(folder) / "given", Path(folder) / "out"
         given.write_bytes(b"ply")
         job = submit(
-            services.database, services.store, Order(given.rename(given.with_suffix(".ply")), "builtin:female")
+            services.database,
+            services.store,
+            Order(given.rename(given.with_suffix(".ply")), BuiltinWearer("builtin:female")),
         ).job
         write_recovery(recovery, out)
         held = claim(services.database, job, "benchmark", 600.0)

@@ -25,6 +25,7 @@ import trimesh
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.service.database import Database, open_database
 from garmentq.service.families import cancel
 from garmentq.service.jobs import find_job, read_events
@@ -236,7 +237,7 @@ def measure_checked(settings: ServiceSettings, count: int = 12) -> None:
         for index in range(count + 2):
             path = settings.home / f"{index}.ply"
             trimesh.Trimesh(tube.vertices + 1e-3 * index, tube.faces).export(path)
-            job = submit(database, store, Order(path, "builtin:female,height=1.70")).job
+            job = submit(database, store, Order(path, BuiltinWearer("builtin:female,height=1.70"))).job
             while find_job(database, job).checked is None:
                 time.sleep(0.005)
             end = time.time()

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.deliver.export import write_recovery
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.textured import write_textured
@@ -85,7 +86,9 @@ def main() -> None:
     own = BodyMeasures()
     wider = {name: LARGER * getattr(own, name) for name in ("bust", "waist", "hip")}
     save_pattern(draft_template(given.template, replace(own, **wider)), base)
-    recovery = recover(Request(scan, BODY, base, RecoverySettings(method=given.method, units="m", up="y")))
+    recovery = recover(
+        Request(scan, BuiltinWearer(BODY), base, RecoverySettings(method=given.method, units="m", up="y"))
+    )
     write_recovery(recovery, given.out / "result")
     mesh = SewnMesh("detail", recovery.garment, recovery.meshes.detail, recovery.fabric)
     start = time.process_time()

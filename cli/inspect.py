@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..core.body.spec import Wearer, read_wearer
 from ..core.run.units import UNITS
 from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
@@ -48,12 +49,10 @@ def command(
       garmentq inspect garment.ply --body body.ply
       garmentq inspect person.ply --labels labels.npz --keep 1
     """
-    from ..core.body import is_builtin
     from ..core.recover.recovery import make_selection
     from ..core.recover.settings import RecoverySettings
     from .terminal import print_json, print_table
 
-    wearer: Path | str | None = body if body is None or is_builtin(body) else Path(body)
     chosen = RecoverySettings(
         keep=part.keep,
         cloth=part.cloth,
@@ -62,7 +61,7 @@ def command(
         colour_tolerance=part.colour_tolerance,
     )
     selection = make_selection(part.labels, chosen)
-    found = _understand(_Asked(file, wearer, given_as, units, up), selection)
+    found = _understand(_Asked(file, read_wearer(body), given_as, units, up), selection)
     if as_json:
         print_json(found)
         return
@@ -74,7 +73,7 @@ class _Asked:
     """What was typed: the file, its wearer, what it is said to be, its unit and axis."""
 
     file: Path
-    body: Path | str | None
+    body: Wearer | None
     given_as: str | None
     units: str | None
     up: str | None

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..core.body import is_builtin
+from ..core.body.spec import read_wearer
 from ..core.people import GARMENTS
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from ..service.backend import Backend
@@ -30,10 +30,9 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
     """
     template, by_part = split_choice("template", options.template)
     file = find_file(template)
-    body = options.body if options.body is None or is_builtin(options.body) else Path(options.body)
     order = Order(
         scan,
-        body,
+        read_wearer(options.body),
         file,
         make_settings(options),
         force=options.force,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ..core.body.spec import BuiltinWearer, read_wearer
 from ..core.run.units import UNITS
 from .options import Decorator, gather, json_option
 from .output import NewFolder, writing
@@ -57,7 +58,6 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
       garmentq segment person.ply --out parts
       garmentq segment person.ply --out parts --wearing one-piece
     """
-    from ..core.body import is_builtin
     from ..core.deliver.export.person import write_person
     from ..core.people.describe import describe_person
     from ..core.people.given import PersonFiles, read_given
@@ -69,10 +69,12 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
 
     wearing = None if options.wearing is None else parse_wearing(options.wearing)
     marks = tuple(parse_mark(mark) for mark in options.mark)
-    body = None if options.body is None or is_builtin(options.body) else Path(options.body)
+    wearer = read_wearer(options.body)
+    body = wearer if isinstance(wearer, Path) else None
     given = read_given(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
     raw = given.raw
-    separation = separate(raw, Hints(given.label, wearing, marks, find_wearer(given, options.body, SILENT)))
+    built_in = wearer if isinstance(wearer, BuiltinWearer) else None
+    separation = separate(raw, Hints(given.label, wearing, marks, find_wearer(given, built_in, SILENT)))
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         files = write_person(raw, separation, out)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..core.body.spec import Wearer
 from ..core.cloth import Fabric
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from .states import QUEUES
@@ -42,7 +43,7 @@ class Order:
 
     Attributes:
         scan: The garment's file, or the whole person's.
-        body: The wearer's file, a text that begins with `builtin:`, or None.
+        body: The wearer's file, a built-in body, or None.
         template: A pattern file, or None.
         settings: Everything else.
         priority: Larger goes first.
@@ -62,7 +63,7 @@ class Order:
     """
 
     scan: Path
-    body: Path | str | None
+    body: Wearer | None
     template: Path | None = None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     priority: int = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ..core.body import is_builtin
+from ..core.body.spec import BuiltinWearer, Wearer
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from ..core.run.errors import BadInput
 from .materials import resolve_fabric
@@ -129,15 +129,14 @@ def _check_names(chosen: RecoverySettings) -> None:
             raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
 
 
-def _check_body(body: Path | str | None) -> Path | str:
+def _check_body(body: Wearer | None) -> Wearer:
     from ..core.body import BodyMissing, parse_spec
 
     if body is None:
         raise BodyMissing()
-    if is_builtin(body):
-        parse_spec(body)  # whoever can be described can be made; making takes 0.3 s
+    if isinstance(body, BuiltinWearer):
+        parse_spec(body.spec)  # whoever can be described can be made; making takes 0.3 s
         return body
-    path = Path(body)
     missing = f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70."
-    _check_file(path, BodyUnreadable(missing))
-    return path
+    _check_file(body, BodyUnreadable(missing))
+    return body

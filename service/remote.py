@@ -25,7 +25,7 @@ from urllib.parse import quote
 
 import httpx
 
-from ..core.body import is_builtin
+from ..core.body.spec import BuiltinWearer
 from ..core.run.errors import NotFound
 from .connection import TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
@@ -106,10 +106,10 @@ class RemoteBackend(RemoteLibraries):
             "tags": list(order.tags),
         }
         wanted |= self._describe_person(order)
-        if is_builtin(order.body):
-            wanted["body"] = order.body
+        if isinstance(order.body, BuiltinWearer):
+            wanted["body"] = order.body.spec
         elif order.body is not None:
-            wanted["body"] = self.upload("bodies", Path(order.body))
+            wanted["body"] = self.upload("bodies", order.body)
         if order.labels is not None:
             wanted["labels"] = self.upload("labels", order.labels)
         if order.template is not None:

@@ -16,7 +16,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.body import is_builtin
+from ..core.body.spec import BuiltinWearer
 from ..core.people.hints import parse_wearing
 from ..core.run.errors import BadInput
 from .database import Database, clock, serialise
@@ -240,10 +240,8 @@ def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]
     return pack_request(request)
 
 
-def _keep_body(order: Order, store: Store) -> FileRef | str | None:
-    if order.body is None or is_builtin(order.body):
-        return order.body if order.body is None else str(order.body)
-    return _kept(Path(order.body), store)
+def _keep_body(order: Order, store: Store) -> FileRef | BuiltinWearer | None:
+    return _kept(order.body, store) if isinstance(order.body, Path) else order.body
 
 
 def _keep_template(file: Path | None, name: str | None, store: Store) -> FileRef | None:

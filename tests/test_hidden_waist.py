@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.garment import Pattern, load_template, panel_area
 from garmentq.core.garment.reading import Reading
 from garmentq.core.recover.drape import DrapeSettings, drape_template
@@ -43,7 +44,9 @@ def recovery(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     hidden[max(find_loops(faces), key=lambda loop: nodes[loop, 1].mean())] = True
     pieces = Pieces(Scan(nodes, faces, name="trousers", hidden=hidden), None)
     settings = RecoverySettings(method="deform", vertex_count=1000, template="trousers")
-    return recover(Request(tmp_path_factory.mktemp("scan"), WEARER, settings=settings, reading=Reading(pieces)))
+    return recover(
+        Request(tmp_path_factory.mktemp("scan"), BuiltinWearer(WEARER), settings=settings, reading=Reading(pieces))
+    )
 
 
 @pytest.mark.nightly

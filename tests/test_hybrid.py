@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.deliver.export import write_recovery
 from garmentq.core.garment import (
     load_draped_template,
@@ -61,7 +62,9 @@ def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     worn = drape_template(true, find_wearer(WEARER), settings=DrapeSettings(template_vertices=700))
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(folder / "scan.ply")
     settings = RecoverySettings(method="hybrid", vertex_count=500, lock="point:Vorn/2")
-    return recover(Request(folder / "scan.ply", WEARER, template=folder / "rock.json", settings=settings))
+    return recover(
+        Request(folder / "scan.ply", BuiltinWearer(WEARER), template=folder / "rock.json", settings=settings)
+    )
 
 
 @pytest.mark.slow
@@ -136,4 +139,4 @@ def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypat
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(tmp_path / "scan.ply")
     monkeypatch.setattr(pipeline, "run_steps", lambda *arguments: pytest.fail("draped"))
     with pytest.raises(LockUnknown, match="nowhere"):
-        recover(Request(tmp_path / "scan.ply", WEARER, settings=RecoverySettings(lock="panel:nowhere")))
+        recover(Request(tmp_path / "scan.ply", BuiltinWearer(WEARER), settings=RecoverySettings(lock="panel:nowhere")))

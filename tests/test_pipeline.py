@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import Body, BodyMissing, builtin_body
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.garment import load_template, panel_area
 from garmentq.core.recover import settings
 from garmentq.core.recover.drape import DrapeSettings, drape_template
@@ -39,7 +40,7 @@ def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
     garment = drape_template(longer, wearer, settings=DrapeSettings(template_vertices=900))
     path = tmp_path_factory.mktemp("scan") / "skirt.ply"
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(path)
-    return Request(path, WEARER, settings=RecoverySettings(method="deform", vertex_count=800))
+    return Request(path, BuiltinWearer(WEARER), settings=RecoverySettings(method="deform", vertex_count=800))
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +80,11 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import numpy as np
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.run.hooks import Hooks
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.recover.start import choose_base, read_case
-from garmentq.core.recover.steps import Descend, FitShape, drape_anew
 
 scan, wearer, vertices, folder = sys.argv[1:]
 
@@ -92,8 +92,8 @@ def save(name, arrays):
     np.savez(Path(folder) / name, **arrays)
     os.kill(os.getpid(), signal.SIGKILL)
 
-recover(Request(Path(scan), wearer, settings=RecoverySettings(method="deform", vertex_count=int(vertices))),
-        Hooks(save_checkpoint=save))
+settings = RecoverySettings(method="deform", vertex_count=int(vertices))
+recover(Request(Path(scan), BuiltinWearer(wearer), settings=settings), Hooks(save_checkpoint=save))
 """
 """Recover in a process of its own that is killed right after the first checkpoint it kept."""
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..run.lazy import import_lazily
 from .body import JOINTS, PARENTS, Body
-from .spec import BUILTIN, is_builtin
+from .spec import BUILTIN, BuiltinWearer, Wearer, is_builtin, read_wearer
 
 if TYPE_CHECKING:
     from .builtin import POSES, BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
@@ -91,6 +91,7 @@ __all__ = [
     "BodyMissing",
     "BodyModel",
     "BodySpecBad",
+    "BuiltinWearer",
     "DistanceBad",
     "DistanceGrid",
     "ExposedSurface",
@@ -105,6 +106,7 @@ __all__ = [
     "SmplBad",
     "Solid",
     "Tape",
+    "Wearer",
     "armpit_height",
     "builtin_body",
     "carry_outside",
@@ -123,6 +125,7 @@ __all__ = [
     "pose_body",
     "project_outside",
     "read_measures",
+    "read_wearer",
     "refit_person",
     "register_body",
     "resize_body",

@@ -13,7 +13,7 @@ from .body import JOINTS, Body
 from .girths import GIRTHS
 from .measured import DENSITY, Wanted, shape_for, volume_of
 from .skinning import skin
-from .spec import BUILTIN, is_builtin
+from .spec import BUILTIN, BuiltinWearer, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
 HEIGHTS = (1.40, 2.10)
@@ -43,7 +43,7 @@ class BodySpecBad(BadInput):
     code = "body.spec_bad"
 
 
-def builtin_body(spec: str) -> Body:
+def builtin_body(spec: str | BuiltinWearer) -> Body:
     """Make the built-in body that a description asks for.
 
     The shape is the most probable one of that gender with the height, weight and girths given. The feet stand at y = 0
@@ -58,7 +58,7 @@ def builtin_body(spec: str) -> Body:
         BodySpecBad: where it cannot be read or asks for a body outside the model's range.
         MeasureRange: where a girth lies outside its range.
     """
-    asked = parse_spec(spec)
+    asked = parse_spec(str(spec))
     template = load_template()
     shape = shape_for(template, asked.wanted)
     return pose_template(template, shape, named_pose(asked.pose), f"{BUILTIN}{asked.wanted.gender}")

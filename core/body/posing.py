@@ -9,6 +9,7 @@ import numpy as np
 from .body import Body
 from .builtin import POSES, BodySpecBad, named_pose, parse_spec
 from .skinning import skin
+from .spec import BuiltinWearer
 from .template import articulate, rotations_of, transforms_of
 
 
@@ -36,13 +37,13 @@ def pose_body(body: Body, pose: str) -> Body:
     )
 
 
-def check_wearer(spec: str | None, pose: str | None) -> None:
-    """Check the description of a body, where there is one, and a pose.
+def check_wearer(built_in: BuiltinWearer | None, pose: str | None) -> None:
+    """Check a built-in body, where there is one, and a pose.
 
     Raises:
         BodySpecBad: where one is none.
     """
-    if spec is not None:
-        parse_spec(spec)
+    if built_in is not None:
+        parse_spec(built_in.spec)
     if pose is not None and pose not in POSES:
         raise BodySpecBad(f"pose '{pose[:40]}' is not one of {', '.join(POSES)}.")

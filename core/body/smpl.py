@@ -35,8 +35,8 @@ class SmplBad(BadInput):
     code = "body.smpl_bad"
 
 
-def is_smpl(body: Path | str) -> bool:
-    """Distinguish a file of SMPL's format, `.npz`, from a mesh and from a built-in body's specification."""
+def is_smpl(body: object) -> bool:
+    """Distinguish a file of SMPL's format, `.npz`, from a mesh and from a built-in body."""
     return str(body).lower().endswith(".npz")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..body import BodyMissing, NotHuman, fit_person, is_builtin
+from ..body import BodyMissing, NotHuman, Wearer, fit_person, read_wearer
 from ..body.presence import LOW, ScanPartial
 from ..run.errors import BadInput
 from ..scan import Limits, Scan, describe_scan, load_pieces, load_scan
@@ -62,23 +62,23 @@ def inspect_order(
     Raises:
         BadInput: where it cannot be used.
     """
-    path, limits = Path(source), Limits(is_confined=True)
+    path, limits, wearer = Path(source), Limits(is_confined=True), read_wearer(body)
     raw = _read_person(path, given_as, units, up)
-    is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (LOW if body is None else TALL * LEAST_HEIGHT)
+    is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (LOW if wearer is None else TALL * LEAST_HEIGHT)
     what = given_as or (PERSON if is_high else GARMENT)
-    if what == PERSON and given_as is None and body is not None and not is_quick:
-        what = find_what(path, body, units, up, limits)
-    needs = {"code": BodyMissing.code, "message": BodyMissing().message} if what == GARMENT and body is None else None
+    if what == PERSON and given_as is None and wearer is not None and not is_quick:
+        what = find_what(path, wearer, units, up, limits)
+    needs = {"code": BodyMissing.code, "message": BodyMissing().message} if what == GARMENT and wearer is None else None
     found = dict.fromkeys(("body", "category", "contours_m")) | {"as": what, "needs": needs, "remarks": []}
     found["is_sure"] = given_as is not None or not is_high or not is_quick
     if what == PERSON and raw is not None:
         found["scan"] = describe_given(Given(raw))["scan"] | {"has_labels": raw.labels is not None}
-        return found if is_quick else found | {"body": _find_wearer(raw, given_as is None and body is None)}
+        return found if is_quick else found | {"body": _find_wearer(raw, given_as is None and wearer is None)}
     scan = load_scan(path, units=units, up=up, limits=limits)
     found["scan"] = _describe_garment(scan)
     if is_quick or needs:
         return found
-    worn = inspect_file(path, body, units=units, up=up, limits=limits).as_dict()
+    worn = inspect_file(path, wearer, units=units, up=up, limits=limits).as_dict()
     return found | {name: worn[name] for name in ("body", "category", "contours_m", "remarks")}
 
 
@@ -137,13 +137,13 @@ def _describe_wearer(raw: RawScan) -> dict[str, Any]:
 
 
 def find_what(
-    path: Path, body: Path | str, units: str | None = None, up: str | None = None, limits: Limits | None = None
+    path: Path, body: Wearer, units: str | None = None, up: str | None = None, limits: Limits | None = None
 ) -> str:
     """Return what a file that came with a body is taken for, as a job does: who shows head, hands or feet is a person.
 
     Args:
         path: The file.
-        body: The wearer's file, or the description of a built-in body.
+        body: The wearer's file, or a built-in body.
         units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         limits: What reading may cost.
@@ -152,7 +152,7 @@ def find_what(
         BadInput: where a file cannot be used.
     """
     try:
-        pieces = load_pieces(path, None if is_builtin(body) else Path(body), units=units, up=up, limits=limits)
+        pieces = load_pieces(path, body if isinstance(body, Path) else None, units=units, up=up, limits=limits)
     except NoFaces:
         return PERSON  # a garment is a surface
     if not stands_tall(pieces.garment, pieces.wearer):

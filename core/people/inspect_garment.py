@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body, is_builtin, is_smpl, load_smpl
+from ..body import Body, BuiltinWearer, Wearer, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from ..scan.contours import find_loops, find_remarks, segment_garment, smoothed_length
 from ..scan.contours.rounded_rims import straighten_scan
@@ -72,7 +72,7 @@ def _plain(value: Any) -> Any:
 
 def inspect_file(
     path: Path,
-    body: Body | Path | str | None = None,
+    body: Body | Wearer | None = None,
     *,
     units: str | None = None,
     up: str | None = None,
@@ -86,7 +86,7 @@ def inspect_file(
 
     Args:
         path: The garment's mesh file.
-        body: The wearer: a ready `Body`, a mesh file, a text `builtin:...`, or None.
+        body: The wearer: a ready `Body`, a mesh file, a built-in body, or None.
         units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         selection: Which part of a dressed person's scan is the garment; None: all of the file is.
@@ -95,8 +95,7 @@ def inspect_file(
     Raises:
         BadInput: where a file cannot be used, or no contour is found on the given body.
     """
-    builtin = is_builtin(body)
-    mesh = Path(body) if isinstance(body, (str, Path)) and not builtin else None
+    mesh = body if isinstance(body, Path) else None
     pieces = load_pieces(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
     scan, wearer = straighten_scan(pieces.garment), pieces.wearer  # as the recovery will
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
@@ -131,20 +130,20 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
 
 
-def find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
+def find_body(body: Body | Wearer | None, pieces: Pieces) -> Body | None:
     """Return the body that `find_wearer` finds."""
     found = find_wearer(body, pieces)
     return None if found is None else found.body
 
 
-def find_wearer(body: Body | Path | str | None, pieces: Pieces) -> FoundWearer | None:
+def find_wearer(body: Body | Wearer | None, pieces: Pieces) -> FoundWearer | None:
     """Return who came with a garment, or the wearer of a scan that it was cut out of; None without either."""
     if isinstance(body, Body):
         return FoundWearer(body)
-    if is_builtin(body):
+    if isinstance(body, BuiltinWearer):
         from ..body import builtin_body
 
         return FoundWearer(builtin_body(body))
     if body is not None and is_smpl(body):
-        return FoundWearer(load_smpl(Path(body)))
+        return FoundWearer(load_smpl(body))
     return None if pieces.wearer is None else fit_wearer(pieces.wearer, pieces.cloth, labels=pieces.labels)

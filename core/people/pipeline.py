@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..body import Body, builtin_body, is_builtin, register_body
+from ..body import Body, BuiltinWearer, builtin_body, register_body
 from ..garment.reading import Reading
 from ..run.clock import Clock
 from ..run.hooks import SILENT, Hooks
@@ -29,12 +29,12 @@ class Wanted:
     Attributes:
         wearing: Exactly these garments, `upper,lower`, or None.
         marks: What is at single places, `upper=0.1,1.2,0.05` each.
-        body: The description of a built-in body, or None: the files tell, or the scan.
+        body: A built-in body, or None: the files tell, or the scan.
     """
 
     wearing: str | None = None
     marks: tuple[str, ...] = ()
-    body: str | None = None
+    body: BuiltinWearer | None = None
 
 
 @dataclass(frozen=True)
@@ -93,14 +93,14 @@ def _cut_garments(raw: RawScan, separation: Separation, hooks: Hooks) -> dict[st
     return readings
 
 
-def find_wearer(given: Given, builtin: str | None, hooks: Hooks) -> Body | None:
+def find_wearer(given: Given, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
     """Return the wearer that the user gave, in the scan's place; None where he is to be found under the clothes.
 
     Raises:
         BodyApart: where the scan does not lie on it.
     """
     body = given.body
-    if builtin is not None and is_builtin(builtin):
+    if builtin is not None:
         body = builtin_body(builtin)
     elif given.wearer is not None:
         wearer = given.wearer

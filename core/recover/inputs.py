@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..body import Body, BodyMissing, is_builtin, is_smpl, load_smpl
+from ..body import Body, BodyMissing, is_smpl, load_smpl
 from ..garment import Pattern, load_pattern
 from ..garment.reading import Reading
 from ..scan import Limits, Pieces, load_pieces
@@ -23,7 +23,7 @@ def read_files(request: Request, limits: Limits | None = None) -> Pieces:
     selection, body, settings = request.selection, request.body, request.settings
     if body is None and selection is None:
         raise BodyMissing()
-    given = None if body is None or is_builtin(body) else Path(body)
+    given = body if isinstance(body, Path) else None
     return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection, limits=limits)
 
 
@@ -35,7 +35,8 @@ def read_body(request: Request) -> Body | None:
     """
     if request.reading is not None:
         return request.reading.body
-    return load_smpl(Path(request.body)) if request.body is not None and is_smpl(request.body) else None
+    body = request.body
+    return load_smpl(body) if isinstance(body, Path) and is_smpl(body) else None
 
 
 def read_template(request: Request) -> Pattern | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..body.spec import Wearer
 from ..scan import Selection
 from .settings import RecoverySettings
 
@@ -33,8 +34,8 @@ class Request:
 
     Attributes:
         scan: The garment's file; or the dressed person's, where labels or the settings say what of it is the garment.
-        body: The wearer's mesh file, a text `builtin:female,height=1.70`, or None: then it must be in the scan, and is
-            refused with `body.missing` where that is a garment alone.
+        body: The wearer's mesh file, a built-in body, or None: then it must be in the scan, and is refused with
+            `body.missing` where that is a garment alone.
         template: A pattern file that serves as the base pattern, or None to choose from the library.
         settings: Everything else.
         labels: A file with one label per vertex of a dressed person's scan, or None.
@@ -42,7 +43,7 @@ class Request:
     """
 
     scan: Path
-    body: Path | str | None = None
+    body: Wearer | None = None
     template: Path | None = None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: Path | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..body import Body, builtin_body, is_builtin
+from ..body import Body, BodyMissing, BuiltinWearer, builtin_body
 from ..people.wearer import FoundWearer, fit_wearer
 from ..run.checkpoints import load, save
 from ..run.hooks import Hooks
@@ -21,8 +21,10 @@ def find_wearer(request: Request, pieces: Pieces, hooks: Hooks) -> FoundWearer:
     own, wearer = read_body(request), pieces.wearer
     if own is not None:
         return FoundWearer(own)
-    if is_builtin(request.body) or wearer is None:
-        return FoundWearer(builtin_body(str(request.body)))
+    if isinstance(request.body, BuiltinWearer):
+        return FoundWearer(builtin_body(request.body))
+    if wearer is None:
+        raise BodyMissing()
     found = load(hooks, "body", FoundWearer)
     if found is None:
         found = fit_wearer(wearer, pieces.cloth, hooks, pieces.labels)

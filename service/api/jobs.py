@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from ...core.body import is_builtin
+from ...core.body.spec import read_wearer
 from ...core.recover.settings import RecoverySettings
 from ...core.run.sandbox import IsStopped, never_stopped
 from ..deletion import Deleted, delete_jobs
@@ -255,8 +255,8 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
         file = unpack(f"pattern-{word}", one.pattern, "patterns") if one.pattern else None
         return PartOrder(file, one.template, one.garment, one.fabric, one.lock, one.cut)
 
-    body: Path | str | None = wanted.body
-    if wanted.body is not None and not is_builtin(wanted.body):
+    body = read_wearer(wanted.body)
+    if isinstance(body, Path) and wanted.body is not None:
         body = unpack("body", wanted.body, "bodies")
     return Order(
         scan=unpack("scan", wanted.scan, "scans"),

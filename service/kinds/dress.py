@@ -11,6 +11,7 @@ from ..jobs import Claim
 from ..models import JobRow
 from .dress_request import BODY, RESULT, UNDER, DressRequest
 from .kind import Kind, Outcome, Work
+from .request import FileRef
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Dress(Kind):
         from ...core.run.records import read_record
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
-        wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
+        wanted = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
         with clock.stage("body", "finding the body's joints") as told:
             body = find_wearer(wanted, worn.body, request.pose, told)
         fabric = None if request.fabric is None else get_fabric(request.fabric)

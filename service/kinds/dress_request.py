@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.body.spec import BuiltinWearer
 from ...core.cloth import Fabric
 from .request import FileRef, RequestBad
 
@@ -22,14 +23,14 @@ class DressRequest:
     """Ask for a stored result on another body.
 
     Attributes:
-        body: A body's file, the description of a built-in body, or None: the wearer.
+        body: A body's file, a built-in body, or None: the wearer.
         pose: One of `body.POSES` that the body takes, or None: its own.
         fabric: Name of a shipped fabric, a fabric itself where it was imported, or None: the result's own cloth.
         units: A name of `UNITS`, of the body's file, or None to find it.
         up: Its axis that points up, or None to find it.
     """
 
-    body: FileRef | str | None = None
+    body: FileRef | BuiltinWearer | None = None
     pose: str | None = None
     fabric: str | Fabric | None = None
     units: str | None = None
@@ -46,7 +47,7 @@ class DressRequest:
         from ...core.body import check_wearer
         from ...core.cloth import get_fabric
 
-        check_wearer(self.body if isinstance(self.body, str) else None, self.pose)
+        check_wearer(self.body if isinstance(self.body, BuiltinWearer) else None, self.pose)
         if isinstance(self.fabric, str):
             get_fabric(self.fabric)
         if not isinstance(self.body, FileRef) and (self.units, self.up) != (None, None):

@@ -16,7 +16,7 @@ from .dress_request import BODY
 from .kind import Kind, Outcome, Work
 from .outfit_request import OutfitRequest
 from .recover_request import PERSON, TOLD
-from .request import RequestBad, read_request
+from .request import FileRef, RequestBad, read_request
 from .rows import add_metrics, describe_body, summarise
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Outfit(Kind):
 
         outfit = {word: load_worn(work.inputs[word]) for word in request.words}
         first, clock = next(iter(outfit.values())), Clock(hooks)
-        wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
+        wanted = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
         with clock.stage("body", "finding the body's joints") as told:
             body = find_wearer(wanted, first.body, request.pose, told)
         dressed = dress_outfit(outfit, body, clock)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from ...core.body.spec import BuiltinWearer
 from ...core.cloth import Fabric
 from ...core.people import GARMENTS
 from ...core.recover.settings import RecoverySettings
@@ -54,7 +55,7 @@ class PersonRequest:
         settings: Of all recoveries; `template`, `garment`, `fabric` and `lock` for the one garment that has no choice
             of its own.
         labels: A label file with `names`, which is believed, or None.
-        body: The wearer's file, the description of a built-in body, or None: found under the clothes.
+        body: The wearer's file, a built-in body, or None: found under the clothes.
         template: A pattern file for the one garment that has no choice of its own, or None.
         wearing: Exactly these garments, `upper,lower`, or None.
         marks: What is at single places, `upper=0.1,1.2,0.05` each.
@@ -65,7 +66,7 @@ class PersonRequest:
     scan: FileRef
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: FileRef | None = None
-    body: FileRef | str | None = None
+    body: FileRef | BuiltinWearer | None = None
     template: FileRef | None = None
     wearing: str | None = None
     marks: tuple[str, ...] = ()

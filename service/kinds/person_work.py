@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...core.body import is_builtin
+from ...core.body.spec import BuiltinWearer
 from ...core.run.errors import BadInput
 from .kind import Work
 from .person_found import PersonFound
@@ -33,7 +33,7 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     from ...core.people.pipeline import take_apart as run
 
     given = load_given(work.files / GIVEN)
-    builtin = str(request.body) if is_builtin(request.body) else None
+    builtin = request.body if isinstance(request.body, BuiltinWearer) else None
     try:
         apart = run(given, Wanted(request.wearing, request.marks, builtin), hooks)
     except BadInput as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...core.body.spec import BuiltinWearer
 from ...core.people import GARMENTS
 from ...core.recover.recovery import Request
 from ...core.recover.settings import RecoverySettings
@@ -29,7 +30,7 @@ class RecoverRequest:
 
     Attributes:
         scan: The garment's or the dressed person's file.
-        body: The wearer's file, the description of a built-in body, or None: then it is in the scan.
+        body: The wearer's file, a built-in body, or None: then it is in the scan.
         template: A pattern file, or None.
         settings: Everything else.
         labels: One label per vertex of a dressed person's scan, or None.
@@ -39,7 +40,7 @@ class RecoverRequest:
     """
 
     scan: FileRef | None
-    body: FileRef | str | None
+    body: FileRef | BuiltinWearer | None
     template: FileRef | None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: FileRef | None = None

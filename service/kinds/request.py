@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from ...core.body.spec import BuiltinWearer, is_builtin
 from ...core.run.errors import BadInput
 from ...core.run.text import TextBad, has_unkept
 
@@ -50,6 +51,8 @@ def pack_request(request: Any) -> dict[str, Any]:
 
 
 def _pack(value: Any) -> Any:
+    if isinstance(value, BuiltinWearer):
+        return value.spec
     if is_dataclass(value) and not isinstance(value, type):
         found = {field.name: (getattr(value, field.name), field.metadata.get("is_left_out")) for field in fields(value)}
         return {name: _pack(one) for name, (one, is_left_out) in found.items() if one is not None or not is_left_out}
@@ -94,6 +97,8 @@ def _read(hint: Any, value: Any, name: str) -> Any:
             if _fits(one, value):
                 return _read(one, value, name)
     elif _fits(hint, value):
+        if hint is BuiltinWearer:
+            return BuiltinWearer(value)
         if hint is float:
             return _read_number(value, name)
         if is_dataclass(hint):
@@ -118,6 +123,8 @@ def _fits(hint: Any, value: Any) -> bool:
     origin = get_origin(hint) or hint
     if hint is Any:
         return True
+    if hint is BuiltinWearer:
+        return isinstance(value, str) and is_builtin(value)
     if is_dataclass(hint) or origin in (dict, Mapping):
         return isinstance(value, Mapping)
     if origin is tuple:

@@ -1,10 +1,21 @@
 """The built-in body: its description, shape, pose and derivatives."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
 import trimesh
-from garmentq.core.body import JOINTS, BodyMissing, BodyModel, BodySpecBad, builtin_body, rest_body
+from garmentq.core.body import (
+    JOINTS,
+    BodyMissing,
+    BodyModel,
+    BodySpecBad,
+    BuiltinWearer,
+    builtin_body,
+    read_wearer,
+    rest_body,
+)
 from garmentq.core.body.builtin import DENSITY
 from garmentq.core.body.template import load_template, rotations_of
 
@@ -145,3 +156,12 @@ def test_rotations_match_scipy() -> None:
 def test_joint_names_are_smpls() -> None:
     """The order is a contract with every other room."""
     assert len(JOINTS) == 24 == len(TEMPLATE.joints)
+
+
+def test_a_wearer_is_a_description_or_a_file():
+    """Broken where a file named like a description is read as one, or a path becomes a description."""
+    assert read_wearer(None) is None
+    assert read_wearer("builtin:male,height=1.8") == BuiltinWearer("builtin:male,height=1.8")
+    assert read_wearer("my builtin:male.ply") == Path("my builtin:male.ply")
+    with pytest.raises(ValueError, match=r"body\.ply"):
+        BuiltinWearer("body.ply")

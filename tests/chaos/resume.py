@@ -26,6 +26,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 
 from garmentq.core.body import builtin_body
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Recovery, Request
 from garmentq.core.recover.settings import RecoverySettings
@@ -130,7 +131,7 @@ def compare(method: str, vertices: int, every: int, home: Path, is_registered: b
     settings = ServiceSettings(home=home, pipeline="resume:recover_and_die", writer="resume:write_arrays")
     database, store = open_database(settings), Store(settings.store_path)
     scan, mesh = write_files(home)
-    wearer = mesh if is_registered else WEARER
+    wearer = mesh if is_registered else BuiltinWearer(WEARER)
     wanted = RecoverySettings(method=method, vertex_count=vertices)
     found: dict[str, object] = {"method": method, "vertices": vertices}
     arrays, jobs = [], []

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body import Body, builtin_body
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.garment import flat_contours, load_template
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
@@ -34,7 +35,9 @@ def test_a_large_wearer_gets_a_pattern_that_goes_over_him(heavy, named):
     assert len(worn.contours) == 4
     normals = vertex_normals(worn.nodes, worn.faces)
     target = Target(worn.nodes, worn.faces, normals, worn.contours, (), "tank")
-    request = Request(Path("tank.ply"), "builtin:male", settings=replace(RecoverySettings(), template=named))
+    request = Request(
+        Path("tank.ply"), BuiltinWearer("builtin:male"), settings=replace(RecoverySettings(), template=named)
+    )
     found = find_template(request, target, heavy)
     bust = measure_wearer(heavy).bust
     assert found.template.partition("+")[0] == "tank"

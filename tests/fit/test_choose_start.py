@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.cloth import Drape, Outcome, get_fabric
 from garmentq.core.garment import Garment, load_draped_template, mesh_pattern, resample
 from garmentq.core.geometry import self_intersections, vertex_normals
@@ -40,7 +41,7 @@ def case() -> Case:
     worn = load_draped_template("tshirt")
     normals = vertex_normals(worn.nodes, worn.faces)
     return Case(
-        request=Request(Path("tshirt.ply"), WEARER),
+        request=Request(Path("tshirt.ply"), BuiltinWearer(WEARER)),
         scan=Scan(worn.nodes, worn.faces),
         seen=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
         wearer=WearerGeometry(builtin_body(WEARER)),

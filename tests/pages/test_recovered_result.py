@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.deliver.ply import read_ply
 from garmentq.core.deliver.texture.lookup import UNSEEN
 from garmentq.core.garment import load_draped_template
@@ -39,7 +40,7 @@ def recovery(tmp_path_factory):
     colours = colour_of(nodes[:, 1]).astype(np.uint8)
     trimesh.Trimesh(nodes, garment.faces, vertex_colors=colours, process=False).export(scan)
     settings = RecoverySettings(method="deform", vertex_count=500, up="y", template="skirt")
-    return recover(Request(scan, "builtin:female,height=1.70", settings=settings))
+    return recover(Request(scan, BuiltinWearer("builtin:female,height=1.70"), settings=settings))
 
 
 @pytest.fixture(scope="module")

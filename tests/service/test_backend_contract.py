@@ -9,6 +9,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.cloth import get_fabric, write_fabrics
 from garmentq.core.garment import load_template, save_pattern
 from garmentq.core.recover.settings import RecoverySettings
@@ -100,7 +101,7 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     held = claim(database, failed, "test", 60.0)
     report(database, held, records.Progress("drape", 0.123456789, "half \u00fcber", 0.256789, 61.23))
     fail(database, held, "scan.x", "bad", bad_input=True)
-    built_in = Order(order.scan, "builtin:female,height=1.70")
+    built_in = Order(order.scan, BuiltinWearer("builtin:female,height=1.70"))
     queued = local.submit(built_in).job
     with database.write() as session:
         asked = [ChildRequest("\u00c4rmel", "recover", find_job(database, done).request)]

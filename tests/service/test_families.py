@@ -6,6 +6,7 @@ import random
 from dataclasses import replace
 
 import pytest
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.service.families import (
     AWAITED,
     ChildrenBad,
@@ -172,7 +173,8 @@ def test_children_belong_to_their_parents_keys(database, store, family, tmp_path
     assert queue(key=theirs, quota=2) == root, "an equal order is the same job"
     assert [row.id for row in find_jobs(database, owner=theirs)] == [row.id for row in find_jobs(database, owner=ours)]
     with pytest.raises(JobUnknown):
-        queue("reader", inputs={"it": submit(database, store, Order(put_file(tmp_path, "x.ply"), "builtin:male")).job},
+        other = Order(put_file(tmp_path, "x.ply"), BuiltinWearer("builtin:male"))
+        queue("reader", inputs={"it": submit(database, store, other).job},
               key=ours, quota=9)  # fmt: skip
     with pytest.raises(InputNotEnded):
         queue("reader", inputs={"it": pieces(database, root)["front"].id})
@@ -181,12 +183,12 @@ def test_children_belong_to_their_parents_keys(database, store, family, tmp_path
 def test_a_family_has_a_name(database, store, tmp_path):
     """Broken where a scan's own name loses its letters, or a name makes another job of the same scan."""
     scan = put_file(tmp_path, "Kleid für Zoë 연습 <b>.ply")
-    first = submit(database, store, Order(scan, "builtin:female"))
+    first = submit(database, store, Order(scan, BuiltinWearer("builtin:female")))
     row = find_job(database, first.job)
     assert row.name == "Kleid für Zoë 연습 b" and row.request["scan"]["name"] == "Kleid_f_r_Zo_b_.ply"
-    named = Order(scan, "builtin:female", name="Anna's", tags=("spring", "été"))
+    named = Order(scan, BuiltinWearer("builtin:female"), name="Anna's", tags=("spring", "été"))
     assert submit(database, store, named).job == first.job
-    other = submit(database, store, replace(named, body="builtin:male"))
+    other = submit(database, store, replace(named, body=BuiltinWearer("builtin:male")))
     assert find_job(database, other.job).name == "Anna's"
     assert [row.id for row in find_jobs(database, parse_conditions("tag = 'été' and name = \"Anna's\""))] == [other.job]
     for bad in ({"name": "x" * 256}, {"name": "a\nb"}, {"tags": ("",)}, {"tags": ("x" * 65,)}, {"tags": ("\x1b",)}):

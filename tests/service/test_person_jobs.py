@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.families import retry
 from garmentq.service.jobs import Claim, find_job, read_events
@@ -138,7 +139,7 @@ def test_what_is_meant_by_a_choice_without_a_part(given, words, found):
 def test_requests_come_back_from_json():
     """Breaks where a choice, or a file in it, is another after it was stored."""
     request = PersonRequest(
-        FILE, labels=OTHER, body="builtin:female", marks=("upper=1,2,3",), given_as="person",
+        FILE, labels=OTHER, body=BuiltinWearer("builtin:female"), marks=("upper=1,2,3",), given_as="person",
         choices={"upper": PartChoice(template=FILE), "lower": PartChoice(template="skirt")},
     )  # fmt: skip
     stored = json.loads(json.dumps(pack_request(request)))
@@ -182,5 +183,5 @@ def test_a_choice_that_fits_two_is_refused_at_once(database, store, tmp_path):
 
 def test_an_old_request_is_as_it_was():
     """Breaks where the hash of an order of an earlier version changes: its result would be computed anew."""
-    packed = pack_request(RecoverRequest(FILE, "builtin:female", None))
+    packed = pack_request(RecoverRequest(FILE, BuiltinWearer("builtin:female"), None))
     assert sorted(packed) == ["body", "scan", "settings", "template"]

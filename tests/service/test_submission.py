@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.run.errors import BadInput
 from garmentq.service.families import cancel, retry
@@ -43,7 +44,7 @@ def test_another_order_is_another_job(database, store, order, tmp_path, change):
     changed = {
         "scan": Order(other, order.body),
         "body": Order(order.scan, other),
-        "builtin": Order(order.scan, "builtin:female"),
+        "builtin": Order(order.scan, BuiltinWearer("builtin:female")),
         "template": Order(order.scan, order.body, template=other),
         "settings": Order(order.scan, order.body, settings=RecoverySettings(seed=1)),
         "force": Order(order.scan, order.body, force=True),

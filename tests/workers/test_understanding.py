@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import builtin_body
+from garmentq.core.body.spec import BuiltinWearer
 from garmentq.service.jobs import find_job
 from garmentq.service.kinds import FileRef
 from garmentq.service.kinds.recover import Recover
@@ -31,7 +32,7 @@ def test_who_shows_his_face_is_a_person(settings, database, store, tmp_path):
         mesh = trimesh.Trimesh(body.vertices, faces, process=False)
         mesh.remove_unreferenced_vertices()
         mesh.export(tmp_path / f"{name}.ply")
-        job = submit(database, store, Order(tmp_path / f"{name}.ply", WEARER)).job
+        job = submit(database, store, Order(tmp_path / f"{name}.ply", BuiltinWearer(WEARER))).job
         run_job(replace(settings, **PERSONS, checker=CHECKER), database, job, lambda: False)
         assert find_job(database, job).kind == kind, name
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...body import Body, builtin_body, is_smpl, load_smpl, pose_body, register_body
+from ...body import Body, BuiltinWearer, builtin_body, is_smpl, load_smpl, pose_body, register_body
 from ...run.hooks import SILENT, Hooks
 from ...scan import Limits, Scan, describe_scan, load_scan
 
@@ -46,11 +46,13 @@ def describe_body_file(given: BodyFile) -> dict[str, Any]:
     return {"body": {"format": "smpl"} if given.mesh is None else describe_scan(given.mesh)}
 
 
-def find_wearer(wanted: BodyFile | str | None, own: Body, pose: str | None = None, hooks: Hooks = SILENT) -> Body:
+def find_wearer(
+    wanted: BodyFile | BuiltinWearer | None, own: Body, pose: str | None = None, hooks: Hooks = SILENT
+) -> Body:
     """Return the body that is to wear a garment.
 
     Args:
-        wanted: What a file holds, a description (`builtin:...`), or None for the wearer.
+        wanted: What a file holds, a built-in body, or None for the wearer.
         own: The wearer.
         pose: One of `POSES` that the body is to take; None: its own.
         hooks: Progress and cancellation.
