@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.recover.settings import METHODS, PRESETS, RecoverySettings
 from ..core.run.units import UNITS
 from ..service.order import GIVEN_AS
@@ -185,7 +186,7 @@ def order_options(function: Decorator) -> Decorator:
             "--fabric",
             multiple=True,
             metavar="[PART:]NAME",
-            help=f"A name from `garmentq materials`.  [default: {default.fabric}]",
+            help=f"A name from `garmentq materials`.  [default: {DEFAULT_FABRIC}]",
         ),
         click.option(
             "--lock",

@@ -127,7 +127,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         method=options.method,
         preset=options.preset,
         garment=split_choice("garment", options.garment)[0],
-        fabric=split_choice("fabric", options.fabric)[0] or RecoverySettings().fabric,
+        fabric=split_choice("fabric", options.fabric)[0],
         lock=split_lists(options.lock).get(""),
         free=options.free,
         units=options.units,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from ..core.cloth import Fabric
 from ..core.run.errors import BadInput
 from ..core.run.sandbox import IsStopped, never_stopped
 from .jobs import find_job
@@ -175,7 +176,7 @@ def _find_fabric(services: Services, options: Mapping[str, Any]) -> dict[str, An
     if not isinstance(name, str):
         raise RequestBad("a fabric is named; `garmentq materials` lists them, and imports others.")
     found = resolve_fabric(services.database, name)
-    return {**options, "fabric": found if isinstance(found, str) else pack_request(found)}
+    return {**options, "fabric": pack_request(found) if isinstance(found, Fabric) else found}
 
 
 def _keep(services: Services, file: Path | FileRef) -> dict[str, str]:

@@ -76,7 +76,7 @@ def read_material(database: Database, name: str) -> Fabric:
     raise FabricUnknown(f"no fabric '{name[:64]}' in the library; there are: {known}.")
 
 
-def resolve_fabric(database: Database, name: str | Fabric) -> str | Fabric:
+def resolve_fabric(database: Database, name: str | Fabric | None) -> str | Fabric | None:
     """Return what a job's request says of a fabric: a shipped one's name, and an imported one itself.
 
     A request with the numbers is the same job whatever its fabric is called or becomes later.

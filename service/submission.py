@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 
 from .. import __version__
 from ..core.body.spec import BuiltinWearer
+from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.people.hints import parse_wearing
 from ..core.run.errors import BadInput
 from .database import Database, clock, serialise
@@ -270,7 +271,7 @@ def _check_input(session: Session, job: str, key: str) -> None:
 
 def _hash(wanted: JobRequest) -> str:
     """Return what makes a job the same as another: what is computed, not what it is called."""
-    value: dict[str, Any] = {"request": wanted.request, "version": __version__, "nonce": wanted.nonce}
+    value: dict[str, Any] = {"request": _name_fabric(wanted.request), "version": __version__, "nonce": wanted.nonce}
     if wanted.kind != Recover.name:
         value["kind"] = wanted.kind
     if wanted.realm:
@@ -278,3 +279,11 @@ def _hash(wanted: JobRequest) -> str:
     if wanted.inputs:
         value["inputs"] = dict(wanted.inputs)
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()
+
+
+def _name_fabric(request: dict[str, Any]) -> dict[str, Any]:
+    """Return a request whose recovery has the default fabric with that named: both compute the same."""
+    settings = request.get("settings")
+    if not isinstance(settings, dict) or settings.get("fabric", "") is not None:
+        return request
+    return {**request, "settings": {**settings, "fabric": DEFAULT_FABRIC}}

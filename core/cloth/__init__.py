@@ -8,7 +8,7 @@ from ..run.lazy import import_lazily
 from .fabric import Fabric, FabricEstimate
 from .fabric_check import FabricNameBad, FabricOutOfRange, FabricSourceBad, check_fabric
 from .fabric_file import FabricFileBad, FabricUnitBad, read_fabrics, write_fabrics
-from .fabrics import FabricUnknown, get_fabric, load_fabrics
+from .fabrics import DEFAULT_FABRIC, FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
 from .outcome import Outcome
 from .settings import GRAVITY, RESTING, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
@@ -84,6 +84,7 @@ _LAZY = {
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "DEFAULT_FABRIC",
     "FABRIC",
     "GRAVITY",
     "RESTING",

@@ -13,6 +13,10 @@ PARAMETERS = ("density", "H00", "H01", "H11", "H22", "k", "thickness", "friction
 """What is given for each fabric, with its source."""
 
 
+DEFAULT_FABRIC = "cotton_poplin"
+"""The fabric of a recovery where none is named: a plain cotton weave, mid-range in weight and stiffness."""
+
+
 class FabricUnknown(NotFound):
     """No fabric of that name is in the library; `garmentq materials` lists them."""
 
@@ -38,14 +42,15 @@ def load_fabrics() -> tuple[Fabric, ...]:
     )
 
 
-def get_fabric(name: str | Fabric) -> Fabric:
-    """Find a shipped fabric by its name; one that is given itself is that one.
+def get_fabric(name: str | Fabric | None = None) -> Fabric:
+    """Find a shipped fabric by its name; one that is given itself is that one, and None is `DEFAULT_FABRIC`.
 
     Raises:
         FabricUnknown: where there is none; the message lists those there are.
     """
     if isinstance(name, Fabric):
         return name
+    name = DEFAULT_FABRIC if name is None else name
     for fabric in load_fabrics():
         if fabric.name == name:
             return fabric

@@ -32,8 +32,8 @@ class RecoverySettings:
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.
-        fabric: Name of a shipped fabric, or a fabric itself: an imported one is looked up when the job is asked
-            for. A plain cotton weave is the default: mid-range in weight and stiffness.
+        fabric: Name of a shipped fabric, a fabric itself (an imported one is looked up when the job is asked for), or
+            None for `DEFAULT_FABRIC`.
         units: A name of `UNITS`, of the scan's and body's file, or None to find it.
         up: `y` or `z` of the file, or None to find it.
         vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
@@ -61,7 +61,7 @@ class RecoverySettings:
     preset: str = "default"
     garment: str | None = None
     template: str | None = None
-    fabric: str | Fabric = "cotton_poplin"
+    fabric: str | Fabric | None = None
     units: str | None = None
     up: str | None = None
     vertex_count: int = 4000

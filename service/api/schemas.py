@@ -44,9 +44,9 @@ def _field(name: str, hint: Any) -> Any:
         return Annotated[Text if hint is str else Text | None, Field(json_schema_extra={"enum": known})]
     if name == "seed":
         return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
-    if hint is str or name == "fabric":  # by its name only
+    if hint is str:
         return Text
-    return Text | None if hint == (str | None) else hint
+    return Text | None if hint == (str | None) or name == "fabric" else hint  # a fabric by its name only
 
 
 _HINTS = get_type_hints(RecoverySettings)

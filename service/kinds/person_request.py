@@ -115,18 +115,16 @@ class PersonRequest:
         return found
 
     def _plain(self) -> dict[str, FileRef | Fabric | str | None]:
-        """Return what was typed without a part; the default fabric is everybody's."""
-        default, chosen = RecoverySettings(), self.settings
-        fabric = None if chosen.fabric == default.fabric else chosen.fabric
+        """Return what was typed without a part."""
+        chosen = self.settings
         template = self.template or chosen.template
-        return {"template": template, "garment": chosen.garment, "fabric": fabric, "lock": chosen.lock}
+        return {"template": template, "garment": chosen.garment, "fabric": chosen.fabric, "lock": chosen.lock}
 
     def ask(self, word: str, choice: PartChoice) -> RecoverRequest:
         """Return the request of a garment's recovery; its pattern, where that is a file, is in its reading."""
         template = choice.template.name.rpartition(".")[0] if isinstance(choice.template, FileRef) else choice.template
-        default = RecoverySettings()
         settings = replace(
-            self.settings, template=template, garment=choice.garment, fabric=choice.fabric or default.fabric,
+            self.settings, template=template, garment=choice.garment, fabric=choice.fabric,
             lock=choice.lock, parts=self.settings.overrule_parts(choice.parts), keep=None, keep_colour=None, cloth=None,
             labels_key=None,
         )  # fmt: skip

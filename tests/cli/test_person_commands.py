@@ -105,7 +105,7 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     assert {word: row.state for word, row in found.items()} == {"upper": "succeeded", "lower": "succeeded"}
     chosen = {word: row.request["settings"] for word, row in found.items()}
     assert (chosen["upper"]["fabric"], chosen["upper"]["template"]) == ("denim", "tshirt")
-    assert (chosen["lower"]["fabric"], chosen["lower"]["template"]) == ("cotton_poplin", "base")
+    assert (chosen["lower"]["fabric"], chosen["lower"]["template"]) == (None, "base")
     assert (chosen["upper"]["lock"], chosen["lower"]["lock"]) == ("panel:front", "fabric")
     parts = ("sleeve=cap,neckline=v", "neckline=crew,sleeve=cap")
     assert (chosen["upper"]["parts"], chosen["lower"]["parts"]) == parts

@@ -62,6 +62,7 @@ def test_jobs_of_every_state_are_families_of_their_own(settings, old):
     rows = {row.id: row for row in find_jobs(old)}
     assert {row.state for row in rows.values()} == set(State) - {State.WAITING} and len(rows) == 9
     assert all((row.kind, row.parent, row.family) == ("recover", None, row.id) for row in rows.values())
+    assert {row.request["settings"]["fabric"] for row in rows.values()} == {None}, "the default is not said"
     assert [row.id for row in find_jobs(old, JobQuery({"family": BAD}).conditions)] == [BAD]
     reports = {job.id: job for job in report_jobs(old, list(rows.values()), settings)}
     done = reports[DONE]

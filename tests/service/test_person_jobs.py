@@ -48,7 +48,7 @@ def test_each_garment_is_a_job(queue_person, persons, settings, database, store,
         assert request.part == word and request.scan is None and request.settings.seed == 7
         assert request.settings.lock == "fabric"
     assert found["upper"].request["settings"]["fabric"] == "denim"
-    assert found["lower"].request["settings"]["fabric"] == "cotton_poplin"
+    assert found["lower"].request["settings"]["fabric"] is None
     assert found["lower"].request["settings"]["template"] == "trousers"
     (told,) = report_jobs(database, [found["upper"]], settings)
     assert told.metrics["confidence"] == 0.97

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.body import Body
-from garmentq.core.cloth import Fabric
+from garmentq.core.cloth import Fabric, get_fabric
 from garmentq.core.garment import Edge, Garment, Panel, Pattern
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.garment.pieces import PieceNumbers
@@ -122,7 +122,7 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         target=Target(nodes, faces, np.tile([0.0, 0.0, 1.0], (4, 1)), (), (), category),
         template=category,
         pattern=pattern,
-        fabric=Fabric(request.settings.fabric, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
+        fabric=Fabric(get_fabric(request.settings.fabric).name, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
         garment=garment,
         meshes=Meshes(nodes, nodes),
         report=ResultReport(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...body import builtin_body, project_outside
-from ...cloth import Scene, Topology, equilibrium, get_fabric
+from ...cloth import DEFAULT_FABRIC, Scene, Topology, equilibrium, get_fabric
 from ...garment import list_templates, load_template, mesh_pattern
 from ...garment.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
 from ...scan.contours import name_contours
@@ -17,7 +17,7 @@ from .wearer import WearerGeometry
 WEARER = "builtin:female,height=1.70"
 """The body that the templates were drafted for."""
 
-FABRIC = "cotton_poplin"
+FABRIC = DEFAULT_FABRIC
 """The default fabric of a recovery."""
 
 
