@@ -14,29 +14,29 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body.motion import LeadIn, Pose, find_shipped, load_motion, retarget
+from garmentq.core.body.motion import LeadIn, Pose, find_shipped_motion, load_motion, retarget
 from garmentq.core.deliver.export.animation import write_animation
 from garmentq.core.judge import read_packs
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.reuse.animate import AnimateSettings, Animation, animate, clear_motion, measure_animation
-from garmentq.core.reuse.animate.settings import Pace
-from garmentq.core.reuse.wear import Worn, worn_of
+from garmentq.core.reuse.animate import AnimateSettings, Animation, animate, make_room_for_garment, measure_animation
+from garmentq.core.reuse.animate.settings import StepLimits
+from garmentq.core.reuse.wear import WornGarment, worn_from_recovery
 
 
-def wear(folder: Path) -> Worn:
+def wear(folder: Path) -> WornGarment:
     """Return the garment of a pack as its recovery leaves it on the wearer."""
     pack = read_packs(folder)[0]
     request = Request(pack.garment, pack.body, pack.template, RecoverySettings(method="deform"))
-    return worn_of(recover(request))
+    return worn_from_recovery(recover(request))
 
 
-def move(worn: Worn, motion: Path, settings: AnimateSettings) -> Animation:
+def move(worn: WornGarment, motion: Path, settings: AnimateSettings) -> Animation:
     """Return the garment in motion."""
     track = retarget(load_motion(motion), worn.body, settings.begin)
     if not settings.keep_motion:
-        track, _ = clear_motion(worn, track, settings)
+        track, _ = make_room_for_garment(worn, track, settings)
     return animate(worn, LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead), settings)
 
 
@@ -51,7 +51,7 @@ def main() -> None:
     parser.add_argument("--keep-motion", action="store_true")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
-    motion = find_shipped(given.motion) or Path(given.motion)
+    motion = find_shipped_motion(given.motion) or Path(given.motion)
     settings = AnimateSettings(end=given.seconds, keep_motion=given.keep_motion)
     print("| garment | frames | not converged | depth mm | crossings | CPU s a frame | half the step, mm |")
     print("|---|---|---|---|---|---|---|")
@@ -61,7 +61,7 @@ def main() -> None:
         told = measure_animation(found)
         away = "–"
         if given.half:
-            half = Pace(settings.pace.travel / 2, settings.pace.longest / 2)
+            half = StepLimits(settings.pace.travel / 2, settings.pace.longest / 2)
             fine = move(worn, motion, replace(settings, pace=half))
             away = f"{1e3 * np.sqrt(((fine.frames - found.frames) ** 2).sum(axis=2).mean(axis=1)).max():.1f}"
         print(

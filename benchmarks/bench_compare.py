@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from garmentq.core.judge import judge
+from garmentq.core.judge import evaluate_gates
 
 LEAST_RISE = 0.03
 """Share by which a paired mean must rise to be worse."""
@@ -100,7 +100,7 @@ def list_verdicts(line: Line) -> dict[str, str]:
             failed = ", ".join(sorted(map(str, garment.get("verdicts") or ())))
             words[f"{garment['part']} gates"] = failed or "pass"
         return words
-    gates = {gate.name: str(gate.verdict) for gate in judge(line["metrics"])}
+    gates = {gate.name: str(gate.verdict) for gate in evaluate_gates(line["metrics"])}
     failed = ", ".join(f"{name} {verdict}" for name, verdict in sorted(gates.items()) if verdict != "pass")
     return {
         "outcome": "recovered",

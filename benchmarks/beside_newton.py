@@ -33,14 +33,14 @@ FPS = 30.0
 
 def write(out: Path, template: str, seconds: float) -> None:
     """Move the garment by our own steps, and keep what Newton needs."""
-    from garmentq.core.body.motion import LeadIn, Pose, find_shipped, load_motion, retarget
+    from garmentq.core.body.motion import LeadIn, Pose, find_shipped_motion, load_motion, retarget
     from garmentq.core.cloth import get_fabric
     from garmentq.core.reuse.animate import AnimateSettings, animate, measure_animation
-    from garmentq.core.reuse.animate.stage import Stage
-    from garmentq.core.reuse.wear import wear_template
+    from garmentq.core.reuse.animate.stage import AnimationScene
+    from garmentq.core.reuse.wear import load_worn_template
 
-    worn = wear_template(template, get_fabric("cotton_poplin"))
-    motion = find_shipped("walk")
+    worn = load_worn_template(template, get_fabric("cotton_poplin"))
+    motion = find_shipped_motion("walk")
     if worn is None or motion is None:
         raise SystemExit("the garment's drape or the motion is not shipped")
     settings = AnimateSettings(fps=FPS, end=seconds)
@@ -48,7 +48,7 @@ def write(out: Path, template: str, seconds: float) -> None:
     begun = time.process_time()
     found = animate(worn, lead, settings)
     spent = time.process_time() - begun
-    mover = Stage(worn, lead, settings).mover
+    mover = AnimationScene(worn, lead, settings).mover
     times = np.concatenate([-np.arange(round(settings.lead * FPS), 0, -1) / FPS, found.times])
     skins = np.stack([mover.vertices(lead.at(float(at))) for at in times])
     pins = worn.garment.contour("waist")

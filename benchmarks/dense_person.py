@@ -93,8 +93,8 @@ CASES = {
 
 def take_apart(path: Path) -> dict[str, object]:
     """Read a scan and take it apart in this process; return what that cost, and the cut that each garment shows."""
-    from garmentq.core.people.garments import cut_garment_of, find_surface
-    from garmentq.core.people.separate import separate
+    from garmentq.core.people.garments import build_person_surface, extract_garment
+    from garmentq.core.people.separate import label_person
     from garmentq.core.recover.recovery import Request
     from garmentq.core.recover.start import choose_base, read_case
     from garmentq.core.run.clock import Clock
@@ -105,11 +105,11 @@ def take_apart(path: Path) -> dict[str, object]:
     with clock.stage("load"):
         raw = load_raw(path)
     with clock.stage("separate") as hooks:
-        separation = separate(raw, hooks=hooks)
+        separation = label_person(raw, hooks=hooks)
     peaks = [resource.getrusage(who).ru_maxrss / 1e3 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     spent = spent_seconds() - start
-    surface = find_surface(raw, separation.body)
-    readings = [cut_garment_of(surface, separation, garment.part) for garment in separation.garments]
+    surface = build_person_surface(raw, separation.body)
+    readings = [extract_garment(surface, separation, garment.part) for garment in separation.garments]
     cuts = [choose_base(read_case(Request(path, reading=reading), Clock())).template for reading in readings]
     return {"seconds": spent, "stages": seconds, "peaks": peaks, "cuts": cuts}
 

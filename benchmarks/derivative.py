@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 from garmentq.core.cloth import (
-    FABRIC,
-    AtRest,
-    Implicit,
+    FABRIC_PARAMETERS,
+    FactoredEquilibrium,
+    ImplicitDerivative,
     Inertia,
-    Linearised,
+    LinearisedSteps,
     Parameters,
-    Unrolled,
+    UnrolledSteps,
     make_solver,
 )
 from scipy.sparse import csr_matrix
@@ -55,7 +55,7 @@ def drape(count: int) -> Laid:
     u, v = flat.T / 0.3
     fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (0 * u, u), (u * v, 0 * u), (0 * u, u * v)]
     shape = np.stack([np.stack(field, axis=1)[scene.topology.faces].ravel() for field in fields], axis=1)
-    return Laid.at_rest(scene, nodes, Parameters(csr_matrix(shape), FABRIC))
+    return Laid.at_rest(scene, nodes, Parameters(csr_matrix(shape), FABRIC_PARAMETERS))
 
 
 def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray) -> float:
@@ -67,13 +67,13 @@ def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray
     for n in range(parameters.count):
         step = np.zeros(parameters.count)
         step[n] = 1e-7 if n < parameters.shape.shape[1] else 1e-5
-        ends = laid.ends(Implicit(tolerance=0.0), step, nodes, solver)
+        ends = laid.ends(ImplicitDerivative(tolerance=0.0), step, nodes, solver)
         expected = float((up * (ends[0] - ends[1])).sum()) / (2 * step[n])
         worst = max(worst, abs(found[n] - expected) / abs(expected))
     return worst
 
 
-def slowest_sway(rest: AtRest) -> float:
+def slowest_sway(rest: FactoredEquilibrium) -> float:
     """Return the longest period of small motions about an equilibrium [s]: K v = w^2 M v."""
     root = np.sqrt(np.repeat(rest.scene.masses, 3))
     turned = LinearOperator((len(root),) * 2, matvec=lambda v: root * rest.solver.solve(root * np.ravel(v)))
@@ -91,9 +91,9 @@ def recover_shape(laid: Laid, start: np.ndarray, change: np.ndarray) -> tuple[fl
     error at the end.
     """
     scene, friction, shape = laid.scene, laid.friction, replace(laid.parameters, fabric=())
-    solver, implicit = make_solver(scene.topology.pattern), Implicit()
+    solver, implicit = make_solver(scene.topology.pattern), ImplicitDerivative()
     target = implicit.solve(shape.move(scene, change), start, solver, friction=friction).nodes
-    tie, roughly = Inertia(target, 1.0 / Unrolled.dt**2), Implicit(tolerance=ROUGHLY)
+    tie, roughly = Inertia(target, 1.0 / UnrolledSteps.dt**2), ImplicitDerivative(tolerance=ROUGHLY)
     found, begun, reached = np.zeros(len(change)), time.process_time(), np.inf
     for n in range(10):
         moved, tied = shape.move(scene, found), tie if n < TIED else None
@@ -114,7 +114,7 @@ def measure(name: str) -> dict[str, float]:
     laid = drape(SIDES[name])
     scene, friction, parameters = laid.scene, laid.friction, laid.parameters
     solver = make_solver(scene.topology.pattern)
-    rest = Implicit(tolerance=0.0).solve(scene, laid.nodes, solver, friction=friction)
+    rest = ImplicitDerivative(tolerance=0.0).solve(scene, laid.nodes, solver, friction=friction)
     up = np.sin(9 * rest.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
     rates = parameters.rates(scene)
     one = parameters.pull(scene, rest.pull(up))
@@ -122,19 +122,21 @@ def measure(name: str) -> dict[str, float]:
         "gradient [ms]": quickest(lambda: parameters.pull(scene, rest.pull(up))),
         "12 columns [ms]": quickest(lambda: rest.push(*rates)),
         "Hessian+factor [ms]": quickest(
-            lambda: Implicit(tolerance=1.0).solve(scene, rest.nodes, solver, friction=friction)
+            lambda: ImplicitDerivative(tolerance=1.0).solve(scene, rest.nodes, solver, friction=friction)
         ),
         "error": worst_error(laid, rest.nodes, one, up),
     }
     found["slowest sway [s]"] = slowest_sway(rest)
     for title, way in STEPS.items():
-        two = parameters.pull(scene, Unrolled(*way).solve(scene, rest.nodes, solver, friction=friction).pull(up))
+        two = parameters.pull(scene, UnrolledSteps(*way).solve(scene, rest.nodes, solver, friction=friction).pull(up))
         found[f"1 - cosine, {title}"] = 1.0 - float(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
-    solved = Unrolled(steps=20)
+    solved = UnrolledSteps(steps=20)
     for share in (1.0, 0.1):
         changed = replace(parameters, fabric=()).move(scene, share * CHANGE)
-        Linearised(1).solve(changed, rest.nodes, solver, friction=friction).pull(up)  # torch is imported on the way
-        forward, moved = cpu(lambda e=changed: Linearised(20).solve(e, rest.nodes, solver, friction=friction))
+        LinearisedSteps(1).solve(changed, rest.nodes, solver, friction=friction).pull(
+            up
+        )  # torch is imported on the way
+        forward, moved = cpu(lambda e=changed: LinearisedSteps(20).solve(e, rest.nodes, solver, friction=friction))
         reverse, _ = cpu(lambda m=moved: m.pull(up))
         change = f", {10 * share:.0f} mm"
         found[f"linearised forward{change} [s]"], found[f"linearised reverse{change} [s]"] = forward, reverse

@@ -11,14 +11,14 @@ import time
 import numpy as np
 from garmentq.core.body import DistanceGrid
 from garmentq.core.cloth import (
-    FABRIC,
+    FABRIC_PARAMETERS,
     Derivative,
-    Implicit,
+    ImplicitDerivative,
     NotAtRest,
     Parameters,
     Scene,
     Topology,
-    Unrolled,
+    UnrolledSteps,
     contact_forces,
     get_fabric,
     list_gathers,
@@ -59,11 +59,11 @@ def drape(count: int) -> tuple[Laid, dict[str, slice]]:
     nodes = np.column_stack([garment.nodes[:, 0] + 0.02, height, 0.01 - garment.nodes[:, 1]])
     scene = Scene(Topology.from_garment(garment), get_fabric("cotton_poplin"), ball)
     gathers = list_gathers(garment.pattern, find_symmetry(garment.pattern))
-    parameters = Parameters.of_garment(garment, map_controls(garment), fabric=FABRIC, gathers=gathers)
+    parameters = Parameters.of_garment(garment, map_controls(garment), fabric=FABRIC_PARAMETERS, gathers=gathers)
     points_end = 2 * len(garment.pattern.points)
     first = points_end + len(gathers)
     kinds = {"control points": slice(0, points_end), "gather ratios": slice(points_end, first)}
-    kinds |= {name: slice(first + n, first + n + 1) for n, name in enumerate(FABRIC)}
+    kinds |= {name: slice(first + n, first + n + 1) for n, name in enumerate(FABRIC_PARAMETERS)}
     return Laid.at_rest(scene, nodes, parameters), kinds
 
 
@@ -104,7 +104,7 @@ def measure(count: int, derivative: Derivative) -> dict[str, str]:
     """Measure one size: for each kind the largest relative error of a parameter, and the difference quotient's own."""
     laid, kinds = drape(count)
     scene, start, solver = laid.scene, laid.nodes, make_solver(laid.scene.topology.pattern)
-    if isinstance(derivative, Implicit):
+    if isinstance(derivative, ImplicitDerivative):
         start = derivative.solve(scene, start, solver, friction=laid.friction).nodes
     at = derivative.solve(scene, start, solver, friction=laid.friction)
     ups = np.stack([np.sin(wave * at.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7]) for wave in WAVES])
@@ -120,9 +120,9 @@ def measure(count: int, derivative: Derivative) -> dict[str, str]:
 def main(names: list[str]) -> None:
     """Print a row for each size and way; in brackets how far off the difference quotient itself may be."""
     for name in names:
-        ways: dict[str, Derivative] = {"Implicit": Implicit(tolerance=0.0)}
+        ways: dict[str, Derivative] = {"Implicit": ImplicitDerivative(tolerance=0.0)}
         if name == "1K":
-            ways["Unrolled"] = Unrolled(steps=6, tolerance=0.0)
+            ways["Unrolled"] = UnrolledSteps(steps=6, tolerance=0.0)
         for way, derivative in ways.items():
             begun = time.process_time()
             print(name, way, measure(SIZES[name], derivative), flush=True)

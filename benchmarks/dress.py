@@ -21,7 +21,15 @@ from garmentq.core.body import builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.dressed import write_dressed
 from garmentq.core.deliver.ply import read_ply
-from garmentq.core.reuse.wear import WORN, Dressed, Worn, dress_body, is_sound, load_worn, wear_template
+from garmentq.core.reuse.wear import (
+    WORN_FILE_NAME,
+    DressedGarment,
+    WornGarment,
+    dress_body,
+    is_valid_drape,
+    load_worn,
+    load_worn_template,
+)
 from garmentq.core.run.clock import Clock
 from ruler import measure_lack
 
@@ -36,14 +44,14 @@ TRUE_MM = 10.0
 """Difference of what is told and what is ruled that is promised at most [mm]."""
 
 
-def compare_told(dressed: Dressed) -> dict[str, dict[str, float]]:
+def compare_told(dressed: DressedGarment) -> dict[str, dict[str, float]]:
     """Return what is told and what is ruled of each place where a garment is too small [mm]."""
     tight = [one.place for one in dressed.ease if one.value < 0.0]
     told = {one.place: round(-1e3 * one.value, 1) for one in dressed.ease if one.place in tight}
     return {"told_mm": told, "ruled_mm": {place: round(1e3 * measure_lack(dressed.worn, place), 1) for place in tight}}
 
 
-def compare_redraped(dressed: Dressed, folder: Path) -> dict[str, float]:
+def compare_redraped(dressed: DressedGarment, folder: Path) -> dict[str, float]:
     """Return how far a dressing of the wearer is from the re-draped mesh that its result holds [mm]."""
     redraped = read_ply((folder / "redrape.ply").read_bytes()).vertices
     off = np.linalg.norm(dressed.worn.garment.nodes - redraped, axis=1)
@@ -53,14 +61,14 @@ def compare_redraped(dressed: Dressed, folder: Path) -> dict[str, float]:
     }
 
 
-def find_garments(given: argparse.Namespace) -> Iterator[tuple[str, Worn, Path | None]]:
+def find_garments(given: argparse.Namespace) -> Iterator[tuple[str, WornGarment, Path | None]]:
     """Return name, garment and folder of what is to be dressed."""
     for name in given.template or ():
-        worn = wear_template(name, get_fabric("cotton_poplin"))
+        worn = load_worn_template(name, get_fabric("cotton_poplin"))
         if worn is not None:
             yield name, worn, None
     if given.results is not None:
-        for folder in sorted(path.parent for path in given.results.glob(f"*/{WORN}")):
+        for folder in sorted(path.parent for path in given.results.glob(f"*/{WORN_FILE_NAME}")):
             if not given.only or folder.name in given.only:
                 yield folder.name, load_worn(folder), folder
 
@@ -83,8 +91,8 @@ def main() -> None:
         for name, worn, folder in find_garments(given):
             body = worn.body if given.wearer else builtin_body(f"{spec},pose={pose}")
             dressed = dress_body(worn, body, None, Clock())
-            total, sound = total + 1, sound + is_sound(dressed.report.metrics)
-            line = {"garment": name, "body": spec, "pose": pose, "sound": is_sound(dressed.report.metrics)}
+            total, sound = total + 1, sound + is_valid_drape(dressed.report.metrics)
+            line = {"garment": name, "body": spec, "pose": pose, "sound": is_valid_drape(dressed.report.metrics)}
             told = compare_told(dressed)
             off += [abs(told["told_mm"][place] - ruled) for place, ruled in told["ruled_mm"].items()]
             if given.wearer and folder is not None:

@@ -23,13 +23,13 @@ from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.deliver.formats import DIALECTS, FORMATS, ExportOptions, Production, write_production
 from garmentq.core.garment import list_templates
-from garmentq.core.reuse.wear import WORN, load_worn, save_worn, wear_template
+from garmentq.core.reuse.wear import WORN_FILE_NAME, load_worn, load_worn_template, save_worn
 from garmentq.core.run.errors import GarmentqError
 
 
 def make_result(name: str, folder: Path) -> Path:
     """Write a shipped drape as a recovery writes it, and return its scan: the drape with colours by height."""
-    worn = wear_template(name, get_fabric("single_jersey"))
+    worn = load_worn_template(name, get_fabric("single_jersey"))
     if worn is None:
         raise SystemExit("no drape is shipped for this machine's triangulation")
     save_worn(worn, folder)
@@ -74,7 +74,7 @@ def main() -> None:
     for name in parser.parse_args().garments:
         with tempfile.TemporaryDirectory() as folder:
             result, scan = Path(name), Path(name) / "reading.npz"
-            if not (result / WORN).is_file():
+            if not (result / WORN_FILE_NAME).is_file():
                 result = Path(folder)
                 scan = make_result(name, result)
             found = write_all(result, scan if scan.is_file() else None)

@@ -11,7 +11,7 @@ import trimesh
 from garmentq.core.garment import Garment
 from garmentq.core.recover.drape import WearerGeometry
 from garmentq.core.recover.drape.dress import flat_length
-from garmentq.core.recover.drape.follow import FollowSettings, PbdState, follow, lay_threads
+from garmentq.core.recover.drape.follow import PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
 from scipy.spatial import ConvexHull
 
@@ -35,16 +35,16 @@ def settle(garment: Garment, waist: np.ndarray, wearer: WearerGeometry) -> Garme
         waist: Nodes of the contour by which it hangs, in order, shape [n]; none where it hangs from the shoulders.
         wearer: Who wears it.
     """
-    threads, grip = lay_threads(garment), FollowSettings(friction=0.0, thickness=CLEARANCE)
+    threads, grip = build_distance_constraints(garment), PbdSettings(friction=0.0, thickness=CLEARANCE)
     nodes = garment.nodes.copy()
     if len(waist):
         begin = nodes[waist]
         end = _fit_waist(begin, flat_length(garment, waist), wearer)
         for part in np.linspace(0.0, 1.0, LIFTS + 1)[1:]:
             nodes[waist] = begin + part * (end - begin)
-            nodes = follow(threads, PbdState.at_rest(nodes), wearer.grid, STEPS, settings=grip, held=waist).nodes
+            nodes = simulate_pbd(threads, PbdState.at_rest(nodes), wearer.grid, STEPS, settings=grip, held=waist).nodes
     start = PbdState.at_rest(nodes)
-    return garment.at(follow(threads, start, wearer.grid, LOOSE, settings=grip, layers=LayerContact()).nodes)
+    return garment.at(simulate_pbd(threads, start, wearer.grid, LOOSE, settings=grip, layers=LayerContact()).nodes)
 
 
 def _fit_waist(points: np.ndarray, length: float, wearer: WearerGeometry) -> np.ndarray:

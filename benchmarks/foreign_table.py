@@ -26,7 +26,7 @@ import numpy as np
 from foreign_panels import Piece, compare_pieces, join_halves
 from garmentq.core.garment import find_cut, load_pattern
 from garmentq.core.garment.parts import PARTS, Cut
-from garmentq.core.judge import judge
+from garmentq.core.judge import evaluate_gates
 from garmentq.core.run.verdict import Verdict, worst_verdict
 
 ALIKE = ({"crew", "scoop"}, {"cap", "short", "elbow"})
@@ -104,7 +104,7 @@ def read_row(line: dict[str, Any], folders: Folders) -> Row:
     ours = join_halves(load_pattern(folders.results / name / "pattern.json"))
     pairs = compare_pieces(ours, truth)
     metrics = line["metrics"]
-    gates = judge(metrics)
+    gates = evaluate_gates(metrics)
     why = ", ".join(f"{gate.name} {gate.value:.3g}" for gate in gates if gate.verdict is not Verdict.PASS)
     return Row(
         name=name,

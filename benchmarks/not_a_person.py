@@ -97,12 +97,12 @@ def list_things() -> dict[str, RawFile]:
 def take_apart(path: Path) -> Result:
     """Read a scan and take it apart."""
     from garmentq.core.people.hints import Hints
-    from garmentq.core.people.separate import separate
+    from garmentq.core.people.separate import label_person
     from garmentq.core.scan.load_raw import load_raw
 
     start = spent_seconds()
     try:
-        problem = separate(load_raw(path), Hints()).problem
+        problem = label_person(load_raw(path), Hints()).problem
     except GarmentqError as error:
         problem = error
     code, message = (None, "") if problem is None else (problem.code, problem.message)

@@ -111,7 +111,8 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.METRIC, "the distance of two surfaces is told 5 % larger", "core/judge/fit.py",
-        'found[f"surface_rms_mm.{way}"] = MM * float(', 'found[f"surface_rms_mm.{way}"] = 1.05 * MM * float(',
+        'found[f"surface_rms_mm.{way}"] = MM_PER_M * float(',
+        'found[f"surface_rms_mm.{way}"] = 1.05 * MM_PER_M * float(',
     ),
     PlantedError(
         ErrorKind.METRIC, "the error of a panel's area is told 5 % larger", "core/judge/patterns.py",
@@ -172,11 +173,11 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.STIFFNESS, "gravity is 15 % larger", "core/cloth/settings.py",
-        "GRAVITY = (0.0, -9.81, 0.0)", "GRAVITY = (0.0, -11.28, 0.0)", ("GRAVITY",),
+        "STANDARD_GRAVITY = (0.0, -9.81, 0.0)", "STANDARD_GRAVITY = (0.0, -11.28, 0.0)", ("STANDARD_GRAVITY",),
     ),
     PlantedError(
         ErrorKind.STIFFNESS, "the membrane is softened 15 % further on a coarse mesh", "core/cloth/locking.py",
-        "SAG = 0.01\n", "SAG = 0.0115\n", ("SAG",),
+        "MAX_COARSE_MESH_STRAIN = 0.01\n", "MAX_COARSE_MESH_STRAIN = 0.0115\n", ("MAX_COARSE_MESH_STRAIN",),
     ),
     PlantedError(
         ErrorKind.STIFFNESS, "the fit believes cloth to be 15 % stiffer before it sees it",
@@ -198,19 +199,20 @@ ERRORS = (
     PlantedError(  # Of the matches of a skirt full of folds 1.9 % are left out besides.
         ErrorKind.THRESHOLD, "matches of cloth that is turned by 57 degrees are left out",
         "core/recover/deform/polish.py",
-        "NORMAL_GATE = 0.2", "NORMAL_GATE = 0.55", ("NORMAL_GATE",),
+        "MIN_MATCH_NORMAL_COSINE = 0.2", "MIN_MATCH_NORMAL_COSINE = 0.55", ("MIN_MATCH_NORMAL_COSINE",),
     ),
     PlantedError(  # Of the packs' re-drapes none, of foreign ones full skirts lie between 17 and 20 mm.
         ErrorKind.THRESHOLD, "a re-draped mesh is doubtful from less distance on", "core/judge/gates.py",
-        '_farther("redrape.surface_rms_mm"), 20.0, 40.0', '_farther("redrape.surface_rms_mm"), 17.0, 40.0',
+        '_read_larger_distance("redrape.surface_rms_mm"), 20.0, 40.0',
+        '_read_larger_distance("redrape.surface_rms_mm"), 17.0, 40.0',
     ),
     PlantedError(  # Of 78 dressings the deepest is 0.36 mm deep.
         ErrorKind.THRESHOLD, "a dressed garment fails from less depth on", "core/reuse/wear/verdicts.py",
-        "DEPTH_MM = 1.0", "DEPTH_MM = 0.35", ("DEPTH_MM",),
+        "MAX_WORN_DEPTH_MM = 1.0", "MAX_WORN_DEPTH_MM = 0.35", ("MAX_WORN_DEPTH_MM",),
     ),
     PlantedError(
         ErrorKind.DELIVERY, "the allowance of seams is 5 % wider", "core/garment/pieces/allowance.py",
-        "EdgeUse.SEAM: 0.010", "EdgeUse.SEAM: 0.0105", ("WIDTHS",),
+        "EdgeUse.SEAM: 0.010", "EdgeUse.SEAM: 0.0105", ("DEFAULT_ALLOWANCES",),
     ),
     PlantedError(
         ErrorKind.DELIVERY, "made to measure, 5 % more ease is kept", "core/reuse/wear/kept_ease.py",

@@ -28,7 +28,7 @@ from garmentq.core.recover.start import choose_base, read_case
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.reuse.wear import load_worn
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 
 HANDLE_SAMPLES = 64
 """Points of a true edge that its cubic curve is fitted to."""
@@ -112,7 +112,7 @@ def main() -> None:
         if pack.template is None or pack.scan is not None:
             continue
         request = Request(pack.garment, pack.body, pack.template, RecoverySettings())
-        state, vertices = choose_base(read_case(request, Clock(SILENT))), request.settings.vertex_count
+        state, vertices = choose_base(read_case(request, Clock(SILENT_HOOKS))), request.settings.vertex_count
         print(json.dumps(dress_truth(pack, state, vertices, options.results / pack.name)), flush=True)
 
 

@@ -19,15 +19,15 @@ from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.dressed_report import draw_wearers
 from garmentq.core.garment import Pattern
 from garmentq.core.reuse.wear import (
-    Worn,
+    WornGarment,
     dress_body,
-    is_sound,
+    is_valid_drape,
+    load_worn_template,
     make_to_measure,
     measure_ease,
     refit_pattern,
-    wear_template,
 )
-from garmentq.core.reuse.wear.kept_ease import Laid
+from garmentq.core.reuse.wear.kept_ease import EasePrediction
 from garmentq.core.run.clock import Clock
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
@@ -53,14 +53,14 @@ KEPT_MM = 5.0
 """Change of the ease that is promised at most [mm]."""
 
 
-def measure_one(worn: Worn, spec: str) -> dict[str, object]:
+def measure_one(worn: WornGarment, spec: str) -> dict[str, object]:
     """Return what becomes of a garment's ease and control points on one body and back, in mm."""
     body = builtin_body(spec)
     dressed = make_to_measure(worn, body, None, Clock())
     made = dressed.worn.pattern
-    foreseen = Laid.of(worn.garment, worn.body, worn.waist, body).foresee(made)
+    foreseen = EasePrediction.of(worn.garment, worn.body, worn.waist, body).foresee(made)
     back = refit_pattern(dressed.worn, worn.body).pattern
-    line: dict[str, object] = {"body": spec, "sound": is_sound(dressed.report.metrics)}
+    line: dict[str, object] = {"body": spec, "sound": is_valid_drape(dressed.report.metrics)}
     line |= {"foreseen_mm": _in_mm(foreseen), "draped_mm": _changes(dressed.report.metrics)}
     line |= {"ease_mm": _in_mm({one.place: one.value for one in dressed.ease})}
     line |= {"there_and_back_mm": _furthest(back, worn.pattern), "moved_mm": _furthest(made, worn.pattern)}
@@ -82,7 +82,7 @@ def _furthest(one: Pattern, other: Pattern) -> float:
     return round(1e3 * float(np.linalg.norm(one.points - other.points, axis=1).max()), 3)
 
 
-def keep_on(worn: Worn, wearer: Body) -> dict[str, float]:
+def keep_on(worn: WornGarment, wearer: Body) -> dict[str, float]:
     """Return the change of the ease where the unchanged pattern is draped anew on its own wearer, by place [mm]."""
     before = {one.place: one.value for one in measure_ease(worn.garment, worn.body)}
     after = {one.place: one.value for one in dress_body(worn, wearer, None, Clock()).ease}
@@ -98,7 +98,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="draw each dressing here")
     given = parser.parse_args()
     for name in given.templates:
-        worn = wear_template(name, get_fabric(given.fabric))
+        worn = load_worn_template(name, get_fabric(given.fabric))
         if worn is None:
             raise SystemExit("no drape is shipped for this machine's triangulation")
         same = refit_pattern(worn, worn.body).pattern

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.body import Tape
+from garmentq.core.body import TapeMeasure
 from garmentq.core.garment import edge_length
-from garmentq.core.reuse.wear import Worn
-from garmentq.core.reuse.wear.ease import carry_back
+from garmentq.core.reuse.wear import WornGarment
+from garmentq.core.reuse.wear.ease import unpose_points
 
 HAND = (0.0, 0.02, 0.04, 0.06)
 """Distances from a place at which a tailor lays the tape anew [m]: down, at the hips up, along the arm out."""
 
 
-def measure_lack(worn: Worn, place: str) -> float:
+def measure_lack(worn: WornGarment, place: str) -> float:
     """Return by how much the flat panels are shorter than the wearer's girth at a place [m]; negative: wider.
 
     A level crosses the edges of each panel; a ruler is laid in the flat from edge to edge, and the widths are added (of
     legs and sleeves the mean of both). The largest lack counts, at the chest that of the narrowest line.
     """
-    tape, nodes = Tape.of(worn.body), carry_back(worn.garment.nodes, worn.body)
+    tape, nodes = TapeMeasure.of(worn.body), unpose_points(worn.garment.nodes, worn.body)
     if place == "waist" and (waist := worn.garment.contour("waist")) is not None:
         height = float(nodes[waist.vertices, 1].mean())
         return float(tape.trunk(height).value) - _waist_edges(worn, waist.vertices)
@@ -35,14 +35,14 @@ def measure_lack(worn: Worn, place: str) -> float:
     return max(float(girth(at).value) - width for at, width in known.items())
 
 
-def _waist_edges(worn: Worn, waist: np.ndarray) -> float:
+def _waist_edges(worn: WornGarment, waist: np.ndarray) -> float:
     """Return the length of the pattern's edges that lie along the waist's nodes [m]."""
     garment, panels = worn.garment, {panel.name: panel for panel in worn.pattern.panels}
     along = [ref for ref, uv in garment.edge_uv.items() if np.isin(garment.uv_node[uv], waist).all()]
     return sum(edge_length(panels[ref.panel], ref.edge) for ref in along)
 
 
-def _width(worn: Worn, nodes: np.ndarray, tape: Tape, place: str, level: float) -> float:
+def _width(worn: WornGarment, nodes: np.ndarray, tape: TapeMeasure, place: str, level: float) -> float:
     """Return the sum of the panels' widths at a level [m]; zero where there is no cloth, or only a part of a line."""
     garment, sleeves = worn.garment, place == "upper_arm"
     centre = float(tape.body.joint("pelvis")[0])

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import click
 import numpy as np
-from garmentq.core.cloth import Scene, SelfContact, State, Topology, equilibrium, get_fabric, move_on
-from garmentq.core.cloth.collision.near import find_candidates, find_near
+from garmentq.core.cloth import ClothState, Scene, SelfContact, Topology, continue_time_steps, equilibrium, get_fabric
+from garmentq.core.cloth.collision.near import find_candidates, find_near_pairs
 from garmentq.core.geometry import self_intersections
 from garmentq.core.recover.drape import WearerGeometry, pin_waist
-from garmentq.core.reuse.wear import wear_template
+from garmentq.core.reuse.wear import load_worn_template
 from sheet import SIDES, cpu, quickest, sheet_on_ball
 
 STEPS = 10
@@ -33,12 +33,12 @@ def stack(scene: Scene, nodes: np.ndarray, layers: int) -> tuple[Scene, np.ndarr
 def compare(name: str, scene: Scene, nodes: np.ndarray) -> None:
     """Take time steps and an equilibrium with and without self-contact in turns; print CPU seconds and crossings."""
     kinds = {"off": scene, "on": replace(scene, self_contact=SelfContact.of(scene.topology))}
-    start = State(nodes, np.zeros_like(nodes), nodes)
+    start = ClothState(nodes, np.zeros_like(nodes), nodes)
     spent: dict[str, list[float]] = {"off": [], "on": []}
     ends: dict[str, np.ndarray] = {}
     for turn in range(3):
         for kind, each in kinds.items():
-            moving, state = cpu(lambda each=each: move_on(each, start, steps=STEPS))
+            moving, state = cpu(lambda each=each: continue_time_steps(each, start, steps=STEPS))
             resting, drape = cpu(lambda each=each, state=state: equilibrium(each, state.nodes, anchors=state.anchors))
             if turn:  # the first one warms up
                 spent[kind].append(np.array([moving, resting, drape.iterations]))
@@ -52,7 +52,7 @@ def compare(name: str, scene: Scene, nodes: np.ndarray) -> None:
         )
     ratio = least["on"] / least["off"]
     cloth, at, step = kinds["on"].self_contact, ends["on"], 1e3 * least["on"][0] / STEPS
-    search = quickest(lambda: find_near(cloth, at))
+    search = quickest(lambda: find_near_pairs(cloth, at))
     broad = quickest(lambda: find_candidates(cloth, at[None], 2.0 * cloth.margin))
     click.echo(
         f"{name}: on / off {ratio[0]:.2f} a step, {ratio[1]:.2f} to rest; one search {search:.2f} ms, "
@@ -62,7 +62,7 @@ def compare(name: str, scene: Scene, nodes: np.ndarray) -> None:
 
 def hang(name: str) -> tuple[Scene, np.ndarray]:
     """Return the scene of a shipped garment in denim, and where it hangs in poplin [m]."""
-    worn = wear_template(name, get_fabric("denim"))
+    worn = load_worn_template(name, get_fabric("denim"))
     if worn is None:
         raise SystemExit("no drape is shipped for this machine's triangulation")
     grid = WearerGeometry(worn.body).grid

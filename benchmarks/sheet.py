@@ -19,7 +19,7 @@ from garmentq.core.cloth import (
     equilibrium,
     get_fabric,
     lag_friction,
-    settle,
+    take_time_steps,
 )
 
 SIDES = {"1K": 32, "3K": 55, "8K": 90}
@@ -67,7 +67,7 @@ class Laid:
     @classmethod
     def at_rest(cls, scene: Scene, nodes: np.ndarray, parameters: Parameters) -> Laid:
         """Bring the cloth to rest from nodes [m], shape [node_count, 3]."""
-        moving = settle(scene, nodes, steps=25)
+        moving = take_time_steps(scene, nodes, steps=25)
         rest = equilibrium(scene, moving.nodes, anchors=moving.anchors, settings=SolveSettings(max_iterations=400))
         return cls(scene, lag_friction(scene, rest.nodes, rest.anchors), rest.nodes, parameters)
 

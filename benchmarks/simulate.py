@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.cloth import Energy, Inertia, SuperLU, Topology, make_solver, settle
+from garmentq.core.cloth import Energy, Inertia, SuperLU, Topology, make_solver, take_time_steps
 from sheet import SIDES, THESIS, quickest, sheet_on_ball
 
 GOALS = {"1K": (2.5, 50.0), "3K": (12.0, 250.0), "8K": (35.0, 1100.0)}
@@ -38,7 +38,7 @@ def measure(name: str) -> dict[str, float]:
     """Measure one size; times in CPU ms."""
     scene, nodes, _ = sheet_on_ball(SIDES[name])
     topology, fixed = scene.topology, scene.fixed
-    nodes = settle(scene, nodes, steps=4).nodes
+    nodes = take_time_steps(scene, nodes, steps=4).nodes
     energy = Energy(scene, inertia=Inertia(nodes, 400.0))
 
     def full() -> np.ndarray:

@@ -19,7 +19,7 @@ from garmentq.core.deliver.formats import ExportOptions
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.size_drapes import drape_size
 from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.reuse.wear import is_sound, wear_template
+from garmentq.core.reuse.wear import is_valid_drape, load_worn_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 
@@ -34,7 +34,7 @@ def main() -> None:
     given = parser.parse_args()
     sound = total = 0
     for name in given.templates:
-        worn = wear_template(name, get_fabric(given.fabric))
+        worn = load_worn_template(name, get_fabric(given.fabric))
         if worn is None:
             raise SystemExit("no drape is shipped for this machine's triangulation")
         base = measure_wearer(worn.body)
@@ -43,11 +43,11 @@ def main() -> None:
             if given.only and size.name not in given.only:
                 continue
             dressed = drape_size(worn, size, base)
-            total, sound = total + 1, sound + is_sound(dressed.report.metrics)
+            total, sound = total + 1, sound + is_valid_drape(dressed.report.metrics)
             line = {
                 "template": name,
                 "size": size.name,
-                "sound": is_sound(dressed.report.metrics),
+                "sound": is_valid_drape(dressed.report.metrics),
                 **dressed.report.metrics,
             }
             print(json.dumps(line | {"cpu_seconds": round(dressed.report.cpu_seconds, 1)}), flush=True)

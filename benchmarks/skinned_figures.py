@@ -27,7 +27,7 @@ from garmentq.core.judge import RawFile, write_raw_file
 from garmentq.core.people.colour import link_alike
 from garmentq.core.people.diffusion import link_points
 from garmentq.core.people.points import sample_person
-from garmentq.core.people.separate import fit_below_clothes, separate
+from garmentq.core.people.separate import fit_below_clothes, label_person
 from garmentq.core.run.errors import GarmentqError
 from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.open3d_library import load_open3d
@@ -186,7 +186,7 @@ def run(path: Path, pose: str, whole: bool) -> str:
         points = sample_person(raw, first)
         links = link_alike(link_points(points.positions, points.normals), points.colours)
         below = fit_below_clothes(first, points, links)
-        found = separate(raw)
+        found = label_person(raw)
     except GarmentqError as error:
         return error.code
     worn = ", ".join(f"{garment.part.word} ({garment.category or '?'})" for garment in found.garments)

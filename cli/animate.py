@@ -6,14 +6,16 @@ from pathlib import Path
 
 import click
 
-from ..core.body.motion.shipped import SHIPPED
+from ..core.body.motion.shipped import SHIPPED_MOTIONS
 from .derived import DerivedOptions, derived_options
 
 
 @click.command("animate")
 @click.argument("job")
 @click.option(
-    "--motion", required=True, help=f"A .bvh, .npz or .json file (docs/howto/animate.md), or {', '.join(SHIPPED)}."
+    "--motion",
+    required=True,
+    help=f"A .bvh, .npz or .json file (docs/howto/animate.md), or {', '.join(SHIPPED_MOTIONS)}.",
 )
 @click.option("--fps", type=click.FloatRange(1, 240), default=30.0, show_default=True, help="Frames a second.")
 @click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="First second of it.")
@@ -51,11 +53,11 @@ def command(
     from ..service.derived import DerivedOrder
     from .derived import run_derived
 
-    chosen = {"motion": motion if motion in SHIPPED else None, "fps": fps, "begin": begin, "end": end}
+    chosen = {"motion": motion if motion in SHIPPED_MOTIONS else None, "fps": fps, "begin": begin, "end": end}
     given = {
         name: value
         for name, value in {**chosen, "damping": damping, "keep_motion": keep_motion or None}.items()
         if value is not None
     }
-    files = {} if motion in SHIPPED else {"motion": Path(motion)}
+    files = {} if motion in SHIPPED_MOTIONS else {"motion": Path(motion)}
     context.exit(run_derived(DerivedOrder("animate", job, given, files), options))

@@ -29,9 +29,9 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
       garmentq backup monday.tar
     """
     from ..service.backup import make_backup
-    from ..service.damage import tell_rows
+    from ..service.damage import describe_damaged_rows
     from ..service.settings import read_settings
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     with writing(file, is_private=True):
         saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
@@ -40,10 +40,10 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
         lost = {"missing": len(saved.missing), "damaged": len(saved.damaged), "rows": len(saved.rows)}
         print_json({"file": str(saved.path), "files": saved.files, "bytes": saved.size, **lost})
         context.exit(status)
-    note(f"saved the database and {saved.files} files of {saved.size / 1e6:.1f} MB in {saved.path}")
+    print_note(f"saved the database and {saved.files} files of {saved.size / 1e6:.1f} MB in {saved.path}")
     if saved.missing or saved.damaged:
         left = f"{len(saved.missing)} files that the database names are gone, {len(saved.damaged)} are damaged"
-        note(f"{left}; the backup is without them, and `garmentq verify --read-data` names their jobs")
+        print_note(f"{left}; the backup is without them, and `garmentq verify --read-data` names their jobs")
     if saved.rows:
-        note(f"kept as they are: {tell_rows(saved.rows)}")
+        print_note(f"kept as they are: {describe_damaged_rows(saved.rows)}")
     context.exit(status)

@@ -10,17 +10,30 @@ from pathlib import Path
 from ..core.run.errors import BadInput
 from .options import OrderOptions
 
-SINGLE = ("body", "labels", "labels_key", "wearing", "keep_colour", "units", "up", "name", "free", "method", "preset")
+SINGLE_OPTIONS = (
+    "body",
+    "labels",
+    "labels_key",
+    "wearing",
+    "keep_colour",
+    "units",
+    "up",
+    "name",
+    "free",
+    "method",
+    "preset",
+)
 """Columns that stand for an option that is given once."""
 
-REPEATED = {"keep": "keep", "cloth": "cloth", "template": "template", "garment": "garment", "fabric": "fabric",
+REPEATED_OPTIONS = {"keep": "keep", "cloth": "cloth", "template": "template", "garment": "garment", "fabric": "fabric",
             "lock": "lock", "mark": "mark", "tags": "tags"}  # fmt: skip
 """Columns that stand for an option that may be given several times, with `;` between."""
 
-PATHS = ("body", "labels")
+PATH_COLUMNS = ("body", "labels")
 """Columns that hold a file's place, relative to the table's folder."""
 
-MOST_ROWS = 100_000
+MAX_TABLE_ROWS = 100_000
+"""Largest number of rows of a table of orders: one is read whole."""
 
 
 class TableBad(BadInput):
@@ -73,11 +86,11 @@ def _read_table(path: Path, options: OrderOptions) -> Iterator[tuple[Path, Order
         with path.open(encoding="utf-8-sig", newline="") as stream:
             reader = csv.DictReader(stream)
             columns = reader.fieldnames or []
-            unknown = sorted(set(columns) - {"scan", "as", *SINGLE, *REPEATED})
+            unknown = sorted(set(columns) - {"scan", "as", *SINGLE_OPTIONS, *REPEATED_OPTIONS})
             if "scan" not in columns or unknown:
                 wrong = f"there is no column '{unknown[0]}'" if unknown else "the column 'scan' is missing"
                 raise TableBad(f"{path.name}: {wrong}; columns are named as the options of `garmentq submit`.")
-            rows = [row for row, _ in zip(reader, range(MOST_ROWS), strict=False)]
+            rows = [row for row, _ in zip(reader, range(MAX_TABLE_ROWS), strict=False)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise TableBad(f"{path.name} cannot be read as a table: {type(error).__name__}.") from error
     for number, row in enumerate(rows, 2):
@@ -88,12 +101,12 @@ def _read_table(path: Path, options: OrderOptions) -> Iterator[tuple[Path, Order
 
 def _apply(row: dict[str, str | None], options: OrderOptions, folder: Path) -> OrderOptions:
     changes: dict[str, object] = {}
-    for name in SINGLE:
+    for name in SINGLE_OPTIONS:
         if text := row.get(name):
-            is_file = name in PATHS and not text.startswith("builtin:")
+            is_file = name in PATH_COLUMNS and not text.startswith("builtin:")
             place = folder / text if is_file else text
             changes[name] = str(place) if name == "body" else place
-    for name, field in REPEATED.items():
+    for name, field in REPEATED_OPTIONS.items():
         if text := row.get(name):
             changes[field] = tuple(part.strip() for part in text.split(";") if part.strip())
     if text := row.get("as"):

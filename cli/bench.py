@@ -23,8 +23,8 @@ from .output import NewFolder
 if TYPE_CHECKING:
     from ..core.judge import Pack
 
-TIMEOUT = 1800.0
-"""Seconds of one target: thirty times what a recovery should take, so that only one that hangs is stopped."""
+BENCH_TARGET_TIMEOUT = 1800.0
+"""Time limit of one target [s]: thirty times what a recovery should take, so that only one that hangs is stopped."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ bench_options = gather(
         click.option(
             "--timeout",
             type=click.FloatRange(min=1.0),
-            default=TIMEOUT,
+            default=BENCH_TARGET_TIMEOUT,
             show_default=True,
             help="Time limit of a target [s].",
         ),
@@ -100,7 +100,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
     """
     from ..core.judge import read_packs, read_raw_packs
     from .bench_table import print_tables
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     packs, raw_packs = read_packs(directory, options.only), read_raw_packs(directory, options.only)
     if options.damage or options.ablate:
@@ -113,7 +113,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
         order = TargetOrder(str(pack.folder.resolve()), options.method, options.preset, options.shipped, out)
         line = run_target(pack, order, options.timeout)
         lines.append(line)
-        note(f"[{index}/{len(packs)}] {_summary(line)}")
+        print_note(f"[{index}/{len(packs)}] {_summary(line)}")
         if as_json:
             print_json(line)
     if not as_json and lines:
@@ -164,12 +164,12 @@ _ABLATION = _Study("bench_ablate", 9)  # the rows of both tables
 def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, as_json: bool) -> int:
     """Run a study on the packs that are a garment with a body, and print it."""
     from . import bench_ablate, bench_damage
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     lines: list[Line] = []
     for pack in packs:
         if pack.body is None:
-            note(f"{pack.name}: passed over, it is a dressed person's scan")
+            print_note(f"{pack.name}: passed over, it is a dressed person's scan")
             continue
         order = {"pack": str(pack.folder.resolve())} | ({"preset": preset} if study is _ABLATION else {})
         found, error = _run_study(study, order, timeout)

@@ -24,15 +24,16 @@ if TYPE_CHECKING:
     from ..core.recover.deform import DeformSettings
     from ..core.recover.state import RecoveryState
 
-SAMPLES = 10_000
-"""Samples of each surface for the distances: they then scatter by about a per cent."""
+ABLATION_SAMPLE_COUNT = 10_000
+"""Number of samples of each surface for the distances: they then scatter by about a per cent."""
 
 
-VERTICES = 2000
-"""Vertices of the meshes: half of a recovery's, so that nine runs take 2 minutes; every row has the same."""
+ABLATION_VERTEX_COUNT = 2000
+"""Number of vertices of the meshes: half of a recovery's, so that nine runs take 2 minutes; every row has the same."""
 
-STEPS = (40, 30)
-"""Adam's steps before and after the fabric joins in, at most: what most of the way takes; every row has the same."""
+ABLATION_ADAM_ITERATIONS = (40, 30)
+"""Largest numbers of Adam's steps before and after the fabric joins in: enough for most of the descent; every row has
+the same."""
 
 
 @dataclass(frozen=True)
@@ -148,27 +149,27 @@ class _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
         from ..core.recover.deform import DeformSettings
         from ..core.recover.drape import drape_graded, drape_template, remesh
-        from ..core.recover.methods import GRADED
+        from ..core.recover.methods import GRADING_STEPS
         from ..core.recover.pipeline import run_steps
         from ..core.recover.recovery import Request
         from ..core.recover.settings import RecoverySettings
         from ..core.recover.start import choose_base, read_case
         from ..core.run.clock import Clock
 
-        settings = RecoverySettings(method="deform", vertex_count=VERTICES)
+        settings = RecoverySettings(method="deform", vertex_count=ABLATION_VERTEX_COUNT)
         clock = Clock()
         case = read_case(Request(pack.garment, pack.body, template=pack.template, settings=settings), clock)
         state = choose_base(case)
         worn = drape_template(state.base, state.wearer, state.target)
-        ungraded = drape_graded(remesh(worn, VERTICES), state.wearer, state.fabric, state.target)[0]
-        return cls(pack, case, run_steps(GRADED, case, state, clock), ungraded, DeformSettings.of_preset(preset))
+        ungraded = drape_graded(remesh(worn, ABLATION_VERTEX_COUNT), state.wearer, state.fabric, state.target)[0]
+        return cls(pack, case, run_steps(GRADING_STEPS, case, state, clock), ungraded, DeformSettings.of_preset(preset))
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
         from ..core.recover.fit import InverseSettings, fit_inverse
         from ..core.recover.state import made
 
-        few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
+        few = InverseSettings(iterations=ABLATION_ADAM_ITERATIONS[0], fabric_iterations=ABLATION_ADAM_ITERATIONS[1])
         found = made(fit_inverse(self.case, self.graded, replace(few, **switch.descent)).garment)
         return self._measure(found, found.nodes)
 
@@ -197,7 +198,7 @@ class _Stage:
         chamfer, cosine = chamfer_and_normals(ours, VertexCloud(truth[0], vertex_normals(*truth)))
         found = dict(zip(KEY_METRICS, (1e3 * chamfer, cosine), strict=True))
         crossing = float(len(self_intersections(nodes, garment.faces)))
-        distances = measure_distance(nodes, garment.faces, *truth, samples=SAMPLES)
+        distances = measure_distance(nodes, garment.faces, *truth, samples=ABLATION_SAMPLE_COUNT)
         seams = {"seam_mismatch_mm": measure_seams(garment.pattern)["seam_mismatch_mm"]}
         return {**found, **distances, **seams, "self_intersecting_faces": crossing}
 

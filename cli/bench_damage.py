@@ -24,11 +24,18 @@ if TYPE_CHECKING:
     from ..core.run.hooks import Arrays
     from ..core.scan import Scan
 
-SHOWN = ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "normal_cosine", "flipped_faces", "self_intersecting_faces")
+SHOWN_METRICS = (
+    "surface_rms_mm.s2t",
+    "surface_rms_mm.t2s",
+    "normal_cosine",
+    "flipped_faces",
+    "self_intersecting_faces",
+)
 """What a line tells of a result, all against the clean truth."""
 
-SAME = 1e-6
-"""Positions closer than this [m] are the same target: float32 in another unit or axis rounds to a tenth of it."""
+SAME_TARGET_TOLERANCE = 1e-6
+"""Distance of positions below which two targets are the same [m]: float32 in another unit or axis rounds to a tenth of
+it."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +112,7 @@ class _Study:
 
     def recover(self, damage: Damage, preset: str) -> Line:
         """Return the figures of one run."""
-        from ..core.deliver.export import plain
+        from ..core.deliver.export import to_plain_json
         from ..core.recover.inputs import read_files
         from ..core.recover.pipeline import recover
         from ..core.recover.recovery import Request
@@ -119,7 +126,7 @@ class _Study:
         scan = read_files(request).garment
         if damage.name == "clean":
             self.clean = scan
-        elif self.clean is not None and _same(scan, self.clean) and ("clean", preset) in self.lines:
+        elif self.clean is not None and _is_same_target(scan, self.clean) and ("clean", preset) in self.lines:
             return {**self.lines["clean", preset], "same_as_clean": True}
 
         def keep(name: str, arrays: Arrays) -> None:
@@ -132,7 +139,9 @@ class _Study:
         own_template = self.pack.template is not None
         metrics, _ = measure_recovery(recovery, self.pack, own_template=own_template, seed=self.seed)
         untrusted = [contour.name for contour in recovery.target.contours if not contour.trusted]
-        found: Line = plain({"ok": True, "metrics": {name: metrics[name] for name in SHOWN}, "untrusted": untrusted})
+        found: Line = to_plain_json(
+            {"ok": True, "metrics": {name: metrics[name] for name in SHOWN_METRICS}, "untrusted": untrusted}
+        )
         self.lines[damage.name, preset] = found
         return dict(found)
 
@@ -153,12 +162,12 @@ def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple
     return garment, body
 
 
-def _same(scan: Scan, clean: Scan) -> bool:
+def _is_same_target(scan: Scan, clean: Scan) -> bool:
     """Return whether two scans are one: the same faces on the same places."""
     return (
         scan.vertices.shape == clean.vertices.shape
         and np.array_equal(scan.faces, clean.faces)
-        and float(np.abs(scan.vertices - clean.vertices).max()) < SAME
+        and float(np.abs(scan.vertices - clean.vertices).max()) < SAME_TARGET_TOLERANCE
     )
 
 
@@ -171,7 +180,7 @@ def print_study(lines: Sequence[Line]) -> None:
         row: list[object] = [target, damage]
         for preset in presets:
             line = found.get((target, damage, preset), empty_line(target, damage, preset))
-            values = [line["metrics"].get(name) for name in SHOWN[:3]]
+            values = [line["metrics"].get(name) for name in SHOWN_METRICS[:3]]
             row += [None if value is None else float(f"{value:.3g}") for value in values]
         own = found[target, damage, presets[0]]
         note = own["error"]["code"] if own["error"] else "as clean" if own["same_as_clean"] else ""

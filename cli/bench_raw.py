@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .bench_lines import Line
 from .bench_process import run_in_process
 from .bench_raw_target import RawOrder, empty_line
-from .bench_table import mean, short
+from .bench_table import mean, round_to_three_digits
 
 if TYPE_CHECKING:
     from ..core.judge import RawPack
@@ -54,14 +54,14 @@ class RawChoice:
 
 def run_raw_packs(packs: Sequence[RawPack], choice: RawChoice, as_json: bool) -> list[Line]:
     """Run raw packs in all states, one process each; print lines or tables."""
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     lines: list[Line] = []
     runs = [(state, pack) for state in choice.states for pack in packs]
     for index, (state, pack) in enumerate(runs, start=1):
         line = run_raw_pack(pack, order_of(pack, state, choice), choice.timeout)
         lines.append(line)
-        note(f"[{index}/{len(runs)}] {summarise(line)}")
+        print_note(f"[{index}/{len(runs)}] {summarise(line)}")
         if as_json:
             print_json(line)
     if lines and not as_json:
@@ -119,8 +119,16 @@ def print_raw_tables(lines: Sequence[Line]) -> None:
     rows: list[list[object]] = []
     for line in lines:
         code = line["error"]["code"] if line["error"] else line["problem"]
-        rows.append([line["target"], line["state"], line["outcome"], code, *short([v for _, v in zip_columns(line)])])
-    means = short([mean([pick(line, path) for line in lines]) for _, path in COLUMNS])
+        rows.append(
+            [
+                line["target"],
+                line["state"],
+                line["outcome"],
+                code,
+                *round_to_three_digits([v for _, v in zip_columns(line)]),
+            ]
+        )
+    means = round_to_three_digits([mean([pick(line, path) for line in lines]) for _, path in COLUMNS])
     rows.append(["mean", None, None, None, *means])
     columns = ["scan", "state", "outcome", "code", *(title for title, _ in COLUMNS)]
     print_table(columns, rows, title="Raw scans (distances in mm)")
@@ -128,11 +136,11 @@ def print_raw_tables(lines: Sequence[Line]) -> None:
     shown = ("s2t_mm", "t2s_mm", "pattern.panel_area_error", "pattern.panel_area_error_all", "cpu_seconds")
     cells = [
         [line["target"], line["state"], each["part"], each["category"] or each["found_category"],
-         each["error"]["code"] if each["error"] else None, *short([pick(each, path) for path in shown])]
+         each["error"]["code"] if each["error"] else None, *round_to_three_digits([pick(each, path) for path in shown])]
         for line, each in garments
     ]  # fmt: skip
     if cells:
-        means = short([mean([pick(each, path) for _, each in garments]) for path in shown])
+        means = round_to_three_digits([mean([pick(each, path) for _, each in garments]) for path in shown])
         cells.append(["mean", *[None] * 4, *means])
         columns = ["scan", "state", "garment", "category", "error", "s2t", "t2s", "area", "area, all", "CPU s"]
         print_table(columns, cells, title="Garments (mm to the visible truth)")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..core.run.units import MM_PER_M
 from .bench_lines import Line, answer_order, keep_failure
 from .bench_target import peak_mb
 
@@ -21,12 +22,10 @@ if TYPE_CHECKING:
     from ..core.judge import RawPack, TrueGarment
     from ..core.judge.raw_frame import TruthFrame
     from ..core.people.garments import PersonSurface
-    from ..core.people.separation import FoundGarment, Separation
+    from ..core.people.separation import FoundGarment, LabelledPerson
     from ..core.recover.recovery import Recovery
     from ..core.run.hooks import Hooks
     from ..core.scan.raw import RawScan
-
-MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ def run_pack(order: RawOrder) -> Line:
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    from ..core.deliver.export import plain
+    from ..core.deliver.export import to_plain_json
     from .compiling import time_compiling
 
     line = empty_line(Path(order.pack).name, order)
@@ -102,7 +101,7 @@ def run_pack(order: RawOrder) -> Line:
     line["peak_mb"] = peak_mb()
     if line["error"] is not None and line["error"]["code"].startswith("bench."):
         line["outcome"] = "failed"  # a bug is no refusal
-    found: Line = plain(line)
+    found: Line = to_plain_json(line)
     return found
 
 
@@ -126,15 +125,15 @@ class _Run:
 
     def run(self) -> None:
         """Bring the scan into its state, take it apart, and recover every garment that was found."""
-        from ..core.judge import STATES, read_raw_file, read_true_labels, worsen, write_raw_file
+        from ..core.judge import SCAN_STATES, degrade_scan, read_raw_file, read_true_labels, write_raw_file
 
         file, labels = read_raw_file(self.pack.scan), read_true_labels(self.pack)
         with tempfile.TemporaryDirectory(prefix="garmentq-raw-") as folder:
             path = self.pack.scan
-            if self.order.state != STATES[0].name:
-                state = next(each for each in STATES if each.name == self.order.state)
+            if self.order.state != SCAN_STATES[0].name:
+                state = next(each for each in SCAN_STATES if each.name == self.order.state)
                 metre = float(np.linalg.norm(self.pack.to_truth[:3, 0]))
-                file, labels = worsen(file, labels, state, metre)
+                file, labels = degrade_scan(file, labels, state, metre)
                 path = write_raw_file(file, Path(folder) / "scan.ply")
             self.line["points"] = len(labels)
             points = file.points @ self.pack.to_truth[:3, :3].T + self.pack.to_truth[:3, 3]
@@ -148,20 +147,20 @@ class _Run:
                 self._recover(path, surface, separation, garment, frame)
             self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
 
-    def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, Separation]:
+    def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, LabelledPerson]:
         from ..core.people.hints import Hints
-        from ..core.people.separate import separate
+        from ..core.people.separate import label_person
         from ..core.scan.load_raw import load_raw
 
         with self.clock.stage("load"):
             raw = load_raw(path)
         with self.clock.stage("separate") as hooks:
-            separation = separate(raw, Hints(label=labels) if self.order.true_labels else Hints(), hooks)
+            separation = label_person(raw, Hints(label=labels) if self.order.true_labels else Hints(), hooks)
         self.line["peak_mb_labels"] = peak_mb()
         self._write_separation(separation)
         return raw, separation
 
-    def _write_separation(self, separation: Separation) -> None:
+    def _write_separation(self, separation: LabelledPerson) -> None:
         folder = self._folder()
         if folder is not None:
             from ..core.deliver.export import write_ply
@@ -180,7 +179,7 @@ class _Run:
         return folder
 
     def _measure_separation(
-        self, raw: RawScan, separation: Separation, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
+        self, raw: RawScan, separation: LabelledPerson, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
     ) -> TruthFrame:
         from ..core.judge import (
             find_edges,
@@ -211,29 +210,31 @@ class _Run:
             "labels": asdict(score),
             "calibration": asdict(measure_calibration(labels, found, separation.confidence)),
             "border": {
-                "median_mm": MM * border.median,
-                "p95_mm": MM * border.p95,
-                "by_part_mm": {name: MM * value for name, value in border.by_part.items()},
+                "median_mm": MM_PER_M * border.median,
+                "p95_mm": MM_PER_M * border.p95,
+                "by_part_mm": {name: MM_PER_M * value for name, value in border.by_part.items()},
             },
-            "body": {name: {"mean_mm": MM * each.mean, "p95_mm": MM * each.p95} for name, each in of_body.items()},
-            "frame_mm": MM * frame.error,
+            "body": {
+                name: {"mean_mm": MM_PER_M * each.mean, "p95_mm": MM_PER_M * each.p95} for name, each in of_body.items()
+            },
+            "frame_mm": MM_PER_M * frame.error,
             "warnings": [*raw.notes, *separation.warnings],
         }
         line["garments"] = [_describe(garment) for garment in separation.garments]
         return frame
 
-    def _find_surface(self, raw: RawScan, separation: Separation) -> PersonSurface:
-        from ..core.people.garments import find_surface
+    def _find_surface(self, raw: RawScan, separation: LabelledPerson) -> PersonSurface:
+        from ..core.people.garments import build_person_surface
 
         with self.clock.stage("surface"):
-            return find_surface(raw, separation.body)
+            return build_person_surface(raw, separation.body)
 
     def _recover(
-        self, path: Path, surface: PersonSurface, separation: Separation, garment: FoundGarment, frame: TruthFrame
+        self, path: Path, surface: PersonSurface, separation: LabelledPerson, garment: FoundGarment, frame: TruthFrame
     ) -> None:
         from ..core.deliver.export import write_recovery
         from ..core.garment import load_pattern
-        from ..core.people.garments import cut_garment_of
+        from ..core.people.garments import extract_garment
         from ..core.recover.pipeline import recover
         from ..core.recover.recovery import Request
         from ..core.recover.settings import RecoverySettings
@@ -245,7 +246,7 @@ class _Run:
         word = garment.part.word
         with keep_failure(line):
             with self.clock.stage(f"{word}.cut"):
-                reading = cut_garment_of(surface, separation, garment.part)
+                reading = extract_garment(surface, separation, garment.part)
             if template is not None:
                 reading = replace(reading, pattern=load_pattern(template))
             with self.clock.stage(f"{word}.recover"):
@@ -282,7 +283,7 @@ def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, 
 
     detail = (frame.apply(recovery.meshes.detail), recovery.garment.faces)
     score = measure_visible(detail, read_mesh_file(truth.mesh), read_visible(truth))
-    line: Line = {f"{name}_mm": MM * value for name, value in asdict(score).items()}
+    line: Line = {f"{name}_mm": MM_PER_M * value for name, value in asdict(score).items()}
     pattern = read_garment_pattern(truth)
     if pattern is not None and (own_template or is_same_cut(recovery.pattern, pattern)):
         pattern = replace(pattern, seams=())  # the outlines of a raw pack have no edges that a seam could name

@@ -72,7 +72,7 @@ def mean(values: Sequence[float | None]) -> float | None:
     return sum(known) / len(known) if known else None
 
 
-def short(values: Sequence[float | None]) -> list[float | None]:
+def round_to_three_digits(values: Sequence[float | None]) -> list[float | None]:
     """Round to three significant digits, as many as a table's reader compares."""
     return [None if value is None else float(f"{value:.3g}") for value in values]
 
@@ -82,10 +82,17 @@ def _print_targets(lines: Sequence[Line], done: Sequence[Line]) -> None:
     for line in lines:
         state = "ok" if line["ok"] else "failed"
         values = [line["metrics"].get(name) for _, name in KEY_COLUMNS]
-        rows.append([line["target"], line["category"], state, *short([*values, line["cpu_seconds"], line["peak_mb"]])])
+        rows.append(
+            [
+                line["target"],
+                line["category"],
+                state,
+                *round_to_three_digits([*values, line["cpu_seconds"], line["peak_mb"]]),
+            ]
+        )
     means = [mean([line["metrics"].get(name) for line in done]) for _, name in KEY_COLUMNS]
     totals = [mean([line[name] for line in done]) for name in ("cpu_seconds", "peak_mb")]
-    rows.append(["mean", None, f"{len(done)} of {len(lines)}", *short([*means, *totals])])
+    rows.append(["mean", None, f"{len(done)} of {len(lines)}", *round_to_three_digits([*means, *totals])])
     columns = ["target", "category", "state", *(title for title, _ in KEY_COLUMNS), "CPU s", "MB"]
     print_table(columns, rows, title="Targets (s2t and t2s in mm, the detail mesh's first, then the graded drape's)")
     failed = [[line["target"], line["error"]["code"], line["error"]["message"]] for line in lines if line["error"]]
@@ -105,7 +112,12 @@ def _print_metrics(done: Sequence[Line]) -> None:
     for low in range(0, len(done), TARGETS_ABREAST):
         shown = slice(low, low + TARGETS_ABREAST)
         rows = [
-            [name, *short([*(values.get(name) for values in flat[shown]), mean([values.get(name) for values in flat])])]
+            [
+                name,
+                *round_to_three_digits(
+                    [*(values.get(name) for values in flat[shown]), mean([values.get(name) for values in flat])]
+                ),
+            ]
             for name in names
         ]
         columns = ["metric", *(line["target"] for line in done[shown]), "mean of all"]
@@ -117,7 +129,7 @@ def _print_thesis(done: Sequence[Line], categories: dict[str, str]) -> None:
     for garment, (ours, phydeformer, igpm, area) in THESIS.items():
         own = [line["metrics"] for line in done if categories.get(line["target"]) in ours]
         if own:
-            values = short([mean([metrics.get(name) for metrics in own]) for name in THESIS_METRICS])
+            values = round_to_three_digits([mean([metrics.get(name) for metrics in own]) for name in THESIS_METRICS])
             rows.append([garment, len(own), *values[:3], *phydeformer, *values[3:], *igpm, area])
     columns = [
         "garment", "targets", "chamfer", "its floor", "normal", "PhyDeformer chamfer", "normal",

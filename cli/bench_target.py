@@ -67,7 +67,7 @@ def empty_line(target: str, method: str) -> Line:
 
 
 def _recover(order: TargetOrder) -> Line:
-    from ..core.deliver.export import plain, write_recovery
+    from ..core.deliver.export import to_plain_json, write_recovery
     from ..core.judge import measure_panels, read_packs, read_true_pattern
     from ..core.recover.pipeline import recover
     from ..core.recover.recovery import Request
@@ -91,7 +91,7 @@ def _recover(order: TargetOrder) -> Line:
         write_recovery(recovery, Path(order.out) / pack.name)
     truth = read_true_pattern(pack) if metrics.get("panel_area_error_all") is not None else None
     fabric = {e.name: {"value": e.value, "std": e.std, "identifiable": e.identifiable} for e in recovery.estimates}
-    line: Line = plain(
+    line: Line = to_plain_json(
         {
             "category": recovery.target.category,
             "template": recovery.template,

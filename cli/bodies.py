@@ -60,7 +60,7 @@ def export(spec: str, out: Path, as_json: bool) -> None:
     """
     from ..core.body import JOINTS, builtin_body, is_smpl, load_smpl
     from ..core.deliver.export import write_ply
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     if out.suffix.lower() != ".ply":
         raise click.UsageError(f"'{out.name}' is no .ply; bodies are written as PLY.")
@@ -73,7 +73,7 @@ def export(spec: str, out: Path, as_json: bool) -> None:
     if as_json:
         print_json({"file": str(out), "joints_file": str(beside), "source": body.source, "joints_m": joints})
     else:
-        note(f"{out}: {len(body.vertices)} vertices, {len(body.faces)} faces; joints in {beside.name}")
+        print_note(f"{out}: {len(body.vertices)} vertices, {len(body.faces)} faces; joints in {beside.name}")
 
 
 def _dump(joints: dict[str, list[float]]) -> str:

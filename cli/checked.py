@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..service.checking import STAGE
 from ..service.states import State
-from .terminal import note
+from .terminal import print_note
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
@@ -35,10 +35,10 @@ def wait_checked(backend: Backend, jobs: Sequence[str], queue: str) -> list[Job]
         if not any(is_unchecked(job) for job in found):
             return found
         if not any(queue in worker.queues.split(",") for worker in backend.read_queue().workers):
-            note("no worker is up, so the files are not checked yet; `garmentq up` starts one.")
+            print_note("no worker is up, so the files are not checked yet; `garmentq up` starts one.")
             return found
         if time.monotonic() > deadline:
-            note("not all files are checked yet; `garmentq status` tells what becomes of the jobs.")
+            print_note("not all files are checked yet; `garmentq status` tells what becomes of the jobs.")
             return found
         time.sleep(backend.poll_seconds)
 

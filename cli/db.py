@@ -33,10 +33,10 @@ def upgrade(home: Path | None, as_json: bool) -> None:
       garmentq db upgrade
     """
     from ..service.database import open_database, read_revision
-    from ..service.home import tighten
+    from ..service.home import restrict_permissions
     from ..service.settings import hide_password, read_settings
     from ..service.stores import open_store
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     settings = read_settings(home=home)
     database = open_database(settings, is_upgraded=True)
@@ -44,9 +44,9 @@ def upgrade(home: Path | None, as_json: bool) -> None:
         revision = read_revision(session.connection())
     database.dispose()
     open_store(settings).prepare()
-    tighten(settings)
+    restrict_permissions(settings)
     address = hide_password(settings.database)
     if as_json:
         print_json({"database": address, "revision": revision})
     else:
-        note(f"{address} stands at revision {revision}")
+        print_note(f"{address} stands at revision {revision}")

@@ -49,12 +49,12 @@ def command(
     """
     from dataclasses import asdict
 
-    from ..service.deletion import delete_jobs, find_doomed, find_old
+    from ..service.deletion import delete_jobs, find_dependent_jobs, find_old_families
     from ..service.jobs import find_job
     from ..service.persons import delete_person, describe_jobs, find_person
     from ..service.services import open_services
     from ..service.settings import read_settings
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     if sum((bool(jobs), older_than is not None, person is not None)) != 1:
         raise click.UsageError("Give jobs, --older-than or --person.")
@@ -64,12 +64,12 @@ def command(
         found = None if person is None else find_person(database, person)
         chosen = [find_job(database, job).id for job in jobs]
         if older_than is not None:
-            chosen = find_old(database, _seconds(older_than))
+            chosen = find_old_families(database, _seconds(older_than))
         if found is None and not chosen:
-            note("nothing to delete")
+            print_note("nothing to delete")
             return
         if dry_run or not yes:
-            going = found.jobs if found else describe_jobs(database, find_doomed(database, chosen))
+            going = found.jobs if found else describe_jobs(database, find_dependent_jobs(database, chosen))
             _show(going, found, as_json)
             if dry_run and as_json:
                 print_json(asdict(found) if found else {"jobs": [asdict(one) for one in going]})
@@ -85,12 +85,12 @@ def command(
         return
     later = f"; {done.young} files put a moment ago go with `garmentq gc` in a day" if done.young else ""
     size = f"{done.size / 1e6:.1f} MB"
-    note(f"deleted {len(done.jobs)} jobs, {done.uploads} uploads, {done.files} files of {size}{later}")
+    print_note(f"deleted {len(done.jobs)} jobs, {done.uploads} uploads, {done.files} files of {size}{later}")
 
 
 def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> None:
     """Show what would go; as JSON it is not a table beside what standard output holds."""
-    from .terminal import note, print_table
+    from .terminal import print_note, print_table
 
     uploads = person.uploads if person else ()
     if not as_json:
@@ -99,7 +99,7 @@ def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> No
         print_table(["what would go", "name", "kind", "API keys"], rows)
     keys = sorted({key for one in jobs for key in one.keys} | {one.key for one in uploads if one.key})
     whose = f" of {len(keys)} API keys ({', '.join(keys)})" if keys else ""
-    note(f"{len(jobs)} jobs and {len(uploads)} uploads{whose}, with their files")
+    print_note(f"{len(jobs)} jobs and {len(uploads)} uploads{whose}, with their files")
 
 
 def _seconds(text: str) -> float:

@@ -49,9 +49,7 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--wait", is_flag=True, help="Work on it here if nobody does, wait, and show the result."),
         timeout_option,
         lenient_option,
-        click.option(
-            "--out", type=NewFolder(), help="Folder for the result's files; waits."
-        ),
+        click.option("--out", type=NewFolder(), help="Folder for the result's files; waits."),
         workers_option,
         home_option,
         json_option,
@@ -74,7 +72,7 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     from ..workers.embedded import ensure_services
     from .follow import Wait
     from .run import wait_and_show
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     settings = read_settings(home=options.home)
     backend = open_backend(settings)
@@ -89,11 +87,11 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
 
     def keep_up() -> None:
         for name in () if backend.is_remote else ensure_services(settings, options.workers):
-            note(f"started the {name}")
+            print_note(f"started the {name}")
 
     if done.state != State.SUCCEEDED:
         keep_up()
-    note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
+    print_note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
     folder = options.out or settings.home / "results" / done.job
     wait = Wait(options.timeout, options.as_json, keep_up, options.lenient)
     return wait_and_show(backend, done.job, folder.absolute(), wait, in_home=options.out is None)

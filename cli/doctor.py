@@ -113,7 +113,7 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
 def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
     from ..core.run.errors import GarmentqError
     from ..service.columns import RowDamaged
-    from ..service.damage import tell_rows
+    from ..service.damage import describe_damaged_rows
     from ..service.database import check_integrity, open_database
     from ..service.health import find_troubles, read_queue
     from ..service.settings import hide_password
@@ -131,7 +131,7 @@ def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
         return
     jobs = ", ".join(f"{count} {state}" for state, count in sorted(queue.states.items())) or "no jobs yet"
     yield "database", True, f"{hide_password(settings.database)}: {jobs}"
-    yield "rows", not damaged, f"{RowDamaged.code}: {tell_rows(damaged)}" if damaged else "all can be read"
+    yield "rows", not damaged, f"{RowDamaged.code}: {describe_damaged_rows(damaged)}" if damaged else "all can be read"
     troubles = find_troubles(queue)
     yield "queue", not troubles, " ".join(troubles) or "nothing stands in its way"
 

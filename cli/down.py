@@ -23,11 +23,11 @@ def command(home: Path | None, as_json: bool) -> None:
     """
     from ..service.settings import read_settings
     from ..workers.embedded import stop_services
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     settings = read_settings(home=home)
     stopped = stop_services(settings)
     if as_json:
         print_json({"stopped": stopped, "home": str(settings.home)})
     else:
-        note(f"stopped the {' and the '.join(stopped)}" if stopped else "nothing runs here")
+        print_note(f"stopped the {' and the '.join(stopped)}" if stopped else "nothing runs here")

@@ -16,7 +16,7 @@ from .output import writing
 if TYPE_CHECKING:
     from ..service.backend import Backend
 
-LARGEST_TABLE = 1 << 20
+MAX_EXPORT_TABLE_SIZE = 1 << 20
 """Most bytes of a table of allowances or sizes."""
 
 
@@ -116,8 +116,8 @@ def read_table(text: str) -> str:
     try:
         if not path.is_file():
             return text
-        content = path.read_bytes()[: LARGEST_TABLE + 1]
-        if len(content) > LARGEST_TABLE:
+        content = path.read_bytes()[: MAX_EXPORT_TABLE_SIZE + 1]
+        if len(content) > MAX_EXPORT_TABLE_SIZE:
             raise click.UsageError(f"{path.name} is too large for a table.")
         return content.decode("utf-8-sig")
     except (OSError, ValueError) as error:
@@ -133,7 +133,7 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     from ..workers.embedded import ensure_services
     from . import exits
     from .follow import Wait, WaitTimedOut, follow
-    from .terminal import note, print_error
+    from .terminal import print_error, print_note
 
     settings = read_settings(home=production.home)
     backend = open_backend(settings)
@@ -141,14 +141,14 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
 
     def keep_up() -> None:
         for name in () if backend.is_remote else ensure_services(settings, production.workers):
-            note(f"started the {name}")
+            print_note(f"started the {name}")
 
     if done.state != State.SUCCEEDED:
         keep_up()
     try:
         report = follow(backend, done.job, Wait(production.timeout, production.as_json, keep_up))[0]
     except WaitTimedOut:
-        note(f"job {done.job} goes on; `garmentq export {done.job}` copies its files.")
+        print_note(f"job {done.job} goes on; `garmentq export {done.job}` copies its files.")
         return exits.TIMED_OUT
     if report.error:
         print_error(report.error.code, report.error.message)

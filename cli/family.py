@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ..service.backend import Backend
-from ..service.query import MOST, JobQuery
+from ..service.query import MAX_QUERY_ROWS, JobQuery
 from ..service.records import Event, Job, JobReport
 from ..service.states import ENDED, State
-from .terminal import note, print_json
+from .terminal import print_json, print_note
 
 J = TypeVar("J", bound=Job)
 
-BEGINNINGS = ("queued", "resubmitted", "retried")
+QUEUE_EVENTS = ("queued", "resubmitted", "retried")
 """Events by which a person put a job into the queue."""
 
 
@@ -46,7 +46,7 @@ def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
     """Return a job and all below it, each parent before its children."""
     if not job.children:
         return [job]
-    found = arrange(backend.find_jobs(JobQuery({"family": job.family}, sort="created", limit=MOST)))
+    found = arrange(backend.find_jobs(JobQuery({"family": job.family}, sort="created", limit=MAX_QUERY_ROWS)))
     place = next((index for index, (_, one) in enumerate(found) if one.id == job.id), None)
     if place is None:  # more jobs than one question returns
         return [job]
@@ -76,7 +76,7 @@ def change_families(
             if as_json:
                 print_json({"job": one.id, "state": one.state})
             else:
-                note(f"job {one.id} {words.get(one.state, f'is {one.state}')}")
+                print_note(f"job {one.id} {words.get(one.state, f'is {one.state}')}")
 
 
 class FamilyEvents:
@@ -130,5 +130,5 @@ class FamilyEvents:
 
 def _latest_run(events: list[Event]) -> list[Event]:
     """Return the events since the job was last put into the queue by a person."""
-    begins = [index for index, event in enumerate(events) if event.kind in BEGINNINGS]
+    begins = [index for index, event in enumerate(events) if event.kind in QUEUE_EVENTS]
     return events[begins[-1] :] if begins else events

@@ -15,13 +15,13 @@ from ..service.backend import Backend
 from ..service.records import Event, JobReport
 from ..service.records import Progress as JobProgress
 from .family import FamilyEvents
-from .terminal import note, show_duration
+from .terminal import print_note, show_duration
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
 
-SILENT_SECONDS = 5.0
-"""A job without an event for so long [s] may lack its broker or worker: a working stage reports twice a second."""
+MAX_EVENT_SILENCE = 5.0
+"""Time without an event after which a job may lack its broker or worker [s]: a working stage reports twice a second."""
 
 
 WHOLE = ""
@@ -69,7 +69,7 @@ def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
                 return family.reports
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
-            if wait.keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
+            if wait.keep_up is not None and time.monotonic() - heard > MAX_EVENT_SILENCE:
                 wait.keep_up()
                 heard = time.monotonic()
             time.sleep(backend.poll_seconds)
@@ -104,10 +104,10 @@ class Lines:
         """Write what is new."""
         progress = event.progress
         if progress is None:
-            note(_label(name, _tell(event)))
+            print_note(_label(name, _describe_event(event)))
         elif progress.stage != self.stages.get(event.job):
             self.stages[event.job] = progress.stage
-            note(f"  {_label(name, progress.stage)} ...{_tell_whole(progress)}")
+            print_note(f"  {_label(name, progress.stage)} ...{_describe_overall(progress)}")
 
 
 class Bars:
@@ -142,7 +142,7 @@ class Bars:
         progress = event.progress
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(keep_printable(_label(name, _tell(event))), markup=False)
+                self.progress.console.print(keep_printable(_label(name, _describe_event(event))), markup=False)
             if event.kind == "succeeded" and (event.job, WHOLE) in self.tasks:
                 self.progress.update(self.tasks[event.job, WHOLE], completed=1.0, message="")
             return
@@ -170,7 +170,7 @@ class Bars:
                 self.progress.stop_task(task)
 
 
-def _tell_whole(progress: JobProgress) -> str:
+def _describe_overall(progress: JobProgress) -> str:
     """Return how far the whole is, behind the name of a stage that begins."""
     if progress.overall is None:
         return ""
@@ -178,7 +178,7 @@ def _tell_whole(progress: JobProgress) -> str:
     return f" {round(100 * progress.overall)} % of all{left}"
 
 
-def _tell(event: Event) -> str:
+def _describe_event(event: Event) -> str:
     """Return what happened to a job: the event's kind, and what it says of doubtful files."""
     doubts = " ".join(event.data.get("doubts", []))
     return f"{event.kind}: {doubts}" if doubts else event.kind

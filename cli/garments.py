@@ -8,7 +8,7 @@ from ..service.backend import Backend
 from ..service.order import PERSON
 from ..service.records import JobReport
 from ..service.states import ENDED, State
-from .terminal import note
+from .terminal import print_note
 
 
 def wait_garments(backend: Backend, family: Sequence[JobReport], timeout: float | None) -> list[JobReport]:
@@ -29,7 +29,7 @@ def wait_garments(backend: Backend, family: Sequence[JobReport], timeout: float 
     if not is_apart or all(job.state in ENDED for job in family):
         return list(family)
     if not backend.read_queue().workers:
-        note("no worker is up, so nothing is waited for; `garmentq up` starts one.")
+        print_note("no worker is up, so nothing is waited for; `garmentq up` starts one.")
         return list(family)
     try:
         return follow(backend, person.id, Wait(timeout, as_json=True))

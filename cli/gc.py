@@ -9,8 +9,9 @@ import click
 from . import exits
 from .options import json_option, known_home_option
 
-GRACE_HOURS = 24.0
-"""As in `service.garbage`, which is not imported for `--help`; a test compares them."""
+GARBAGE_GRACE_HOURS = 24.0
+"""Least age of a file that may be removed [h], as in `service.garbage`, which is not imported for `--help`; a test
+compares them."""
 
 
 @click.command("gc")
@@ -18,7 +19,7 @@ GRACE_HOURS = 24.0
 @click.option(
     "--grace-hours",
     type=click.FloatRange(min=0.0),
-    default=GRACE_HOURS,
+    default=GARBAGE_GRACE_HOURS,
     show_default=True,
     help="Keep younger files: a running job may be about to use them.",
 )
@@ -37,12 +38,12 @@ def command(context: click.Context, is_delete: bool, grace_hours: float, home: P
       garmentq gc
       garmentq gc --delete
     """
-    from ..service.damage import tell_rows
+    from ..service.damage import describe_damaged_rows
     from ..service.database import open_database
     from ..service.garbage import collect_garbage
     from ..service.settings import read_settings
     from ..service.stores import open_store
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     settings = read_settings(home=home)
     database = open_database(settings)
@@ -55,7 +56,7 @@ def command(context: click.Context, is_delete: bool, grace_hours: float, home: P
         print_json({**counts, "kept_bytes": found.kept_bytes, "damaged_rows": len(found.damaged)})
         context.exit(exits.INCOMPLETE if found.damaged else exits.OK)
     what = f"{len(found.files)} files of {found.size / 1e6:.1f} MB that no job names"
-    note(f"removed {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` removes them")
+    print_note(f"removed {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` removes them")
     if found.damaged:
-        note(f"nothing is removed, for one of these may name a file: {tell_rows(found.damaged)}")
+        print_note(f"nothing is removed, for one of these may name a file: {describe_damaged_rows(found.damaged)}")
         context.exit(exits.INCOMPLETE)

@@ -61,7 +61,7 @@ def command(
         colour_tolerance=part.colour_tolerance,
     )
     selection = make_selection(part.labels, chosen)
-    found = _understand(_Asked(file, read_wearer(body), given_as, units, up), selection)
+    found = _inspect_file(_InspectionOptions(file, read_wearer(body), given_as, units, up), selection)
     if as_json:
         print_json(found)
         return
@@ -69,7 +69,7 @@ def command(
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _InspectionOptions:
     """What was typed: the file, its wearer, what it is said to be, its unit and axis."""
 
     file: Path
@@ -79,28 +79,28 @@ class _Asked:
     up: str | None
 
 
-def _understand(asked: _Asked, selection: Selection | None) -> dict[str, Any]:
+def _inspect_file(asked: _InspectionOptions, selection: Selection | None) -> dict[str, Any]:
     """Return what is understood of a file, with what it is taken for.
 
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.people.inspect import explain_garment, find_what, inspect_person, is_no_person
+    from ..core.people.inspect import classify_file, explain_missing_body, inspect_person, is_garment_refusal
     from ..core.people.inspect_garment import inspect_file
     from ..core.run.errors import BadInput
-    from .terminal import note
+    from .terminal import print_note
 
     what = asked.given_as or GARMENT
     if asked.given_as is None and selection is None:
         body = asked.body
-        what = PERSON if body is None else find_what(asked.file, body, asked.units, asked.up)
+        what = PERSON if body is None else classify_file(asked.file, body, asked.units, asked.up)
     if what == PERSON:
         try:
             return inspect_person(asked.file, asked.units, asked.up)
         except BadInput as error:
-            if asked.given_as == PERSON or asked.body is not None or not is_no_person(error):
+            if asked.given_as == PERSON or asked.body is not None or not is_garment_refusal(error):
                 raise
-            note(explain_garment(error))
+            print_note(explain_missing_body(error))
     found = inspect_file(asked.file, asked.body, units=asked.units, up=asked.up, selection=selection).as_dict()
     return {"as": GARMENT, **found}
 

@@ -52,13 +52,15 @@ def create_command(
       garmentq keys create atelier --quota 500
       garmentq keys create guest --days 14
     """
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     key, token = _open(home).create_key(name, scopes, quota, priority, days)
     if as_json:
         print_json(key.as_json() | {"token": token})
         return
-    note(f"key {key.id} for {name}: {', '.join(key.scopes)}, {quota} open jobs at most; its token is not shown again")
+    print_note(
+        f"key {key.id} for {name}: {', '.join(key.scopes)}, {quota} open jobs at most; its token is not shown again"
+    )
     click.echo(token)
 
 
@@ -100,13 +102,13 @@ def revoke_command(key: str, home: Path | None, as_json: bool) -> None:
     Example:
       garmentq keys revoke 5f1d0c9b7a3e
     """
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     revoked = _open(home).revoke_key(key)
     if as_json:
         print_json(revoked.as_json())
     else:
-        note(f"key {revoked.id} is revoked")
+        print_note(f"key {revoked.id} is revoked")
 
 
 def _open(home: Path | None) -> Backend:

@@ -15,13 +15,13 @@ from ..service.records import Job
 from ..service.states import ENDED, State
 from .family import arrange, find_family, indent
 from .follow import WaitTimedOut
-from .terminal import show, show_left, show_time
+from .terminal import format_cell, show_left, show_time
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-PERIOD_SECONDS = 0.5
-"""How often the tables are drawn anew [s]."""
+TABLE_REFRESH_INTERVAL = 0.5
+"""Interval at which the tables are drawn anew [s]."""
 
 BATCH_ROWS = 12
 """Jobs of a batch that are shown one by one: the running ones."""
@@ -42,7 +42,7 @@ def watch_queue(backend: Backend, job: str | None, limit: int) -> None:
     try:
         with Live(draw(), console=console, auto_refresh=False) as live:
             while True:
-                time.sleep(PERIOD_SECONDS)
+                time.sleep(TABLE_REFRESH_INTERVAL)
                 live.update(draw(), refresh=True)
     except KeyboardInterrupt:
         return
@@ -99,7 +99,7 @@ def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -
                 return rows
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
-            time.sleep(PERIOD_SECONDS)
+            time.sleep(TABLE_REFRESH_INTERVAL)
 
 
 def draw_batch(rows: Sequence[Job]) -> RenderableType:
@@ -128,5 +128,5 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> Renderab
     for name in columns:
         table.add_column(name, overflow="fold")
     for row in rows:
-        table.add_row(*(Text(show(cell)) for cell in row))
+        table.add_row(*(Text(format_cell(cell)) for cell in row))
     return table

@@ -49,7 +49,7 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
 
 def _print(event: Event, name: str, as_json: bool) -> None:
     from ..core.run.errors import keep_printable
-    from .terminal import print_json, show, show_time
+    from .terminal import format_cell, print_json, show_time
 
     if as_json:
         print_json({"id": event.id, "job": event.job, "at": event.at, "kind": event.kind, **event.data})
@@ -60,4 +60,4 @@ def _print(event: Event, name: str, as_json: bool) -> None:
     else:
         text = " ".join(f"{name}={value}" for name, value in event.data.items())
     text = f"{name}: {text}" if name else text
-    click.echo(f"{show_time(event.at)}  {keep_printable(event.kind):16}  {show(text)}")
+    click.echo(f"{show_time(event.at)}  {keep_printable(event.kind):16}  {format_cell(text)}")

@@ -12,10 +12,10 @@ import click
 
 from .. import __version__
 from ..core.run.errors import GarmentqError
-from ..core.run.text import TextBad, has_unkept
+from ..core.run.text import TextBad, has_unstorable_text
 from . import exits
 from .output import keep_mask
-from .signals import stop_as_told
+from .signals import interrupt_on_stop_signals
 
 COMMANDS = {
     "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
@@ -58,7 +58,20 @@ COMMANDS = {
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
 
 
-LOCAL = ("worker", "courier", "serve", "audit", "up", "down", "db", "delete", "gc", "backup", "verify", "restore")
+LOCAL_COMMANDS = (
+    "worker",
+    "courier",
+    "serve",
+    "audit",
+    "up",
+    "down",
+    "db",
+    "delete",
+    "gc",
+    "backup",
+    "verify",
+    "restore",
+)
 """Commands that work on a home of this machine, and so not where GARMENTQ_URL names a service."""
 
 
@@ -74,7 +87,7 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(f".{cmd_name}", __package__).command
-        return _refusing(command) if cmd_name in LOCAL and os.environ.get("GARMENTQ_URL") else command
+        return _refusing(command) if cmd_name in LOCAL_COMMANDS and os.environ.get("GARMENTQ_URL") else command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -126,13 +139,13 @@ def _refuse_text(words: list[str]) -> None:
         TextBad: where there is one.
     """
     for word in words:
-        if has_unkept(word) and not os.path.lexists(word.partition("=")[2] if word.startswith("-") else word):
+        if has_unstorable_text(word) and not os.path.lexists(word.partition("=")[2] if word.startswith("-") else word):
             raise TextBad()
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error of ours ends in one line, never in a traceback."""
-    stop_as_told()
+    interrupt_on_stop_signals()
     try:
         _refuse_text(sys.argv[1:] if arguments is None else arguments)
         with keep_mask():

@@ -85,13 +85,13 @@ def import_command(file: Path, home: Path | None, as_json: bool) -> None:
       garmentq materials import mine.json
     """
     from ..service.catalogue import show_fabric
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     for fabric in _open(home).import_materials(file):
         if as_json:
             print_json(show_fabric(fabric))
         else:
-            note(f"imported '{fabric.name}': {fabric.density * 1000:.0f} g/m2, k {fabric.k:.3g} N m")
+            print_note(f"imported '{fabric.name}': {fabric.density * 1000:.0f} g/m2, k {fabric.k:.3g} N m")
 
 
 @command.command("export")
@@ -126,10 +126,10 @@ def delete_command(name: str, home: Path | None) -> None:
     Example:
       garmentq materials delete mine
     """
-    from .terminal import note
+    from .terminal import print_note
 
     _open(home).delete_material(name)
-    note(f"deleted '{name}'")
+    print_note(f"deleted '{name}'")
 
 
 def _open(home: Path | None) -> Backend:

@@ -14,7 +14,7 @@ from typing import Any
 import click
 
 from ..core.run.errors import BadInput
-from ..service.private import MASK
+from ..service.private import PRIVATE_UMASK
 
 OWN_MASK = "garmentq.own_mask"
 """Where a command's context holds the mask of the user's own files."""
@@ -38,14 +38,14 @@ def keep_private(context: click.Context, _: click.Parameter, home: Path | None) 
     Returns:
         The option's value as it is.
     """
-    context.meta.setdefault(OWN_MASK, os.umask(MASK))
+    context.meta.setdefault(OWN_MASK, os.umask(PRIVATE_UMASK))
     return home
 
 
 @contextmanager
 def keep_mask() -> Iterator[None]:
     """Return to the mask that it had before the block."""
-    before = os.umask(MASK)
+    before = os.umask(PRIVATE_UMASK)
     os.umask(before)
     try:
         yield

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..service.records import JobReport
 
-LEAST_SURE = 2
+UNSURE_OPENING_COUNT = 2
 """Openings that are named: those that a user should look at first."""
 
 
@@ -44,7 +44,7 @@ def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
     found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
     inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
     seen = sorted((c["confidence"], f"{part} {c['name']}") for part, c in found if not c["is_inferred"])
-    texts = [f"{name} {sure:.2f}" for sure, name in seen[:LEAST_SURE]]
+    texts = [f"{name} {sure:.2f}" for sure, name in seen[:UNSURE_OPENING_COUNT]]
     unseen = f"; nothing shows {', '.join(inferred)}" if inferred else ""
     least = f"{len(seen)} seen" + (f", the least sure {', '.join(texts)}" if texts else "")
     return least + unseen

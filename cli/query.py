@@ -9,7 +9,7 @@ import click
 
 from .options import gather, json_option, known_home_option
 
-NAMED = ("garment", "state", "fabric", "name", "kind", "family", "tag")
+OPTION_FIELDS = ("garment", "state", "fabric", "name", "kind", "family", "tag")
 """Fields that have an option of their own."""
 
 
@@ -74,7 +74,7 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     from .summary import flatten
     from .terminal import print_csv, print_json, print_table, show_time
 
-    given = {name: value for name in NAMED if (value := getattr(options, name)) is not None}
+    given = {name: value for name in OPTION_FIELDS if (value := getattr(options, name)) is not None}
     query = JobQuery(given, options.wheres, options.sort, options.limit)
     found = open_backend(read_settings(home=home)).find_jobs(query)
     if as_json:

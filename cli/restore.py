@@ -25,10 +25,10 @@ def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> No
       garmentq restore monday.tar --home new
     """
     from ..service.backup import BackupRefused, restore_backup
-    from ..service.damage import tell_rows
+    from ..service.damage import describe_damaged_rows
     from ..service.settings import read_settings
     from ..workers.embedded import is_worker_up
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     settings = read_settings(home=home)
     if is_worker_up(settings):
@@ -38,6 +38,6 @@ def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> No
         lost = {"missing": len(saved.missing), "rows": len(saved.rows)}
         print_json({"home": str(saved.path), "files": saved.files, "bytes": saved.size, **lost})
         return
-    note(f"restored the database and {saved.files} files of {saved.size / 1e6:.1f} MB into {saved.path}")
+    print_note(f"restored the database and {saved.files} files of {saved.size / 1e6:.1f} MB into {saved.path}")
     if saved.rows:
-        note(tell_rows(saved.rows))
+        print_note(describe_damaged_rows(saved.rows))

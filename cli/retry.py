@@ -31,17 +31,19 @@ def command(jobs: tuple[str, ...], state: str | None, error: str | None, home: P
       garmentq retry --state failed --error job.crashed
     """
     from ..service.backend import open_backend
-    from ..service.query import MOST, JobQuery
+    from ..service.query import MAX_QUERY_ROWS, JobQuery
     from ..service.settings import read_settings
     from .family import change_families
-    from .terminal import note
+    from .terminal import print_note
 
     if bool(jobs) == (state is not None) or (error is not None and state is None):
         raise click.UsageError("Give jobs, or --state, and --error with it.")
     backend = open_backend(read_settings(home=home))
     if state is not None:
         given = {"state": state} | ({} if error is None else {"error": error})
-        found = backend.find_jobs(JobQuery({}, [f"{name} = '{value}'" for name, value in given.items()], limit=MOST))
+        found = backend.find_jobs(
+            JobQuery({}, [f"{name} = '{value}'" for name, value in given.items()], limit=MAX_QUERY_ROWS)
+        )
         jobs = tuple(job.id for job in found)
-        note(f"{len(jobs)} jobs ended so")
+        print_note(f"{len(jobs)} jobs ended so")
     change_families(backend, jobs, backend.retry, {}, as_json)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..service.records import JobReport
     from .follow import Wait
 
-LONGEST_FOLDER = 60
+MAX_FOLDER_NAME_LENGTH = 60
 """Letters of a folder's name: file systems take 255 bytes, and a letter has up to four."""
 
 
@@ -71,7 +71,7 @@ def command(
     from ..workers.embedded import StoppedByUser, ensure_services, was_stopped
     from .follow import Wait
     from .order import describe_choice, make_order, split_garments
-    from .terminal import note
+    from .terminal import print_note
 
     settings = read_settings(home=home)
     backend = open_backend(settings)
@@ -81,7 +81,7 @@ def command(
 
     def start() -> None:
         for name in () if backend.is_remote else ensure_services(settings, workers):
-            note(f"started the {name}")
+            print_note(f"started the {name}")
 
     def keep_up() -> None:
         """Start again what died, but not what a person stopped."""
@@ -92,12 +92,12 @@ def command(
     if any(submitted.state != State.SUCCEEDED for submitted in garments):
         start()
     for order, submitted in zip(orders, garments, strict=True):
-        note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
-        note(f"{file.name}: {describe_choice(order)}")
+        print_note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
+        print_note(f"{file.name}: {describe_choice(order)}")
     own = {submitted.job for submitted in garments if submitted.state in OPEN}
     others = sum(count for state, count in backend.read_queue().states.items() if state in OPEN) - len(own)
     if own and others > 0:
-        note(f"{others} other jobs wait or run; `garmentq status` shows them")
+        print_note(f"{others} other jobs wait or run; `garmentq status` shows them")
     statuses, wait = [], Wait(waiting.timeout, as_json, keep_up, waiting.lenient)
     for part, submitted in zip(parts, garments, strict=True):
         folder = out or settings.home / "results" / submitted.job
@@ -111,7 +111,7 @@ def command(
 
 def folder_name(label: str) -> str:
     """Return the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
-    return "".join(c if c.isalnum() or c in "-_" else "_" for c in label[:LONGEST_FOLDER]) or "_"
+    return "".join(c if c.isalnum() or c in "-_" else "_" for c in label[:MAX_FOLDER_NAME_LENGTH]) or "_"
 
 
 def wait_and_show(
@@ -135,15 +135,15 @@ def wait_and_show(
     from ..service.results import ResultMissing
     from .follow import WaitTimedOut, follow
     from .summary import print_result
-    from .terminal import note, print_error, print_json
+    from .terminal import print_error, print_json, print_note
 
     try:
         family = follow(backend, job, wait)
     except WaitTimedOut:
-        note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+        print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
-        note(f"job {job} goes on; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
+        print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
         return exits.DETACHED
     folders = name_folders(family, folder)
     for found in family:
@@ -159,7 +159,7 @@ def wait_and_show(
         if found.error:
             print_error(found.error.code, found.error.message)
         elif found.state == State.CANCELLED:
-            note(f"job {found.id} was cancelled")
+            print_note(f"job {found.id} was cancelled")
     return exits.worst(exits.job_status(found, wait.is_lenient) for found in family)
 
 

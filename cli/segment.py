@@ -60,21 +60,23 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     """
     from ..core.deliver.export.person import write_person
     from ..core.people.describe import describe_person
-    from ..core.people.given import PersonFiles, read_given
+    from ..core.people.given import PersonFiles, read_person_input
     from ..core.people.hints import Hints, parse_mark, parse_wearing
-    from ..core.people.pipeline import find_wearer
-    from ..core.people.separate import separate
-    from ..core.run.hooks import SILENT
-    from .terminal import note, print_json, print_table
+    from ..core.people.pipeline import register_given_body
+    from ..core.people.separate import label_person
+    from ..core.run.hooks import SILENT_HOOKS
+    from .terminal import print_json, print_note, print_table
 
     wearing = None if options.wearing is None else parse_wearing(options.wearing)
     marks = tuple(parse_mark(mark) for mark in options.mark)
     wearer = read_wearer(options.body)
     body = wearer if isinstance(wearer, Path) else None
-    given = read_given(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
+    given = read_person_input(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
     raw = given.raw
     built_in = wearer if isinstance(wearer, BuiltinWearer) else None
-    separation = separate(raw, Hints(given.label, wearing, marks, find_wearer(given, built_in, SILENT)))
+    separation = label_person(
+        raw, Hints(given.label, wearing, marks, register_given_body(given, built_in, SILENT_HOOKS))
+    )
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         files = write_person(raw, separation, out)
@@ -89,6 +91,6 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
         ]
         print_table(["garment", "category", "confidence", "openings that nothing shows"], rows)
         for line in (*found["warnings"], *(f"wrote {path}" for path in files)):
-            note(line)
+            print_note(line)
     if separation.problem is not None:
         raise separation.problem

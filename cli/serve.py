@@ -59,22 +59,24 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
     """Describe where the API is, who may ask, and what keeps its jobs from running; alone it has no proxy before it."""
     from ..service.api.guard import is_loopback
     from ..service.database import open_database
-    from ..service.keys import LOCAL, has_keys
+    from ..service.keys import LOCAL_CALLER, has_keys
     from ..service.reaper import list_workers
     from ..service.sessions import begin_session
     from ..service.settings import hide_password
-    from .terminal import note
+    from .terminal import print_note
 
     database = open_database(settings)
     try:
         is_lonely, is_keyless = not list_workers(database), is_alone and is_loopback(host) and not has_keys(database)
-        link = f"?link={begin_session(database, LOCAL, is_link=True)}" if is_keyless else ""
+        link = f"?link={begin_session(database, LOCAL_CALLER, is_link=True)}" if is_keyless else ""
     finally:
         database.dispose()
     of = hide_password(settings.database_url) or settings.home
-    note(f"the API of {of} is at http://{host}:{port}, its description at /docs")
-    note(f"its pages: http://{host}:{port}/signin{link}{' (once, within 10 minutes)' if link else ''}")
+    print_note(f"the API of {of} is at http://{host}:{port}, its description at /docs")
+    print_note(f"its pages: http://{host}:{port}/signin{link}{' (once, within 10 minutes)' if link else ''}")
     if is_keyless:
-        note(f"there are no keys: programs of this user show the token in {settings.home / 'api.token'}")
+        print_note(f"there are no keys: programs of this user show the token in {settings.home / 'api.token'}")
     if is_lonely:
-        note("no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both alive")
+        print_note(
+            "no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both alive"
+        )

@@ -6,10 +6,10 @@ import signal
 import threading
 from contextlib import AbstractContextManager
 
-from ..service.signals import STOP_SIGNALS, handling
+from ..service.signals import STOP_SIGNALS, handle_signals
 
 
-def stop_as_told() -> None:
+def interrupt_on_stop_signals() -> None:
     """Turn SIGTERM and SIGHUP into KeyboardInterrupt, as Python does with SIGINT; what is ignored stays so (nohup)."""
     if threading.current_thread() is not threading.main_thread():
         return
@@ -18,6 +18,6 @@ def stop_as_told() -> None:
             signal.signal(number, signal.default_int_handler)
 
 
-def undisturbed() -> AbstractContextManager[None]:
+def ignore_stop_signals() -> AbstractContextManager[None]:
     """Return a block in which no further signal cuts short what is undone; each part of it ends by itself."""
-    return handling(STOP_SIGNALS, signal.SIG_IGN)
+    return handle_signals(STOP_SIGNALS, signal.SIG_IGN)

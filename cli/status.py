@@ -35,7 +35,7 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
     from ..service.health import find_troubles
     from ..service.settings import read_settings
     from .family import arrange, find_family, indent
-    from .terminal import note, print_error, print_json, print_table, show_left, show_time
+    from .terminal import print_error, print_json, print_note, print_table, show_left, show_time
 
     backend = open_backend(read_settings(home=home))
     if watch:
@@ -57,12 +57,12 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
         ],
     )
     if not found:
-        note("no jobs yet; `garmentq submit SCAN` makes one.")
+        print_note("no jobs yet; `garmentq submit SCAN` makes one.")
     for one in found if job else ():
         if one.error:
             print_error(one.error.code, one.error.message)
     for trouble in find_troubles(backend.read_queue()):
-        note(trouble)
+        print_note(trouble)
 
 
 def show_state(job: Job) -> str:

@@ -61,7 +61,7 @@ def command(
     from ..service.settings import read_settings
     from .batch import find_scans
     from .order import describe_choice, make_order, split_garments
-    from .terminal import note, print_error, print_json
+    from .terminal import print_error, print_json, print_note
 
     backend = open_backend(read_settings(home=home))
     statuses, made = [], []
@@ -80,7 +80,7 @@ def command(
         made.append((file, submitted, taken))
         if not as_json:
             click.echo(submitted.job)
-            note(f"{file.name}: {taken}")
+            print_note(f"{file.name}: {taken}")
     jobs = list(dict.fromkeys(submitted.job for _, submitted, _ in made))
     refused: dict[str, Job] = {}
     if jobs and not wait:
@@ -105,7 +105,7 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
     """Return the jobs whose files are refused within a moment, and the exit status; the jobs are queued in any case."""
     from ..core.run.errors import GarmentqError
     from .checked import wait_checked
-    from .terminal import note, print_error
+    from .terminal import print_error, print_note
 
     try:
         found = wait_checked(backend, jobs, queue)
@@ -113,7 +113,7 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
         print_error(error.code, error.message)
         return {}, exits.error_status(error)
     except KeyboardInterrupt:
-        note("the jobs go on; `garmentq status` tells how far they are.")
+        print_note("the jobs go on; `garmentq status` tells how far they are.")
         return {}, exits.DETACHED
     refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
     for job in refused.values():
@@ -127,21 +127,21 @@ def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:
     from ..service.health import find_troubles
     from .follow import WaitTimedOut
     from .live import follow_batch
-    from .terminal import note, print_error
+    from .terminal import print_error, print_note
 
     for trouble in find_troubles(backend.read_queue()):
-        note(trouble)
+        print_note(trouble)
     try:
         rows = follow_batch(backend, jobs, waiting.timeout)
     except WaitTimedOut:
         for job in jobs:
-            note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+            print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
-        note("the jobs go on; `garmentq status` tells how far they are.")
+        print_note("the jobs go on; `garmentq status` tells how far they are.")
         return exits.DETACHED
     for row in rows:
-        note(f"job {row.id} {row.state}")
+        print_note(f"job {row.id} {row.state}")
         if row.error:
             print_error(row.error.code, row.error.message)
     return exits.worst(exits.job_status(row, waiting.lenient) for row in rows)

@@ -12,23 +12,23 @@ from ..core.run.errors import keep_printable
 from ..service.order import PERSON
 from ..service.records import Gate, JobReport
 from .person_summary import describe_person
-from .terminal import print_table, show, show_time
+from .terminal import format_cell, print_table, show_time
 
-FIRST = (
+FIRST_METRICS = (
     "surface_rms_mm.s2t", "surface_rms_mm.t2s", "graded.surface_rms_mm.s2t", "graded.surface_rms_mm.t2s",
     "hausdorff_mm", "normal_cosine", "body_penetration_mm", "seam_mismatch_mm", "flipped_faces",
     "self_intersecting_faces",
 )  # fmt: skip
 """Metrics that a user looks at first; the others follow by name."""
 
-OPEN_FIRST = ("report.html", "pattern.svg", "detail.ply", "labels.npz")
+FIRST_FILES = ("report.html", "pattern.svg", "detail.ply", "labels.npz")
 """Result files a user opens first: pictures and verdicts, the pattern at true scale, the mesh on the scan;
 of a person the labels, which can be corrected."""
 
 PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-draped pattern"))
 """Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
 
-REST = {1.0: ", at rest", 0.0: ", not at rest"}
+REST_NOTES = {1.0: ", at rest", 0.0: ", not at rest"}
 """What the summary says of a drape by its metric `at_rest`; nothing of meshes that are none, and of older results."""
 
 
@@ -54,7 +54,7 @@ def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]
     yield "warnings", f"{warnings[0]}{more}" if warnings else "none"
     yield "cost", f"{job.cpu_seconds or 0.0:.0f} s CPU, {job.peak_mb or 0.0:.0f} MB"
     names = {path.name: path for path in files if path.parent == files[0].parent}
-    chosen = [str(names[name]) for name in OPEN_FIRST if name in names] or [str(path) for path in files]
+    chosen = [str(names[name]) for name in FIRST_FILES if name in names] or [str(path) for path in files]
     yield "open", ", ".join(chosen) or f"garmentq export {job.id} --out DIR"
 
 
@@ -73,7 +73,7 @@ def _describe_details(job: JobReport) -> Iterator[tuple[str, str]]:
     """Yield what a job found that is no recovery: its own details, and the jobs that it made."""
     yield "name", job.name
     for name, value in job.details.items():
-        yield name, show(value)
+        yield name, format_cell(value)
     if job.children:
         yield "made", ", ".join(f"{child.name} ({child.job}, {child.state})" for child in job.children)
 
@@ -90,7 +90,9 @@ def print_tables(job: JobReport, files: Sequence[Path]) -> None:
         ],
     )  # fmt: skip
     metrics = job.metrics
-    names = [name for name in FIRST if name in metrics] + [name for name in metrics if name not in FIRST]
+    names = [name for name in FIRST_METRICS if name in metrics] + [
+        name for name in metrics if name not in FIRST_METRICS
+    ]
     print_table(["metric", "value"], [[name, metrics[name]] for name in names if metrics[name] is not None])
     gates = job.gates
     if gates:
@@ -133,7 +135,7 @@ def _describe_distances(metrics: Mapping[str, float | None]) -> Iterator[str]:
         ways = [metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
         if ways[0] is not None and ways[1] is not None:
             at_rest = metrics.get(f"{prefix}at_rest")
-            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm{'' if at_rest is None else REST.get(at_rest, '')}"
+            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm{'' if at_rest is None else REST_NOTES.get(at_rest, '')}"
 
 
 def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:

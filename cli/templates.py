@@ -101,13 +101,13 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
     """
     from dataclasses import asdict
 
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     found = _open(home).import_template(name, file)
     if as_json:
         print_json(asdict(found))
     else:
-        note(f"imported '{found.name}': {found.panels} panels, {found.seams} seams")
+        print_note(f"imported '{found.name}': {found.panels} panels, {found.seams} seams")
 
 
 @command.command("delete")
@@ -120,10 +120,10 @@ def delete_command(name: str, home: Path | None) -> None:
     Example:
       garmentq templates delete jacket
     """
-    from .terminal import note
+    from .terminal import print_note
 
     _open(home).delete_template(name)
-    note(f"template '{name}' is deleted")
+    print_note(f"template '{name}' is deleted")
 
 
 @command.command("export")

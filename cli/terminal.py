@@ -23,7 +23,7 @@ def print_json(value: Any) -> None:
     click.echo(json.dumps(value, allow_nan=False))
 
 
-def note(text: str) -> None:
+def print_note(text: str) -> None:
     """Print a note to the user on standard error; names in it bring no control characters along."""
     click.echo(keep_printable(text), err=True)
 
@@ -47,7 +47,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
         is_number = bool(rows) and all(isinstance(row[index], int | float) or row[index] is None for row in rows)
         table.add_column(Text(keep_printable(name)), justify="right" if is_number else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(show(cell)) for cell in row))
+        table.add_row(*(Text(format_cell(cell)) for cell in row))
     Console(width=None if Console().is_terminal else 160).print(table)
 
 
@@ -72,7 +72,7 @@ def _escape_formula(cell: object) -> object:
     return f"'{text}" if text.lstrip().startswith(FORMULA) else text
 
 
-def show(cell: object) -> str:
+def format_cell(cell: object) -> str:
     """Return a cell as text: 4 significant digits, `-` for nothing, no control characters."""
     if cell is None or cell == "":
         return "-"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .options import allow_host_option, home_option, json_option, workers_option
-from .signals import undisturbed
+from .signals import ignore_stop_signals
 
 if TYPE_CHECKING:
     from ..service.settings import ServiceSettings
@@ -54,14 +54,14 @@ def _start(settings: ServiceSettings, workers: int | None, as_json: bool) -> Non
     """Start what does not run, and say what that was."""
     from ..service.database import open_database
     from ..workers.embedded import ensure_services
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     open_database(settings).dispose()
     started = ensure_services(settings, workers)
     if as_json:
         print_json({"started": started, "home": str(settings.home)})
     else:
-        note(f"started the {' and the '.join(started)}" if started else "everything runs already")
+        print_note(f"started the {' and the '.join(started)}" if started else "everything runs already")
 
 
 def _serve(
@@ -69,18 +69,18 @@ def _serve(
 ) -> None:
     """Start everything, keep it alive, and stop it when told to, in whatever state of its start it is."""
     from ..service.api.server import serve
-    from ..workers.embedded import keeping_up, stop_services
+    from ..workers.embedded import keep_services_up, stop_services
     from .serve import announce
 
     kept = ExitStack()
     try:
         _start(settings, workers, as_json)
-        kept.enter_context(keeping_up(settings, workers))
+        kept.enter_context(keep_services_up(settings, workers))
         announce(settings, *address, is_alone=not hosts)
         serve(settings, *address, hosts=hosts)
     except KeyboardInterrupt:
         pass  # it was told to stop before the API was up
     finally:
-        with undisturbed():
+        with ignore_stop_signals():
             kept.close()
             stop_services(settings)

@@ -28,12 +28,12 @@ def command(context: click.Context, read_data: bool, home: Path | None, as_json:
     """
     from dataclasses import asdict
 
-    from ..service.damage import tell_rows
+    from ..service.damage import describe_damaged_rows
     from ..service.database import check_integrity
     from ..service.services import open_services
     from ..service.settings import read_settings
     from ..service.verify import verify_store
-    from .terminal import note, print_json, print_table
+    from .terminal import print_json, print_note, print_table
 
     services = open_services(read_settings(home=home))
     check_integrity(services.database)
@@ -48,11 +48,11 @@ def command(context: click.Context, read_data: bool, home: Path | None, as_json:
         print_table(
             ["damaged row of", "key", "columns"], [[one.table, one.key, ", ".join(one.columns)] for one in found.rows]
         )
-        note(tell_rows(found.rows))
+        print_note(describe_damaged_rows(found.rows))
     if found.faults:
         rows = [[one.owner, one.name, fault.fault, fault.sha256[:12]] for fault in found.faults for one in fault.named]
         print_table(["belongs to", "file", "", "hash"], rows)
     what = f"{found.files} files of {found.size / 1e6:.1f} MB {'were read' if read_data else 'are named'}"
     wrong = f"{len(found.faults)} missing or damaged; restore them from a backup, or run their jobs with --force"
-    note(f"{what}: {wrong if found.faults else 'all there' + (' and sound' if read_data else '')}")
+    print_note(f"{what}: {wrong if found.faults else 'all there' + (' and sound' if read_data else '')}")
     context.exit(status)

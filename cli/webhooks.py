@@ -42,13 +42,13 @@ def create_command(url: str, states: tuple[str, ...], home: Path | None, as_json
       garmentq webhooks create https://studio.example/garmentq --on succeeded --on failed
     """
     from ..service.states import State
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     webhook, secret = _open(home).create_webhook(url, [State(state) for state in states])
     if as_json:
         print_json(webhook.as_json() | {"secret": secret})
         return
-    note(f"webhook {webhook.id} for {webhook.url}: {', '.join(webhook.states)}; its secret is not shown again")
+    print_note(f"webhook {webhook.id} for {webhook.url}: {', '.join(webhook.states)}; its secret is not shown again")
     click.echo(secret)
 
 
@@ -88,10 +88,10 @@ def delete_command(webhook: str, home: Path | None) -> None:
     Example:
       garmentq webhooks delete 5f1d0c9b7a3e
     """
-    from .terminal import note
+    from .terminal import print_note
 
     _open(home).delete_webhook(webhook)
-    note(f"webhook {webhook} is deleted")
+    print_note(f"webhook {webhook} is deleted")
 
 
 @command.command("test")
@@ -108,13 +108,13 @@ def test_command(context: click.Context, webhook: str, home: Path | None, as_jso
     """
     from dataclasses import asdict
 
-    from .terminal import note, print_json
+    from .terminal import print_json, print_note
 
     receipt = _open(home).test_webhook(webhook)
     if as_json:
         print_json(asdict(receipt))
     else:
-        note(f"answered {receipt.status}" if receipt.error is None else f"not taken: {receipt.error}")
+        print_note(f"answered {receipt.status}" if receipt.error is None else f"not taken: {receipt.error}")
     context.exit(exits.OK if receipt.error is None else exits.FAILED)
 
 

@@ -36,7 +36,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, queues:
     from ..workers.embedded import hold_worker_lock
     from ..workers.threads import count_cores
     from ..workers.worker import run_worker
-    from .terminal import note
+    from .terminal import print_note
 
     settings = read_settings(home=home)
     served = tuple(dict.fromkeys(queues.split(",")))
@@ -47,7 +47,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, queues:
         start_broker(settings)
         lock = hold_worker_lock(settings) if embedded else None
         if embedded and lock is None:
-            note("another embedded worker runs in this home")
+            print_note("another embedded worker runs in this home")
             context.exit(exits.OK)
         if lock is not None:
             os.chdir(settings.home)  # a process in the background must not hold the folder it was started in

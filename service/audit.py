@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, select
 
-from .database import Database, change_rows, clock, pass_damage
+from .database import Database, change_rows, clock, skip_damaged_rows
 from .models import AuditRow
 
 
@@ -31,13 +31,13 @@ DOWNLOADS = ("/artifacts/", "/result.zip")
 PERSONS = "/v1/persons/"
 """Beginning of the paths that end in a person's name, which must not outlive the person's data here."""
 
-ASKING = ("/states", "/patterns/check", "/patterns/edit")
+READ_ONLY_ENDINGS = ("/states", "/patterns/check", "/patterns/edit")
 """Ends of the paths that are asked by POST and change nothing."""
 
 
 def is_recorded(method: str, path: str, status: int) -> bool:
     """Return whether a request is one that the log keeps: it changed something, or took a file."""
-    if status >= 400 or path.endswith(ASKING):
+    if status >= 400 or path.endswith(READ_ONLY_ENDINGS):
         return False
     return method in ("POST", "PUT", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
 
@@ -58,7 +58,7 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
         session.add(AuditRow(at=clock(), key=key, action=action, subject=clean, address=came[0][:64], request=came[1]))
 
 
-@pass_damage
+@skip_damaged_rows
 def list_accesses(database: Database, limit: int = 100, key: str | None = None) -> list[Access]:
     """Return the newest rows, newest first; with `key` those of one API key."""
     asked = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .query import JobQuery
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
-    from .submission import Order, Submitted
+    from .submission import Order, SubmissionResult
     from .versions import Version
     from .webhook_records import Receipt, Webhook
 
@@ -80,10 +80,10 @@ class Backend(Protocol):
             GarmentqError: with the code of what cannot be used.
         """
 
-    def submit(self, order: Order) -> Submitted:
+    def submit(self, order: Order) -> SubmissionResult:
         """Keep or send an order's files, and queue the job."""
 
-    def submit_derived(self, order: DerivedOrder) -> Submitted:
+    def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Keep or send an order's files, and queue the job that works on a stored result.
 
         Raises:

@@ -19,10 +19,10 @@ from sqlalchemy.engine import make_url
 from .. import __version__
 from ..core.run.errors import BadInput
 from .damage import DamagedRow
-from .database import Database, reachable
+from .database import Database, translate_driver_errors
 from .garbage import find_all_references
-from .home import take_home, tighten
-from .private import FILE, make_private
+from .home import lock_home, restrict_permissions
+from .private import PRIVATE_FILE_MODE, make_private
 from .settings import ServiceSettings
 from .store import ArtifactDamaged, ArtifactMissing, Store
 from .stores import open_store
@@ -45,7 +45,7 @@ class BackupDamaged(BadInput):
 
 
 @dataclass(frozen=True)
-class Saved:
+class BackupContents:
     """Describe what a backup holds.
 
     Attributes:
@@ -65,7 +65,7 @@ class Saved:
     rows: tuple[DamagedRow, ...] = ()
 
 
-def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> Saved:
+def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> BackupContents:
     """Write a backup while everything goes on.
 
     The database is copied first, by SQLite's own backup, which is a snapshot; then the files that the snapshot names.
@@ -93,7 +93,7 @@ def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool
     return saved
 
 
-def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool = False) -> Saved:
+def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool = False) -> BackupContents:
     """Bring a backup back into a home: files first, each checked against its hash, then the database in one step.
 
     Jobs that ran when the backup was made are taken back by the next worker, as after a crash.
@@ -108,23 +108,23 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
         raise BackupRefused(f"{target} exists; restore into another --home, or add --overwrite to lose what is there.")
     make_private(target.parent)
     store = open_store(settings)
-    with _alone(settings), tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
+    with _hold_home_exclusively(settings), tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
         snapshot = Path(folder) / DATABASE
         with _open_tar(source) as archive:
             kept, size = _read_members(archive, store, snapshot)
         named, missing, rows = _check_snapshot(snapshot, kept)
         for ending in ("-wal", "-shm"):
             target.with_name(target.name + ending).unlink(missing_ok=True)
-        snapshot.chmod(FILE)
+        snapshot.chmod(PRIVATE_FILE_MODE)
         os.replace(snapshot, target)
-    tighten(settings)
-    return Saved(settings.home, len(named & kept), size, missing, rows=rows)
+    restrict_permissions(settings)
+    return BackupContents(settings.home, len(named & kept), size, missing, rows=rows)
 
 
 @contextmanager
-def _alone(settings: ServiceSettings) -> Iterator[None]:
+def _hold_home_exclusively(settings: ServiceSettings) -> Iterator[None]:
     """Keep workers and the API of this machine out for the block."""
-    lock = take_home(settings)
+    lock = lock_home(settings)
     if lock is None:
         raise BackupRefused("a worker or the API has this home open; `garmentq down`, and stop `garmentq serve`.")
     try:
@@ -133,14 +133,14 @@ def _alone(settings: ServiceSettings) -> Iterator[None]:
         os.close(lock)
 
 
-def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destination: Path) -> Saved:
+def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destination: Path) -> BackupContents:
     store = open_store(settings)
     missing, damaged = list[str](), list[str]()
     count = size = 0
     with tempfile.TemporaryDirectory(dir=destination.parent) as folder, tarfile.open(fileobj=stream, mode="w") as tar:
         snapshot = Path(folder) / DATABASE
         opened = closing(sqlite3.connect(source)), closing(sqlite3.connect(snapshot))
-        with reachable(settings.database), opened[0] as live, opened[1] as copy:
+        with translate_driver_errors(settings.database), opened[0] as live, opened[1] as copy:
             live.backup(copy)
             copy.execute("pragma journal_mode = delete")  # one file, no log beside it
         tar.add(snapshot, DATABASE, recursive=False)
@@ -160,7 +160,7 @@ def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destinati
         member = tarfile.TarInfo(ABOUT)
         member.size = len(about)
         tar.addfile(member, io.BytesIO(about))  # last: a backup that was cut off has none
-    return Saved(destination, count, size, tuple(missing), tuple(damaged), rows)
+    return BackupContents(destination, count, size, tuple(missing), tuple(damaged), rows)
 
 
 def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tuple[set[str], int]:

@@ -65,18 +65,18 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
     asked = parse_request(RecoverRequest, request)
     wanted = asked.unpack(folder)
     if asked.is_open and wanted.labels is not None and has_names(wanted.labels):
-        return _turn(folder)
+        return _mark_as_person(folder)
     try:
         reading = read_request(wanted, Limits(is_confined=True))
     except NoFaces:
         if asked.is_open and wanted.labels is None:  # a garment is a surface; a cloud with a body is the whole person
-            return _turn(folder)
+            return _mark_as_person(folder)
         raise
     save_reading(reading, folder / READING)
     return {"as": GARMENT, **describe_reading(reading)}
 
 
-def _turn(folder: Path) -> dict[str, Any]:
+def _mark_as_person(folder: Path) -> dict[str, Any]:
     """Note that the files are a person's."""
     from .kinds.recover_request import AS_PERSON
 
@@ -97,12 +97,12 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where a file cannot be used.
     """
-    from ..core.people.given import PersonFiles, describe_given, read_given, save_given
-    from ..core.people.inspect import explain_garment, is_no_person
+    from ..core.people.given import PersonFiles, describe_person_input, read_person_input, save_person_input
+    from ..core.people.inspect import explain_missing_body, is_garment_refusal
     from ..core.scan import Limits
     from .kinds import FileRef
     from .kinds import read_request as parse_request
-    from .kinds.person_request import GIVEN, PersonRequest
+    from .kinds.person_request import PERSON_INPUT_FILE, PersonRequest
 
     folder = Path(files)
     wanted = parse_request(PersonRequest, request)
@@ -115,13 +115,13 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
         wanted.settings.up,
     )
     try:
-        given = read_given(found, Limits(is_confined=True))
+        given = read_person_input(found, Limits(is_confined=True))
     except BadInput as error:
-        if is_no_person(error) and wanted.given_as is None and wanted.body is None:
-            error.message = explain_garment(error)
+        if is_garment_refusal(error) and wanted.given_as is None and wanted.body is None:
+            error.message = explain_missing_body(error)
         raise
-    save_given(given, folder / GIVEN)
-    return describe_given(given)
+    save_person_input(given, folder / PERSON_INPUT_FILE)
+    return describe_person_input(given)
 
 
 def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:

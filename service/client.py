@@ -19,7 +19,7 @@ from .records import check_id
 from .remote import RemoteBackend
 from .remote_libraries import read
 from .states import State
-from .submission import Submitted
+from .submission import SubmissionResult
 
 
 class Client(RemoteBackend):
@@ -78,7 +78,7 @@ class Client(RemoteBackend):
         """Return all files of a job as one .zip; `export_files` checks each against its hash."""
         return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/result.zip").content
 
-    def mend_labels(self, job: str, points: Path) -> Submitted:
+    def mend_labels(self, job: str, points: Path) -> SubmissionResult:
         """Take a person's scan apart anew with mended labels; the job stays, and a new one is queued.
 
         Args:
@@ -87,7 +87,7 @@ class Client(RemoteBackend):
         """
         wanted = {"points": self.upload("labels", points)}
         found = self._ask_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=wanted)
-        return Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
+        return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
 
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job with all below it and all that reads its results."""

@@ -6,7 +6,7 @@ import time
 
 from sqlalchemy import delete, exists, or_, select, update
 
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .models import JobRow, LockRow, OutageRow, WorkerRow
 from .states import OPEN
 
@@ -14,8 +14,8 @@ AHEAD_SECONDS = 2.0
 """How far a row may lie ahead of the clock that wrote it [s]: it cannot at all, but for the rounding of a second."""
 
 
-@pass_damage
-def set_right(database: Database) -> int:
+@skip_damaged_rows
+def clamp_future_times(database: Database) -> int:
     """Move what was written before the clock was set back to now; a lease begins anew, whoever holds it.
 
     Without that nothing would expire until the clock has caught up.
@@ -58,7 +58,7 @@ def find_silence(database: Database, duty: str, seconds: float) -> float | None:
     return max(0.0, float(found) + seconds)
 
 
-class Leaps:
+class ClockJumpGuard:
     """Return whether leases may be believed: not until one lease after the database was away, or its clock leapt ahead.
 
     Their owners could not renew them, or had no chance to yet.

@@ -245,7 +245,7 @@ def is_utf8(value: str) -> str:
     return f"CASE WHEN {value} GLOB '{PLAIN}' THEN garmentq_is_utf8(CAST({value} AS BLOB)) ELSE 1 END"
 
 
-def tell_places(table: Any) -> None:
+def bind_column_types(table: Any) -> None:
     """Tell the type of each column of a table where it stands."""
     for column in table.columns:
         if isinstance(column.type, Checked):

@@ -13,12 +13,13 @@ import httpx
 
 from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .settings import hide_password
-from .store import BLOCK
+from .store import STORE_BLOCK_SIZE
 
-SECONDS = httpx.Timeout(150.0, connect=5.0)
-"""The service answers within 120 s or says that it cannot; a connection takes milliseconds."""
+SERVICE_HTTP_TIMEOUT = httpx.Timeout(150.0, connect=5.0)
+"""Time limits of an answer and of a connection [s]. The service answers within 120 s or says that it cannot; a
+connection takes milliseconds."""
 
-PATIENT = (
+RETRYABLE_CODES = (
     "key.too_many_requests", "key.uploads_open", "key.downloads_open", "key.limited_open", "service.limited_full",
 )  # fmt: skip
 """Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
@@ -26,8 +27,8 @@ PATIENT = (
 PATIENCE_SECONDS = 60.0
 """How long it waits in all for one request [s]."""
 
-TRIES = 3
-"""Times that a question is asked again where the connection breaks; every one of them is safe to repeat."""
+MAX_REQUEST_TRIES = 3
+"""Largest number of times that a request is sent where the connection breaks; every one of them is safe to repeat."""
 
 
 class ServiceUnreachable(GarmentqError):
@@ -51,7 +52,7 @@ class Connection:
         """
         headers = {"authorization": f"Bearer {key}"} if key else {}
         try:
-            self._http = httpx.Client(base_url=url.rstrip("/"), headers=headers, timeout=SECONDS)
+            self._http = httpx.Client(base_url=url.rstrip("/"), headers=headers, timeout=SERVICE_HTTP_TIMEOUT)
         except (httpx.InvalidURL, ValueError) as error:
             raise ServiceUnreachable(f"GARMENTQ_URL is no address: {error}.") from error
         weakref.finalize(self, self._http.close)  # a command that ends by an error leaves no socket open
@@ -65,7 +66,7 @@ class Connection:
         """Close it."""
         self._http.close()
 
-    def ask(self, method: str, url: str, tries: int = TRIES, **options: Any) -> Any:
+    def ask(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> Any:
         """Return the JSON value of an answer."""
         answer = self.send(method, url, tries, **options)
         try:
@@ -73,15 +74,15 @@ class Connection:
         except ValueError:
             raise ServiceUnreachable(f"what answers at {self.address} is no garmentq service.") from None
 
-    def send(self, method: str, url: str, tries: int = TRIES, **options: Any) -> httpx.Response:
+    def send(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> httpx.Response:
         """Return an answer; wait where the service says that the key asks too often."""
         deadline = time.monotonic() + PATIENCE_SECONDS
         while True:
             answer = self._send_now(method, url, tries, **options)
             if answer.status_code < 400:
                 return answer
-            error, pause = _make_error(answer), _pause_of(answer)
-            if error.code not in PATIENT or time.monotonic() + pause > deadline:
+            error, pause = _make_error(answer), _read_retry_after(answer)
+            if error.code not in RETRYABLE_CODES or time.monotonic() + pause > deadline:
                 raise error
             time.sleep(pause)
 
@@ -115,7 +116,7 @@ class Connection:
                     if not isinstance(content, Path):
                         return self._http.request(method, url, content=content, **options)
                     with content.open("rb") as stream:
-                        blocks = iter(lambda: stream.read(BLOCK), b"")
+                        blocks = iter(lambda: stream.read(STORE_BLOCK_SIZE), b"")
                         return self._http.request(method, url, content=blocks, **options)
                 except httpx.ConnectError:
                     raise
@@ -126,7 +127,7 @@ class Connection:
                     time.sleep(0.2)
 
 
-def _pause_of(answer: httpx.Response) -> float:
+def _read_retry_after(answer: httpx.Response) -> float:
     """Read how long to wait [s]; a second where the service does not tell."""
     text = answer.headers.get("retry-after", "")
     return float(text) if text.isascii() and text.isdigit() else 1.0

@@ -16,10 +16,10 @@ from sqlalchemy.sql.visitors import iterate
 from .columns import SQLITE, is_sound, is_utf8
 from .models import Base
 
-MOST_NAMED = 5
+MAX_NAMED_ROWS = 5
 """Damaged rows that one line of text names; `garmentq verify` lists them all."""
 
-NAMING = ("sha256", "scan", "request")
+FILE_REFERENCE_COLUMNS = ("sha256", "scan", "request")
 """Columns that name stored files; see `garbage.find_references`."""
 
 
@@ -41,7 +41,7 @@ class SoundSession(Session):
 
 
 @event.listens_for(SoundSession, "do_orm_execute")
-def _leave_out(state: ORMExecuteState) -> None:
+def _exclude_damaged_rows(state: ORMExecuteState) -> None:
     if state.is_select:
         named = {one for one in iterate(state.statement) if isinstance(one, Table)}  # type: ignore[arg-type]
         rows = [mapper.class_ for mapper in Base.registry.mappers if mapper.local_table in named]
@@ -67,21 +67,25 @@ def find_damaged(session: Session, tables: Sequence[str] = ()) -> list[DamagedRo
     return found
 
 
-def read_remains(session: Session) -> Iterator[bytes]:
+def read_damaged_references(session: Session) -> Iterator[bytes]:
     """Return the bytes of what may name a stored file in the damaged rows."""
     dialect = session.get_bind().dialect.name
     for table in Base.metadata.sorted_tables:
-        texts = [cast(coerce(table.columns[name], String()), Text) for name in NAMING if name in table.columns]
+        texts = [
+            cast(coerce(table.columns[name], String()), Text)
+            for name in FILE_REFERENCE_COLUMNS
+            if name in table.columns
+        ]
         if texts:
             plain = [cast(one, LargeBinary) if dialect == SQLITE else func.convert_to(one, "UTF8") for one in texts]
             for row in session.connection().execute(select(*plain).where(not_(is_sound(*table.columns)))):
                 yield from (bytes(value) for value in row if value is not None)
 
 
-def tell_rows(rows: Sequence[DamagedRow]) -> str:
+def describe_damaged_rows(rows: Sequence[DamagedRow]) -> str:
     """Return what is damaged and what to do, in one sentence."""
-    named = ", ".join(str(row) for row in rows[:MOST_NAMED])
-    more = f" and {len(rows) - MOST_NAMED} more" if len(rows) > MOST_NAMED else ""
+    named = ", ".join(str(row) for row in rows[:MAX_NAMED_ROWS])
+    more = f" and {len(rows) - MAX_NAMED_ROWS} more" if len(rows) > MAX_NAMED_ROWS else ""
     counted = f"{len(rows)} damaged row{'' if len(rows) == 1 else 's'} in the database"
     return (
         f"{counted}: {named}{more}; `garmentq verify` lists all. Mend or delete them by SQL, or take a backup from "

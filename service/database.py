@@ -36,9 +36,9 @@ from sqlalchemy.pool import NullPool
 from sqlalchemy.sql.functions import FunctionElement
 
 from ..core.run.errors import GarmentqError, Unavailable
-from ..core.run.text import TextBad, has_unkept
+from ..core.run.text import TextBad, has_unstorable_text
 from .columns import RowDamaged, add_functions
-from .damage import DamagedRow, SoundSession, find_damaged, tell_rows
+from .damage import DamagedRow, SoundSession, describe_damaged_rows, find_damaged
 from .lock import hold_lock
 from .private import make_private
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
@@ -51,16 +51,18 @@ T = TypeVar("T")
 WRITE = "garmentq_write"
 """Name of the execution option that marks a transaction as one that writes."""
 
-CONNECT_SECONDS = 10
-"""How long PostgreSQL may take to accept a connection [s]; one in another town takes a fraction of a second."""
+DATABASE_CONNECT_TIMEOUT = 10
+"""Time limit for PostgreSQL to accept a connection [s]; a server in another town takes a fraction of a second."""
 
 BUSY_SECONDS = 30
 """How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
 
-UNREADABLE = "Could not decode to UTF-8"
+DECODE_ERROR_TEXT = "Could not decode to UTF-8"
 """What the driver says of a text that is none."""
 
-DAMAGED = ("malformed", "file is not a database", "unsupported file format", "no such table", "no such column")
+DAMAGE_ERROR_TEXTS = (
+    "malformed", "file is not a database", "unsupported file format", "no such table", "no such column",
+)  # fmt: skip
 """What SQLite says of a file whose bytes changed; the tables of another version are told before any question."""
 
 DAMAGED_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT)
@@ -129,7 +131,7 @@ class Database:
     Attributes:
         url: SQLAlchemy address.
         engine: The connections.
-        sound: The same database as if its damaged rows were not there; `pass_damage` asks it.
+        sound: The same database as if its damaged rows were not there; `skip_damaged_rows` asks it.
         doubtful_until: Until when `sound` is asked at once [s, monotonic].
     """
 
@@ -163,15 +165,16 @@ class Database:
     @contextmanager
     def _open(self, engine: Engine) -> Iterator[Session]:
         try:
-            with reachable(self.url), self._session(engine, expire_on_commit=False) as session, session.begin():
+            opened = self._session(engine, expire_on_commit=False)
+            with translate_driver_errors(self.url), opened as session, session.begin():
                 yield session
         except RowDamaged as error:
             rows = self.find_damaged([error.table] if error.table else ())
-            raise RowDamaged(tell_rows(rows) if rows else "", error.table) from error
+            raise RowDamaged(describe_damaged_rows(rows) if rows else "", error.table) from error
 
     def find_damaged(self, tables: Sequence[str] = ()) -> list[DamagedRow]:
         """Return every row that cannot be read, of some tables or of all."""
-        with reachable(self.url), Session(self.engine) as session, session.begin():
+        with translate_driver_errors(self.url), Session(self.engine) as session, session.begin():
             return find_damaged(session, tables)
 
     @property
@@ -184,7 +187,7 @@ class Database:
         self.engine.dispose()
 
 
-def pass_damage(ask: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
+def skip_damaged_rows(ask: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
     """Make a question to a database, or a change of it, go on past damaged rows; the log names them."""
 
     @wraps(ask)
@@ -251,7 +254,7 @@ def check_integrity(database: Database) -> None:
             raise DatabaseDamaged()
 
 
-def serialise(session: Session, key: str) -> None:
+def take_advisory_lock(session: Session, key: str) -> None:
     """Block other transactions with the same key from here until this one ends.
 
     For "insert it unless it is there": PostgreSQL lets two transactions look at the same time, and the second insert
@@ -261,7 +264,7 @@ def serialise(session: Session, key: str) -> None:
         session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
 
 
-def begins(column: Any, text: str) -> ColumnElement[bool]:
+def starts_with(column: Any, text: str) -> ColumnElement[bool]:
     """Return the condition of a value that begins with a text; unlike LIKE it knows no signs and, on SQLite, case."""
     return cast(ColumnElement[bool], func.substr(column, 1, len(text)) == text)
 
@@ -290,7 +293,7 @@ def upgrade(database: Database, revision: str = "head") -> None:
     config = Config()
     config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
     with database.write() as session:
-        serialise(session, "garmentq upgrade")  # two hosts may open a new database at the same time
+        take_advisory_lock(session, "garmentq upgrade")  # two hosts may open a new database at the same time
         config.attributes["connection"] = session.connection()
         try:
             command.upgrade(config, revision)
@@ -313,7 +316,7 @@ def _make_engine(url: str, pooled: bool) -> Engine:
             engine = create_engine(
                 parsed.set(drivername="postgresql+psycopg"),
                 pool_pre_ping=pooled,
-                connect_args={"connect_timeout": CONNECT_SECONDS},
+                connect_args={"connect_timeout": DATABASE_CONNECT_TIMEOUT},
                 **options,
             )
         except ImportError as error:
@@ -335,7 +338,7 @@ def _refuse_text(connection: Any, cursor: Any, statement: str, values: Any, cont
     Raises:
         TextBad: where there is such a text among the values of a statement.
     """
-    if has_unkept(values):
+    if has_unstorable_text(values):
         raise TextBad()
 
 
@@ -368,7 +371,7 @@ def _begin_sqlite(connection: Connection) -> None:
 
 
 @contextmanager
-def reachable(url: str) -> Iterator[None]:
+def translate_driver_errors(url: str) -> Iterator[None]:
     """Turn what a driver raises within the block into our errors.
 
     Raises:
@@ -377,20 +380,20 @@ def reachable(url: str) -> Iterator[None]:
     try:
         yield
     except UnicodeDecodeError as error:  # the driver quotes a table's definition that is no text any more
-        raise _tell_damage(url, "a table's definition is no text") from error
+        raise _make_damage_error(url, "a table's definition is no text") from error
     except (DatabaseError, sqlite3.DatabaseError) as error:
         reason = (str(getattr(error, "orig", error)).strip().splitlines() or [""])[0]
-        if UNREADABLE in reason:
+        if DECODE_ERROR_TEXT in reason:
             raise RowDamaged(reason) from error
         code = getattr(getattr(error, "orig", error), "sqlite_errorcode", 0) & 0xFF  # without SQLite's further classes
-        if code in DAMAGED_CODES or any(words in reason for words in DAMAGED):
-            raise _tell_damage(url, reason) from error
+        if code in DAMAGED_CODES or any(words in reason for words in DAMAGE_ERROR_TEXTS):
+            raise _make_damage_error(url, reason) from error
         if not isinstance(error, OperationalError | sqlite3.OperationalError):
             raise
         raise DatabaseUnreachable(f"the database {hide_password(url)} does not answer: {reason}.") from error
 
 
-def _tell_damage(url: str, reason: str) -> DatabaseDamaged:
+def _make_damage_error(url: str, reason: str) -> DatabaseDamaged:
     return DatabaseDamaged(
         f"the database {hide_password(url)} is damaged ({reason}); `garmentq down`, keep the file aside, then "
         "`garmentq restore BACKUP.tar`, or run it on what `sqlite3 FILE .recover` saves."

@@ -10,7 +10,7 @@ from time import time
 from sqlalchemy import delete, exists, or_, select
 
 from ..core.run.errors import BadInput
-from .damage import tell_rows
+from .damage import describe_damaged_rows
 from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_family
@@ -50,7 +50,7 @@ class Deleted:
     young: int = 0
 
 
-def find_old(database: Database, seconds: float) -> list[str]:
+def find_old_families(database: Database, seconds: float) -> list[str]:
     """Return the roots of the families that ended longer ago than some seconds, the oldest first."""
     member = JobRow.__table__.alias()
     fresh = or_(member.c.state.not_in(ENDED), member.c.finished > clock() - seconds)
@@ -60,7 +60,7 @@ def find_old(database: Database, seconds: float) -> list[str]:
         return list(session.scalars(old))
 
 
-def find_doomed(database: Database, jobs: Sequence[str]) -> list[str]:
+def find_dependent_jobs(database: Database, jobs: Sequence[str]) -> list[str]:
     """Return all that goes with some jobs: these, all that reads a result of theirs, and all below each."""
     roots = _add_readers(database, jobs)
     return [*roots, *(row.id for row in find_below(database, roots))]
@@ -179,7 +179,7 @@ def remove_files(database: Database, store: Store, files: set[str], done: Delete
     named, damaged = find_all_references(database)
     count = size = young = 0
     if damaged:
-        log.warning("no file is removed: %s", tell_rows(damaged))
+        log.warning("no file is removed: %s", describe_damaged_rows(damaged))
         return Deleted(done.jobs, done.uploads, young=len(files - named))
     for key in sorted(files - named):
         try:

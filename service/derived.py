@@ -20,7 +20,7 @@ from .materials import resolve_fabric
 from .models import ArtifactRow, JobRow, OwnerRow
 from .results import RESULT
 from .states import QUEUES
-from .submission import PERSON_KIND, JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
+from .submission import PERSON_KIND, JobRequest, JobUnknown, SubmissionResult, add_job, check_labels, clean_name
 
 if TYPE_CHECKING:
     from .kinds import Kind
@@ -70,7 +70,7 @@ class DerivedOrder:
     over: str = ""
 
 
-def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStopped = never_stopped) -> Submitted:
+def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStopped = never_stopped) -> SubmissionResult:
     """Keep an order's files, check what it asks for, and queue the job.
 
     Raises:

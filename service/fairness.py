@@ -12,13 +12,15 @@ from sqlalchemy.orm import Session, aliased
 
 from .database import change_rows, clock
 from .models import JobRow, PayerRow
-from .outage import LONGEST_SECONDS
+from .outage import MAX_OUTAGE_PAUSE
 from .states import State
 
 
 def is_due() -> ColumnElement[bool]:
     """Return the condition of a job that does not rest; a rest longer than any is of a clock that was set back."""
-    return or_(JobRow.not_before.is_(None), JobRow.not_before <= clock(), JobRow.not_before > clock() + LONGEST_SECONDS)
+    return or_(
+        JobRow.not_before.is_(None), JobRow.not_before <= clock(), JobRow.not_before > clock() + MAX_OUTAGE_PAUSE
+    )
 
 
 def choose_job(session: Session, wakeup: str) -> str | None:

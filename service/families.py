@@ -15,19 +15,19 @@ from sqlalchemy import delete as delete_rows
 from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput, GarmentqError
-from .database import Database, pass_damage
-from .jobs import IDS_AT_ONCE, JobUnknown, create, move, record
-from .keys import check_quota, own
+from .database import Database, skip_damaged_rows
+from .jobs import IDS_AT_ONCE, JobUnknown, change_state, create, record
+from .keys import check_quota, grant_job
 from .kinds.kind import PARENT, ChildRequest
 from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow
 from .new_job import NewJob
 from .states import OPEN, UNSUCCESSFUL, State
 
-AWAITED = "job.awaited_failed"
+AWAITED_FAILED_CODE = "job.awaited_failed"
 """Code of a job whose sibling did not succeed."""
 
-BATCH = 50
-"""Waiting jobs looked at in one transaction."""
+WAITING_JOB_BATCH_SIZE = 50
+"""Number of waiting jobs that one transaction checks."""
 
 
 class JobNotEnded(BadInput):
@@ -130,12 +130,12 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
             raise JobNotEnded(f"job {still.id} is {still.state}; cancel it first, or wait.")
         if not stuck:
             raise JobSucceeded()
-        try_again(session, stuck, "retried", key, quota)
+        requeue_jobs(session, stuck, "retried", key, quota)
         return row.state
 
 
-def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str, quota: int) -> None:
-    """Queue locked jobs that ended without success, with what they wait for; `advance` lets go who waits.
+def requeue_jobs(session: Session, rows: Sequence[JobRow], event: str, payer: str, quota: int) -> None:
+    """Queue locked jobs that ended without success, with what they wait for; `release_waiting_jobs` lets go who waits.
 
     Raises:
         QueueFull: where the payer has as many open jobs as it may.
@@ -150,7 +150,7 @@ def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str, 
         left |= {one.id: one for one in awaited if one.state in UNSUCCESSFUL and one.id not in chosen}
     check_quota(session, payer, quota)  # it locks the key, which a worker that holds a job's row waits for
     for row, state in chosen.values():
-        move(session, row, state, event, payer=payer)
+        change_state(session, row, state, event, payer=payer)
 
 
 def delete(database: Database, job: str) -> tuple[str, ...]:
@@ -181,8 +181,8 @@ def delete(database: Database, job: str) -> tuple[str, ...]:
         return tuple(ids)
 
 
-@pass_damage
-def advance(database: Database) -> int:
+@skip_damaged_rows
+def release_waiting_jobs(database: Database) -> int:
     """Queue the waiting jobs whose siblings have succeeded, and end those with a sibling that ended otherwise.
 
     Returns:
@@ -192,10 +192,16 @@ def advance(database: Database) -> int:
         if not session.execute(select(exists().where(_is_ready()))).scalar():
             return 0
     with database.write() as session:
-        ready = select(JobRow).where(_is_ready()).order_by(JobRow.id).limit(BATCH).with_for_update(skip_locked=True)
+        ready = (
+            select(JobRow)
+            .where(_is_ready())
+            .order_by(JobRow.id)
+            .limit(WAITING_JOB_BATCH_SIZE)
+            .with_for_update(skip_locked=True)
+        )
         rows = session.scalars(ready).all()
         for row in rows:
-            _go_on(session, row)
+            _release_waiting_job(session, row)
         return len(rows)
 
 
@@ -224,16 +230,16 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
         known = session.scalars(select(JobRow).where(JobRow.dedup == dedup)).one_or_none()
         made[child.name] = known or create(session, _describe(row, child, dedup, tags, made))
         for key in owners:
-            own(session, key, made[child.name].id)
+            grant_job(session, key, made[child.name].id)
         if row.cancel:
             _cancel(session, made[child.name])
     return {name: one.id for name, one in made.items()}
 
 
-def share(session: Session, key: str, row: JobRow) -> None:
+def grant_family(session: Session, key: str, row: JobRow) -> None:
     """Make a key an owner of a locked job and of all below it; who adds a child meanwhile sees the owner then."""
     for one in find_tree(session, row, is_locked=True):
-        own(session, key, one.id)
+        grant_job(session, key, one.id)
 
 
 def _lock(session: Session, job: str) -> JobRow:
@@ -245,7 +251,7 @@ def _lock(session: Session, job: str) -> JobRow:
 
 def _cancel(session: Session, row: JobRow) -> None:
     if row.state in (State.WAITING, State.QUEUED):
-        move(session, row, State.CANCELLED, "cancelled")
+        change_state(session, row, State.CANCELLED, "cancelled")
     elif row.state == State.RUNNING and not row.cancel:
         row.cancel = True
         record(session, row.id, "cancel_requested")
@@ -258,7 +264,7 @@ def _is_ready() -> ColumnElement[bool]:
     return (JobRow.state == State.WAITING) & ~exists().where(on)
 
 
-def _go_on(session: Session, row: JobRow) -> None:
+def _release_waiting_job(session: Session, row: JobRow) -> None:
     awaited = select(JobRow.id, JobRow.state).join(JobWaitRow, JobWaitRow.awaited == JobRow.id)
     left = session.execute(
         awaited.where(JobWaitRow.job == row.id, JobRow.state != State.SUCCEEDED).order_by(JobRow.id)
@@ -267,11 +273,11 @@ def _go_on(session: Session, row: JobRow) -> None:
         return  # tried again since it was found ready
     failed = next(iter(left), None)
     if failed is None:
-        move(session, row, State.QUEUED, "queued")
+        change_state(session, row, State.QUEUED, "queued")
         return
     message = f"it waited for job {failed.id}, which is {failed.state}; `garmentq retry {row.id}` tries both again."
-    note = {"code": AWAITED, "message": message}
-    move(session, row, State.FAILED, "failed", note, error_code=AWAITED, error_message=message)
+    note = {"code": AWAITED_FAILED_CODE, "message": message}
+    change_state(session, row, State.FAILED, "failed", note, error_code=AWAITED_FAILED_CODE, error_message=message)
 
 
 def _describe(

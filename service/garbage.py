@@ -13,10 +13,10 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from .columns import RowDamaged
-from .damage import DamagedRow, read_remains
+from .damage import DamagedRow, read_damaged_references
 from .database import Database
 from .models import Base, JobRow
-from .store import ArtifactMissing, Kept, Store
+from .store import ArtifactMissing, Store, StoreEntry
 
 HASH = re.compile(r"[0-9a-f]{64}")
 """What a key looks like inside a job's request."""
@@ -24,9 +24,9 @@ HASH = re.compile(r"[0-9a-f]{64}")
 FOUND = re.compile(HASH.pattern.encode())
 """The same in the bytes of a request that cannot be read."""
 
-GRACE_HOURS = 24.0
-"""How old a file must be before it may be removed [h]: a worker puts its files first and names them some seconds later,
-and an upload is named by the request that follows it. A day is longer than any job."""
+GARBAGE_GRACE_HOURS = 24.0
+"""Least age of a file that may be removed [h]: a worker puts its files first and names them some seconds later, and an
+upload is named by the request that follows it. A day is longer than any job."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Garbage:
         damaged: Rows that cannot be read and may name any file; nothing is removed where there are some.
     """
 
-    files: tuple[Kept, ...]
+    files: tuple[StoreEntry, ...]
     removed: int
     kept_bytes: int
     damaged: tuple[DamagedRow, ...] = ()
@@ -80,7 +80,7 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
     with suppress(RowDamaged), database.read() as session:
         return set(find_references(session)), ()
     with database.sound.read() as session:
-        left = {key.decode() for remains in read_remains(session) for key in FOUND.findall(remains)}
+        left = {key.decode() for remains in read_damaged_references(session) for key in FOUND.findall(remains)}
         return left.union(find_references(session)), tuple(database.find_damaged())
 
 
@@ -106,11 +106,11 @@ def find_hashes(value: Any) -> Iterator[str]:
         yield value
 
 
-def _age(one: Kept) -> tuple[float, str]:
+def _age(one: StoreEntry) -> tuple[float, str]:
     return one.modified, one.sha256
 
 
-def _remove(store: Store, one: Kept, before: float) -> bool:
+def _remove(store: Store, one: StoreEntry, before: float) -> bool:
     try:
         return store.remove(one.sha256, before)
     except ArtifactMissing:

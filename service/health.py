@@ -11,21 +11,21 @@ from .database import Database
 from .outage import list_outages
 from .query import count_states
 from .queue_records import Queue, Worker
-from .reaper import DUTY, DUTY_SECONDS, list_workers
+from .reaper import DISPATCHER_LEASE, LEADER_LEASE_TIME, list_workers
 from .states import State
 
-SILENT_SECONDS = 30.0
-"""A dispatcher that has done nothing for so long stands still [s]; it acts twice a second."""
+MAX_DISPATCHER_SILENCE = 30.0
+"""Time without an action after which a dispatcher is reported as stopped [s]; it acts twice a second."""
 
 
 def read_queue(database: Database) -> Queue:
     """Return counts, living workers, and what stands in their way."""
     workers = [Worker.from_row(row) for row in list_workers(database)]
-    silence = find_silence(database, DUTY, DUTY_SECONDS)
+    silence = find_silence(database, DISPATCHER_LEASE, LEADER_LEASE_TIME)
     return Queue(count_states(database), workers, list_outages(database), silence)
 
 
-def hide_places(queue: Queue) -> Queue:
+def hide_worker_names(queue: Queue) -> Queue:
     """Return the queue as those may see it who run none of its machines: without their names."""
     workers = [replace(worker, name=f"worker {number}") for number, worker in enumerate(queue.workers, 1)]
     return replace(queue, workers=workers, outages=[replace(outage, place="") for outage in queue.outages])
@@ -39,7 +39,7 @@ def find_troubles(queue: Queue) -> list[str]:
             "no worker is up, or none reaches its broker, so the jobs wait; `garmentq up` starts one, "
             "`garmentq worker` on a server, and `garmentq doctor` there says what is away."
         )
-    if queue.workers and (queue.silence is None or queue.silence > SILENT_SECONDS):
+    if queue.workers and (queue.silence is None or queue.silence > MAX_DISPATCHER_SILENCE):
         since = "yet" if queue.silence is None else f"for {queue.silence:.0f} s"
         troubles.append(f"no dispatcher has acted {since}, so nothing new begins; see the workers' log, restart them.")
     for outage in queue.outages:

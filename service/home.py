@@ -9,7 +9,7 @@ from time import time
 
 from ..core.run.errors import GarmentqError
 from .lock import share_lock, take_lock
-from .private import MASK, make_private_all
+from .private import PRIVATE_UMASK, make_private_all
 from .settings import ServiceSettings
 
 IN_USE = "home.lock"
@@ -43,18 +43,18 @@ def use_home(settings: ServiceSettings) -> int:
     Raises:
         HomeBusy: where a restore goes on.
     """
-    os.umask(MASK)
+    os.umask(PRIVATE_UMASK)
     lock = share_lock(settings.home / IN_USE)
     if lock is None:
         raise HomeBusy()
-    sweep(settings)
+    remove_leftovers(settings)
     return lock
 
 
-def tighten(settings: ServiceSettings) -> None:
+def restrict_permissions(settings: ServiceSettings) -> None:
     """Take a home, and a store beside it, from all other users of the machine: earlier versions made some readable."""
     if settings.home.is_dir():
-        settings.home.chmod(settings.home.stat().st_mode & 0o777 & ~MASK)
+        settings.home.chmod(settings.home.stat().st_mode & 0o777 & ~PRIVATE_UMASK)
         for path in settings.home.iterdir():
             if path.name in PARTS or path.name.endswith(ENDINGS):
                 make_private_all(path)
@@ -62,7 +62,7 @@ def tighten(settings: ServiceSettings) -> None:
         make_private_all(settings.store_path)
 
 
-def sweep(settings: ServiceSettings, now: float | None = None) -> int:
+def remove_leftovers(settings: ServiceSettings, now: float | None = None) -> int:
     """Remove transfers that nobody ended, and folders of jobs whose process was killed, once they are a day old.
 
     Args:
@@ -87,6 +87,6 @@ def sweep(settings: ServiceSettings, now: float | None = None) -> int:
     return count
 
 
-def take_home(settings: ServiceSettings) -> int | None:
+def lock_home(settings: ServiceSettings) -> int | None:
     """Keep workers and the API of this machine out; None where one of them has the home open."""
     return take_lock(settings.home / IN_USE)

@@ -17,22 +17,22 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.run.errors import BadInput, GarmentqError, NotFound, Unavailable
 from ..core.run.verdict import Verdict, worst_verdict
-from .database import Database, begins, change_rows, clock, pass_damage
+from .database import Database, change_rows, clock, skip_damaged_rows, starts_with
 from .fairness import choose_job
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
 from .outage import find_pause
 from .shown_errors import show_message
 from .states import ENDED, TRANSITIONS, State
-from .webhooks import owe_messages
+from .webhooks import queue_messages
 
 T = TypeVar("T")
 
 IDS_AT_ONCE = 500
 """Values bound in one question; SQLite takes 32 766."""
-LOST, LOSS = "job.worker_lost", "worker_lost"
+WORKER_LOST_CODE, WORKER_LOST_EVENT = "job.worker_lost", "worker_lost"
 """Code of a job whose workers died too often; event of a process that died under one."""
-FRESH = {
+RETRY_DEFAULTS = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
     "delays": 0, "delay_code": None, "not_before": None,
@@ -84,7 +84,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Pulse:
+class HeartbeatResult:
     """Describe what a heartbeat found.
 
     Attributes:
@@ -127,7 +127,7 @@ def create(session: Session, new: NewJob) -> JobRow:
     return row
 
 
-def move(
+def change_state(
     session: Session, job: JobRow | Claim, to: State, event: str, note: dict[str, Any] | None = None, **values: Any
 ) -> None:
     """Write a job's new state with all that entering it changes, and the event that tells of it.
@@ -149,7 +149,7 @@ def move(
         raise MoveForbidden(f"job {key} cannot go from {source} to {to}.")
     values = {"state": to, "touched": clock(), "owner": None, "lease_until": None, "expected_end": None, **values}
     if source in ENDED:
-        values |= FRESH
+        values |= RETRY_DEFAULTS
     if to in ENDED:
         values["finished"] = clock()
     if isinstance(job, Claim):
@@ -159,7 +159,7 @@ def move(
             setattr(job, name, value)
     record(session, key, event, **(note or {}))
     if to in ENDED:
-        owe_messages(session, key, to)
+        queue_messages(session, key, to)
     if to == State.QUEUED:
         session.add(OutboxRow(job=key, created=clock()))
 
@@ -170,7 +170,7 @@ def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Cla
         return _claim(session, job, owner, lease_seconds)
 
 
-@pass_damage
+@skip_damaged_rows
 def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float) -> Claim | None:
     """Take the most urgent queued job of the queue that the woken job is in, or None where that queue is empty.
 
@@ -181,23 +181,23 @@ def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float
         return None if best is None else _claim(session, best, owner, lease_seconds)
 
 
-def renew(database: Database, claim: Claim, lease_seconds: float) -> Pulse:
+def renew(database: Database, claim: Claim, lease_seconds: float) -> HeartbeatResult:
     """Renew the lease and read the cancel flag in one statement."""
     with database.write() as session:
         cancel = session.execute(
-            _fenced(claim)
+            _update_claimed(claim)
             .values(lease_until=clock() + lease_seconds, touched=clock())
             .returning(JobRow.cancel)
             .execution_options(synchronize_session=False)
         ).scalar_one_or_none()
-    return Pulse(cancel is not None, bool(cancel))
+    return HeartbeatResult(cancel is not None, bool(cancel))
 
 
-def look(database: Database, claim: Claim) -> Pulse:
+def read_cancel_flag(database: Database, claim: Claim) -> HeartbeatResult:
     """Read the cancel flag without renewing the lease."""
     with database.read() as session:
-        cancel = session.execute(select(JobRow.cancel).where(_held(claim))).scalar_one_or_none()
-    return Pulse(cancel is not None, bool(cancel))
+        cancel = session.execute(select(JobRow.cancel).where(_matches_claim(claim))).scalar_one_or_none()
+    return HeartbeatResult(cancel is not None, bool(cancel))
 
 
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
@@ -206,7 +206,7 @@ def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
     Raises:
         FenceLost: where it does not hold; the transaction must not go on.
     """
-    if change_rows(session, _fenced(claim).values(**values)) != 1:
+    if change_rows(session, _update_claimed(claim).values(**values)) != 1:
         raise FenceLost()
 
 
@@ -218,10 +218,12 @@ def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
     """
     gates = result.get("gates")
     verdict = worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
-    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, overall=1.0, result=result, verdict=verdict)
+    change_state(
+        session, claim, State.SUCCEEDED, "succeeded", progress=1.0, overall=1.0, result=result, verdict=verdict
+    )
 
 
-@pass_damage
+@skip_damaged_rows
 def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:
     """End a job with an error.
 
@@ -230,10 +232,10 @@ def fail(database: Database, claim: Claim, code: str, message: str, bad_input: b
     """
     with database.write() as session:
         error = {"error_code": code, "error_message": message, "bad_input": bad_input}
-        move(session, claim, State.FAILED, "failed", {"code": code, "message": message}, **error)
+        change_state(session, claim, State.FAILED, "failed", {"code": code, "message": message}, **error)
 
 
-def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[str, Any]) -> None:
+def fail_with_result(session: Session, claim: Claim, error: GarmentqError, result: dict[str, Any]) -> None:
     """End a job with an error that leaves something to look at, within the transaction that stores it.
 
     Raises:
@@ -242,10 +244,10 @@ def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[st
     message = show_message(error)
     note = {"code": error.code, "message": message}
     told = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
-    move(session, claim, State.FAILED, "failed", note, result=result, **told)
+    change_state(session, claim, State.FAILED, "failed", note, result=result, **told)
 
 
-@pass_damage
+@skip_damaged_rows
 def end_cancelled(database: Database, claim: Claim) -> None:
     """End a running job that was asked to stop.
 
@@ -253,10 +255,10 @@ def end_cancelled(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        move(session, claim, State.CANCELLED, "cancelled")
+        change_state(session, claim, State.CANCELLED, "cancelled")
 
 
-@pass_damage
+@skip_damaged_rows
 def release(database: Database, claim: Claim) -> None:
     """Return a running job to the queue; the attempt does not count, since the worker was told to stop.
 
@@ -264,38 +266,38 @@ def release(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        _give_back(session, claim, "released")
+        _requeue(session, claim, "released")
 
 
-@pass_damage
-def put_off(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
+@skip_damaged_rows
+def reschedule(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
     """Return a running job to the queue, where it rests: what it needs is away, and no attempt is spent on that.
 
     Raises:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        delays = session.scalar(select(JobRow.delays).where(_held(claim))) or 0
+        delays = session.scalar(select(JobRow.delays).where(_matches_claim(claim))) or 0
         pause = find_pause(first_seconds, delays)
         rest = {"delays": delays + 1, "delay_code": outage.code, "not_before": clock() + pause}
         note = {"code": outage.code, "message": show_message(outage), "seconds": pause}
-        _give_back(session, claim, "put_off", note, **rest)
+        _requeue(session, claim, "put_off", note, **rest)
 
 
 def expire(session: Session, row: JobRow, max_attempts: int) -> None:
     """Take a job back whose lease ran out: to the queue, or to its end where it was cancelled or lost too often."""
     note = {"owner": row.owner, "attempt": row.attempts}
     if row.cancel:
-        move(session, row, State.CANCELLED, "cancelled")
+        change_state(session, row, State.CANCELLED, "cancelled")
     elif row.attempts >= max_attempts:
         message = (
             f"the worker died in each of {row.attempts} attempts, last in stage "
-            f"'{row.stage or 'start'}'{_tell_loss(session, row)}; "
+            f"'{row.stage or 'start'}'{_describe_loss(session, row)}; "
             "see the worker's log, then `garmentq retry`."
         )
-        move(session, row, State.DEAD, "dead", note, error_code=LOST, error_message=message)
+        change_state(session, row, State.DEAD, "dead", note, error_code=WORKER_LOST_CODE, error_message=message)
     else:
-        move(session, row, State.QUEUED, "lease_expired", note)
+        change_state(session, row, State.QUEUED, "lease_expired", note)
 
 
 def find_job(database: Database, job: str) -> JobRow:
@@ -308,7 +310,7 @@ def find_job(database: Database, job: str) -> JobRow:
         row = session.get(JobRow, job)
         if row is not None:
             return row
-        rows = session.scalars(select(JobRow).where(begins(JobRow.id, job)).limit(2)).all()
+        rows = session.scalars(select(JobRow).where(starts_with(JobRow.id, job)).limit(2)).all()
     if len(rows) == 1 and len(job) >= 4:
         return rows[0]
     raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
@@ -324,7 +326,7 @@ def find_jobs_by_id(database: Database, jobs: Sequence[str]) -> list[JobRow]:
     return [found[job] for job in jobs if job in found]
 
 
-def pick_known(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
+def order_by_ids(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
     """Return what was found of some ids, in the order of the ids.
 
     Raises:
@@ -343,12 +345,12 @@ def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
         return list(session.scalars(wanted.order_by(EventRow.id)))
 
 
-def _give_back(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
+def _requeue(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
     """Queue a running job whose attempt does not count."""
-    if session.scalar(select(JobRow.cancel).where(_held(claim)).with_for_update()):
-        move(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
+    if session.scalar(select(JobRow.cancel).where(_matches_claim(claim)).with_for_update()):
+        change_state(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
     else:
-        move(session, claim, State.QUEUED, event, note, attempts=JobRow.attempts - 1, **values)
+        change_state(session, claim, State.QUEUED, event, note, attempts=JobRow.attempts - 1, **values)
 
 
 def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Claim | None:
@@ -376,16 +378,16 @@ def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Clai
     return Claim(job, row.fence, owner, row.attempts, row.request, row.name, row.kind, inputs)
 
 
-def _held(claim: Claim) -> ColumnElement[bool]:
+def _matches_claim(claim: Claim) -> ColumnElement[bool]:
     return and_(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == State.RUNNING)
 
 
-def _fenced(claim: Claim) -> Update:
-    return update(JobRow).where(_held(claim))
+def _update_claimed(claim: Claim) -> Update:
+    return update(JobRow).where(_matches_claim(claim))
 
 
-def _tell_loss(session: Session, row: JobRow) -> str:
+def _describe_loss(session: Session, row: JobRow) -> str:
     """Return what ended the last attempt, where it is known."""
-    wanted = (EventRow.job == row.id) & (EventRow.kind == LOSS)
+    wanted = (EventRow.job == row.id) & (EventRow.kind == WORKER_LOST_EVENT)
     last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
     return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""

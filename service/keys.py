@@ -11,7 +11,7 @@ from sqlalchemy import ColumnElement, exists, func, select, update
 from sqlalchemy.orm import Session
 
 from ..core.run.errors import BadInput, GarmentqError, NotFound
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .models import ApiKeyRow, JobRow, OwnerRow
 from .states import OPEN
 
@@ -22,15 +22,15 @@ service; `admin`: all jobs, templates and keys."""
 USED_SECONDS = 60.0
 """How exactly a key's last use is noted [s]: more often would be a write for each request."""
 
-MOST_URGENT = 100
+MAX_JOB_PRIORITY = 100
 """Highest priority of any job."""
 
 TOKEN_BYTES = 32
 """Random bytes of a token: beyond any guessing, so that a plain hash of it is safe to keep."""
 
-QUOTA = 100
-"""Jobs that a new key may have queued or running; a studio's day, and less than what hides the jobs of others
-for hours."""
+DEFAULT_JOB_QUOTA = 100
+"""Number of jobs that a new key may have queued or running; a studio's day, and less than what delays the jobs of
+others for hours."""
 
 
 class KeyMissing(GarmentqError):
@@ -89,7 +89,7 @@ class Caller:
     key: str
     scopes: tuple[str, ...]
     quota: int
-    priority: int = MOST_URGENT
+    priority: int = MAX_JOB_PRIORITY
 
     @property
     def sees_all(self) -> bool:
@@ -115,7 +115,7 @@ class Caller:
             raise PriorityTooHigh(f"the key's highest priority is {self.priority}; ask for that, or for another key.")
 
 
-LOCAL = Caller("", SCOPES, 0)
+LOCAL_CALLER = Caller("", SCOPES, 0)
 """The user of a service that listens on this machine only and has no keys."""
 
 
@@ -123,7 +123,7 @@ def create_key(
     database: Database,
     name: str,
     scopes: tuple[str, ...],
-    quota: int = QUOTA,
+    quota: int = DEFAULT_JOB_QUOTA,
     priority: int = 0,
     days: float | None = None,
 ) -> tuple[ApiKeyRow, str]:
@@ -141,7 +141,7 @@ def create_key(
         KeySpecBad: where one of them cannot be used.
     """
     is_named = 0 < len(name) <= 255 and name.isprintable()
-    is_bounded = 0 <= priority <= MOST_URGENT and (days is None or 0 < days <= 36500)
+    is_bounded = 0 <= priority <= MAX_JOB_PRIORITY and (days is None or 0 < days <= 36500)
     if not is_named or not is_bounded or not scopes or not set(scopes) <= set(SCOPES) or not 1 <= quota <= 1_000_000:
         raise KeySpecBad()
     token = "gq_" + secrets.token_hex(TOKEN_BYTES)
@@ -163,7 +163,7 @@ def create_key(
     return row, token
 
 
-@pass_damage
+@skip_damaged_rows
 def list_keys(database: Database) -> list[ApiKeyRow]:
     """Return every key, oldest first."""
     with database.read() as session:
@@ -193,7 +193,7 @@ def has_keys(database: Database) -> bool:
         return bool(session.execute(select(exists().where(ApiKeyRow.id != ""))).scalar())
 
 
-def admit(database: Database, token: str | None, local_token: str = "") -> Caller:
+def authenticate_token(database: Database, token: str | None, local_token: str = "") -> Caller:
     """Authenticate a token.
 
     Args:
@@ -209,20 +209,20 @@ def admit(database: Database, token: str | None, local_token: str = "") -> Calle
     if local_token and hmac.compare_digest(token.encode("utf-8", "replace"), local_token.encode()):
         if has_keys(database):
             raise KeyBad("this service has keys by now; the token of its home is for one without.")
-        return LOCAL
-    return _admit(database, ApiKeyRow.hash == hash_token(token))
+        return LOCAL_CALLER
+    return _authenticate(database, ApiKeyRow.hash == hash_token(token))
 
 
-def admit_key(database: Database, key: str) -> Caller:
+def authenticate_key(database: Database, key: str) -> Caller:
     """Return who has a key, by its id; whoever calls this knows already that it is them who ask.
 
     Raises:
         KeyBad: where it was revoked or has expired.
     """
-    return _admit(database, ApiKeyRow.id == key)
+    return _authenticate(database, ApiKeyRow.id == key)
 
 
-def _admit(database: Database, is_meant: ColumnElement[bool]) -> Caller:
+def _authenticate(database: Database, is_meant: ColumnElement[bool]) -> Caller:
     old = ApiKeyRow.used.is_(None) | (ApiKeyRow.used < clock() - USED_SECONDS)
     with database.read() as session:
         asked = select(ApiKeyRow, old, ApiKeyRow.expires <= clock()).where(is_meant)
@@ -235,7 +235,7 @@ def _admit(database: Database, is_meant: ColumnElement[bool]) -> Caller:
     return Caller(row.id, tuple(row.scopes), row.quota, row.priority)
 
 
-def own(session: Session, key: str, job: str) -> None:
+def grant_job(session: Session, key: str, job: str) -> None:
     """Make a key an owner of a job; an empty key is the local user, who sees all."""
     if key and session.get(OwnerRow, (key, job)) is None:
         session.flush()

@@ -36,15 +36,15 @@ from .webhook_trial import try_webhook
 if TYPE_CHECKING:
     from ..core.cloth import Fabric
 
-POLL_SECONDS = 0.2
-"""How often the database is asked for news [s]; a person sees no difference below."""
+DATABASE_POLL_INTERVAL = 0.2
+"""Interval at which the database is asked for new events [s]; a person sees no difference below."""
 
 
 class LocalBackend:
     """Answer from an open home; see `backend.Backend`."""
 
     is_remote = False
-    poll_seconds = POLL_SECONDS
+    poll_seconds = DATABASE_POLL_INTERVAL
 
     def __init__(self, settings: ServiceSettings) -> None:
         """Prepare to answer from a home; it is opened for the first question that needs its database."""
@@ -70,7 +70,7 @@ class LocalBackend:
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
         """Return how far the jobs of some ids are, in the order of the ids; with `below` then all jobs below them."""
         found = {row.id: Job.from_row(row) for row in jobs.find_jobs_by_id(self._database, ids)}
-        known = jobs.pick_known(ids, found)
+        known = jobs.order_by_ids(ids, found)
         more = families.find_below(self._database, ids) if below else []  # read last: it has an ended job's children
         return known + [Job.from_row(row) for row in more]
 
@@ -96,11 +96,11 @@ class LocalBackend:
         """Check an order's files and names before anything is queued."""
         return ordering.check_order(self.services, order, template)
 
-    def submit(self, order: submission.Order) -> submission.Submitted:
+    def submit(self, order: submission.Order) -> submission.SubmissionResult:
         """Keep an order's files, and queue the job."""
         return submission.submit(self._database, self.services.store, order)
 
-    def submit_derived(self, order: derived.DerivedOrder) -> submission.Submitted:
+    def submit_derived(self, order: derived.DerivedOrder) -> submission.SubmissionResult:
         """Keep an order's files, and queue the job that works on a stored result."""
         return derived.submit_derived(self.services, order)
 

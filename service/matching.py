@@ -15,7 +15,7 @@ from ..core.run.text import read_json
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
 """What a comparison may cost: two patterns of ten panels take 3 s."""
 
-LONGEST_PAIRS = 100_000
+MAX_PAIRS_FILE_SIZE = 100_000
 """Largest file of pairs that is read [bytes]: 200 panels with long names take 20 KB."""
 
 
@@ -61,12 +61,12 @@ def read_pairs(path: Path) -> dict[str, str]:
     """
     try:
         with path.open("rb") as file:
-            content = file.read(LONGEST_PAIRS + 1)
+            content = file.read(MAX_PAIRS_FILE_SIZE + 1)
         text = content.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise PairsUnreadable(f"{path}: {PairsUnreadable().message}") from error
-    if len(content) > LONGEST_PAIRS:
-        raise PairsUnreadable(f"{path} is larger than {LONGEST_PAIRS} bytes; {PairsUnreadable().message}")
+    if len(content) > MAX_PAIRS_FILE_SIZE:
+        raise PairsUnreadable(f"{path} is larger than {MAX_PAIRS_FILE_SIZE} bytes; {PairsUnreadable().message}")
     found = _read_json(text) if text.lstrip().startswith(("{", "[")) else _read_csv(text)
     if found is None:
         raise PairsUnreadable(f"{path}: {PairsUnreadable().message}")

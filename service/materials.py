@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from ..core.run.errors import BadInput
 from .catalogue import read_fabric, show_fabric
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .models import FabricRow
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def keep_materials(database: Database, fabrics: list[Fabric]) -> None:
             session.merge(FabricRow(name=fabric.name, fabric=show_fabric(fabric), created=clock()))
 
 
-@pass_damage
+@skip_damaged_rows
 def list_materials(database: Database) -> list[Fabric]:
     """Return shipped and imported fabrics, each kind by name."""
     from ..core.cloth import load_fabrics

@@ -10,7 +10,7 @@ from .derived import InputWrong
 from .kinds import FileRef, pack_request, read_request
 from .kinds.person_request import PersonRequest
 from .results import ResultMissing, export_files, list_files, report_jobs
-from .submission import PERSON_KIND, JobRequest, Submitted, add_job
+from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job
 
 if TYPE_CHECKING:
     from .models import JobRow
@@ -21,7 +21,7 @@ LABELS = "labels.npz"
 
 
 @dataclass(frozen=True)
-class Mended:
+class RelabelOrder:
     """Ask for a person to be taken apart with mended labels.
 
     Attributes:
@@ -37,7 +37,7 @@ class Mended:
     realm: str = ""
 
 
-def submit_mended(services: Services, row: JobRow, wanted: Mended) -> Submitted:
+def submit_relabelling(services: Services, row: JobRow, wanted: RelabelOrder) -> SubmissionResult:
     """Queue a job that takes a person's scan apart by mended labels, all else asked for as before.
 
     What was said to be worn, and at single places, is left out: the labels say it now.
@@ -48,7 +48,7 @@ def submit_mended(services: Services, row: JobRow, wanted: Mended) -> Submitted:
         LabelsUnreadable, LabelsMismatch, LabelsOld: where the labels are none for its scan.
         QueueFull: where the key has as many open jobs as it may.
     """
-    from ..core.people.mend import mend_labels, read_mended
+    from ..core.people.mend import apply_corrected_labels, read_corrected_labels
 
     if row.kind != PERSON_KIND:
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job '{PERSON_KIND}'.")
@@ -56,7 +56,7 @@ def submit_mended(services: Services, row: JobRow, wanted: Mended) -> Submitted:
         raise ResultMissing(f"job {row.id} left no labels; `garmentq status {row.id}` tells why.")
     with services.copying() as folder:
         (stored,) = export_files(services.database, services.store, row.id, folder, [LABELS])
-        mended = mend_labels(stored, read_mended(wanted.points), folder / "mended.npz")
+        mended = apply_corrected_labels(stored, read_corrected_labels(wanted.points), folder / "mended.npz")
         file = FileRef(services.store.put(mended).sha256, LABELS)
     before = read_request(PersonRequest, row.request)
     request = pack_request(replace(before, labels=file, wearing=None, marks=(), given_as="person"))

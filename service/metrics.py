@@ -7,18 +7,19 @@ from collections.abc import Iterable, Mapping
 
 from sqlalchemy import func, select
 
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .models import EventRow, JobRow, OutboxRow, WorkerRow
 from .progress import read_stage_seconds
 from .states import QUEUES, State
 
-LATEST = 1000
-"""Ended jobs whose stage times are summed up: enough for a rate, and a bounded read however long the table is."""
+MEASURED_JOB_COUNT = 1000
+"""Number of ended jobs whose stage times are summed up: enough for a rate, and a bounded read however long the table
+is."""
 
 Labelled = tuple[Mapping[str, str], float]
 
 
-@pass_damage
+@skip_damaged_rows
 def prometheus_text(database: Database) -> str:
     """Return every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
     with database.read() as session:
@@ -38,7 +39,7 @@ def prometheus_text(database: Database) -> str:
         workers = session.execute(select(func.count(), func.sum(WorkerRow.concurrency)).select_from(WorkerRow)).one()
         owed = session.scalar(select(func.count()).select_from(OutboxRow))
         ended = select(JobRow.result).where(JobRow.state == State.SUCCEEDED).order_by(JobRow.finished.desc())
-        results = session.scalars(ended.limit(LATEST)).all()
+        results = session.scalars(ended.limit(MEASURED_JOB_COUNT)).all()
     queues = sorted({*QUEUES, *(queue for _, queue in jobs)})
     parts = [
         _family(
@@ -68,7 +69,7 @@ def prometheus_text(database: Database) -> str:
         _family(
             "stage_seconds",
             "gauge",
-            f"Mean CPU time by stage of the latest {LATEST} succeeded jobs.",
+            f"Mean CPU time by stage of the latest {MEASURED_JOB_COUNT} succeeded jobs.",
             [({"stage": name}, value) for name, value in sorted(_mean_stages(results).items())],
         ),
     ]

@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import MetaData
 from sqlalchemy.orm import DeclarativeBase
 
-from .columns import Flag, Name, Real, Values, Whole, tell_places
+from .columns import Flag, Name, Real, Values, Whole, bind_column_types
 from .states import State
 
 NAMING = {
@@ -35,4 +35,4 @@ class Base(DeclarativeBase):
     def __init_subclass__(cls, **options: Any) -> None:
         """Make the table, and tell each column's type where it stands."""
         super().__init_subclass__(**options)
-        tell_places(cls.__table__)
+        bind_column_types(cls.__table__)

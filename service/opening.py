@@ -68,16 +68,16 @@ def _find_key(url: str, settings: ServiceSettings) -> str:
 def _read(backend: Backend, job: str) -> StoredResult:
     """Read the result of a job, of which only the files that are read are copied."""
     from ..core.deliver.export.stored_result import FILES, load_result
-    from ..core.reuse.wear import WORN
+    from ..core.reuse.wear import WORN_FILE_NAME
 
     try:
         report = backend.find_job(job)
         names = {file.name for file in backend.list_artifacts(report.id)}
-        if report.children and WORN not in names:
+        if report.children and WORN_FILE_NAME not in names:
             below = ", ".join(f"{child.name} {child.job}" for child in report.children)
             raise InputWrong(f"job {report.id} is a job '{report.kind}'; open one of the jobs below it: {below}.")
         with tempfile.TemporaryDirectory(prefix="garmentq-result-") as folder:
-            wanted = [name for name in FILES if name in names] or [WORN]
+            wanted = [name for name in FILES if name in names] or [WORN_FILE_NAME]
             backend.export_files(report.id, Path(folder), wanted)
             return load_result(Path(folder))
     finally:

@@ -34,7 +34,7 @@ def check_order(services: Services, order: Order, template: str | None = None) -
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
-    checked = _find_fabrics(services, check_typed(order))
+    checked = _find_fabrics(services, check_order_locally(order))
     choices = {
         word: replace(one, template=find_template(services, one.name)) if one.name and one.template is None else one
         for word, one in checked.choices.items()
@@ -61,7 +61,7 @@ def _find_fabrics(services: Services, order: Order) -> Order:
     return replace(order, settings=replace(order.settings, fabric=fabric), choices=choices)
 
 
-def check_typed(order: Order) -> Order:
+def check_order_locally(order: Order) -> Order:
     """Check what can be known of an order without its service, and without looking into its files.
 
     Raises:

@@ -12,18 +12,18 @@ from sqlalchemy import delete, exists, select, update
 from sqlalchemy.exc import IntegrityError
 
 from ..core.run.errors import Unavailable
-from .database import Database, change_rows, clock, pass_damage
+from .database import Database, change_rows, clock, skip_damaged_rows
 from .models import OutageRow
 from .queue_records import Outage
 from .store import StorageFull, StoreUnreachable
 
-LONGEST_SECONDS = 300.0
-"""Longest pause of a job, or between two looks [s]: what the end of an outage may go unnoticed."""
+MAX_OUTAGE_PAUSE = 300.0
+"""Longest pause of a job, or between two checks [s]: so long may the end of an outage go unnoticed."""
 
-STALE_SECONDS = 2 * LONGEST_SECONDS
+STALE_SECONDS = 2 * MAX_OUTAGE_PAUSE
 """An outage that nobody has met for so long is over, or its worker is [s]."""
 
-FULL, AWAY = (errno.ENOSPC, errno.EDQUOT), (errno.EIO, errno.ESTALE, errno.ENOTCONN, errno.EROFS)
+FULL_ERRNOS, AWAY_ERRNOS = (errno.ENOSPC, errno.EDQUOT), (errno.EIO, errno.ESTALE, errno.ENOTCONN, errno.EROFS)
 """What the system says of a disk without room, and of one that is gone."""
 
 
@@ -31,16 +31,16 @@ def find_outage(error: BaseException) -> Unavailable | None:
     """Return the outage that an error tells of, or None where the job itself is at fault."""
     if isinstance(error, Unavailable):
         return error
-    if isinstance(error, OSError) and error.errno in FULL:
+    if isinstance(error, OSError) and error.errno in FULL_ERRNOS:
         return StorageFull(f"there is no room: {error.strerror}; free some disk space, and the jobs go on.")
-    if isinstance(error, OSError) and error.errno in AWAY:
+    if isinstance(error, OSError) and error.errno in AWAY_ERRNOS:
         return StoreUnreachable(f"a disk is away: {error.strerror}; mount it again, and the jobs go on.")
     return None
 
 
 def find_pause(first: float, times: int) -> float:
     """Return how long to wait [s] after something was away `times` times before: twice as long each time."""
-    return min(LONGEST_SECONDS, first * 2.0 ** min(times, 30))
+    return min(MAX_OUTAGE_PAUSE, first * 2.0 ** min(times, 30))
 
 
 def note_outage(database: Database, place: str, code: str) -> None:
@@ -65,7 +65,7 @@ def end_outages(database: Database, place: str) -> None:
         session.execute(delete(OutageRow).where(OutageRow.place == place))
 
 
-@pass_damage
+@skip_damaged_rows
 def list_outages(database: Database) -> list[Outage]:
     """Return what workers wait for, the oldest first."""
     with database.read() as session:

@@ -11,12 +11,12 @@ from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session
 
 from ..core.run.errors import NotFound
-from .database import Database, begins
-from .deletion import Deleted, delete_jobs, find_doomed, forget_upload, remove_files
+from .database import Database, starts_with
+from .deletion import Deleted, delete_jobs, find_dependent_jobs, forget_upload, remove_files
 from .garbage import find_hashes
 from .jobs import IDS_AT_ONCE, find_jobs_by_id
 from .models import JobRow, OwnerRow, ScanRow, UploadRow
-from .query import UNKEPT
+from .query import FORBIDDEN_CHARACTERS
 from .records import CLOSED
 from .store import Store
 
@@ -126,13 +126,13 @@ def delete_person(
 def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
     """Return a person, and the root jobs that go back to one of its files."""
     with database.read() as session:
-        files = set() if UNKEPT.search(name) else _find_files(session, name, key)
+        files = set() if FORBIDDEN_CHARACTERS.search(name) else _find_files(session, name, key)
         if not files:
             raise PersonUnknown(f"nothing is called exactly '{name[:80]}'; `garmentq status` lists the jobs.")
         asked = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
         rows = session.execute(asked.order_by(JobRow.created, JobRow.id)).all()
     roots = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
-    doomed = find_doomed(database, roots)
+    doomed = find_dependent_jobs(database, roots)
     jobs = describe_jobs(database, doomed, key)
     with database.read() as session:
         wanted = select(UploadRow).where(UploadRow.sha256.in_(files)).order_by(UploadRow.created, UploadRow.sha256)
@@ -149,7 +149,7 @@ def _find_files(session: Session, name: str, key: str) -> set[str]:
     named = _of_key(select(JobRow.scan).where(JobRow.name == name, JobRow.parent.is_(None)), key)
     files = set(session.scalars(named))
     for table in (UploadRow,) if key else (UploadRow, ScanRow):  # a scan's row has the name that the first key gave it
-        asked = select(table.sha256, table.name).where(or_(table.name == name, begins(table.name, f"{name}.")))
+        asked = select(table.sha256, table.name).where(or_(table.name == name, starts_with(table.name, f"{name}.")))
         found = session.execute(asked.where(UploadRow.key == key) if key else asked)
         files.update(sha256 for sha256, given in found if name in (given, given.rpartition(".")[0]))
     return files

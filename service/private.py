@@ -6,14 +6,14 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-FOLDER = 0o700
-"""Rights of a folder of a home."""
+PRIVATE_FOLDER_MODE = 0o700
+"""Permission bits of a folder of a home: its user alone opens it."""
 
-FILE = 0o600
-"""Rights of a file of a home."""
+PRIVATE_FILE_MODE = 0o600
+"""Permission bits of a file of a home: its user alone reads and writes it."""
 
-MASK = 0o077
-"""What a process that works on a home takes off the rights of all that it makes."""
+PRIVATE_UMASK = 0o077
+"""Permission bits that a process which works on a home removes from all that it makes (umask)."""
 
 
 def make_private(folder: Path) -> Path:
@@ -26,8 +26,8 @@ def make_private(folder: Path) -> Path:
     """
     for above in reversed(folder.parents):
         if not above.exists():
-            above.mkdir(mode=FOLDER, exist_ok=True)
-    folder.mkdir(mode=FOLDER, exist_ok=True)
+            above.mkdir(mode=PRIVATE_FOLDER_MODE, exist_ok=True)
+    folder.mkdir(mode=PRIVATE_FOLDER_MODE, exist_ok=True)
     return folder
 
 
@@ -44,4 +44,4 @@ def _close(path: Path) -> None:
     with suppress(FileNotFoundError, PermissionError):
         if not path.is_symlink():
             mode = path.stat().st_mode & 0o777
-            path.chmod(mode & ~MASK)
+            path.chmod(mode & ~PRIVATE_UMASK)

@@ -11,7 +11,7 @@ from typing import Any
 
 from sqlalchemy import case, select
 
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .jobs import Claim, record, write_fenced
 from .models import JobRow
 from .records import Progress
@@ -61,7 +61,7 @@ class Pace:
         return (1.0 - share) * max(self.seconds, own)
 
 
-class Pacer:
+class ProgressEstimator:
     """Return how far a running job is in all, from how far it is in a stage; never less than before."""
 
     def __init__(self, pace: Pace) -> None:
@@ -114,7 +114,7 @@ def is_time(seconds: object) -> bool:
     return isinstance(seconds, int | float) and math.isfinite(seconds) and seconds >= 0.0
 
 
-@pass_damage
+@skip_damaged_rows
 def _find_paces(database: Database, kind: str, request: Mapping[str, Any]) -> list[tuple[dict[str, float], float]]:
     """Return the times of the stages, and of the whole, of each of the latest jobs of a kind and method [s]."""
     newest = select(JobRow.id).order_by(JobRow.created.desc()).limit(LATEST_JOBS).scalar_subquery()

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput
 from .columns import json_or_null
-from .database import Database, pass_damage
+from .database import Database, skip_damaged_rows
 from .models import BodyRow, JobRow, JobTagRow, MaterialRow, MetricRow, OwnerRow, PatternRow
 from .states import State
 
@@ -70,22 +70,23 @@ CONDITION = re.compile(
 )
 """One comparison: NAME OPERATOR VALUE."""
 
-UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
+FORBIDDEN_CHARACTERS = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 """Control characters and lone surrogates: in no name that is kept, and PostgreSQL takes no NUL even in a question."""
 
-AND = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
+AND_PATTERN = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 
-MANY = 2_000
-"""Jobs that meet a condition on another table from which they are many: naming 2000 takes about 2 ms."""
+MIN_EXISTS_MATCH_COUNT = 2_000
+"""Number of jobs that meet a condition on another table from which each job is looked up (EXISTS) instead of naming all
+of them (IN): naming 2000 takes about 2 ms."""
 
-MOST_CONDITIONS = 50
+MAX_QUERY_CONDITIONS = 50
 """Conditions of one question; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
 
-MOST_SKIPPED = 1_000_000
+MAX_QUERY_OFFSET = 1_000_000
 """Jobs that a page may lie behind; the database walks over each."""
 
-MOST = 10_000
-"""Rows that one question may bring back; more belongs into a program that reads the database."""
+MAX_QUERY_ROWS = 10_000
+"""Largest number of rows that one question may return; more belongs into a program that reads the database."""
 
 
 class QueryBad(BadInput):
@@ -136,8 +137,8 @@ class JobQuery:
         """
         given = [Condition(name, "=", value) for name, value in self.given.items()]
         found = given + [condition for text in self.wheres for condition in parse_conditions(text)]
-        if len(found) > MOST_CONDITIONS:
-            raise QueryBad(f"{len(found)} conditions are more than {MOST_CONDITIONS}; ask for less at a time.")
+        if len(found) > MAX_QUERY_CONDITIONS:
+            raise QueryBad(f"{len(found)} conditions are more than {MAX_QUERY_CONDITIONS}; ask for less at a time.")
         return found
 
 
@@ -158,13 +159,13 @@ def parse_conditions(text: str) -> list[Condition]:
         conditions.append(_condition(match["name"], match["operator"], match["value"].strip("\"'")))
         if match.end() == len(text):
             return conditions
-        joint = AND.match(text, match.end())
+        joint = AND_PATTERN.match(text, match.end())
         if joint is None:
             raise QueryBad(f"'{text[match.end() :][:60]}' does not follow a condition; join conditions with 'and'.")
         at = joint.end()
 
 
-@pass_damage
+@skip_damaged_rows
 def find_jobs(
     database: Database,
     conditions: Sequence[Condition] = (),
@@ -181,8 +182,10 @@ def find_jobs(
         QueryBad: where a name is unknown or the limit is out of range.
     """
     count, offset = limit if isinstance(limit, tuple) else (limit, 0)
-    if not 1 <= count <= MOST or not 0 <= offset <= MOST_SKIPPED:
-        raise QueryBad(f"limit {count} is outside 1 to {MOST}, or offset {offset} outside 0 to {MOST_SKIPPED}.")
+    if not 1 <= count <= MAX_QUERY_ROWS or not 0 <= offset <= MAX_QUERY_OFFSET:
+        raise QueryBad(
+            f"limit {count} is outside 1 to {MAX_QUERY_ROWS}, or offset {offset} outside 0 to {MAX_QUERY_OFFSET}."
+        )
     page = (count, offset)
     with database.read() as session:
         statement = _select(session, conditions, owner)
@@ -202,7 +205,7 @@ def find_jobs(
         )
 
 
-@pass_damage
+@skip_damaged_rows
 def find_roots(
     database: Database, conditions: Sequence[Condition], limit: int, owner: str | None = None, before: str | None = None
 ) -> list[JobRow]:
@@ -268,14 +271,14 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     if field is not None:
         table = getattr(field, "class_", JobRow)
         if table is JobRow:
-            return cast(ColumnElement[bool], compare(_as_text(name, field), _checked(condition)))
+            return cast(ColumnElement[bool], compare(_as_text(name, field), _check_value(condition)))
         row, pattern = aliased(table), aliased(PatternRow)
-        matches = compare(getattr(row, field.key), _checked(condition))
+        matches = compare(getattr(row, field.key), _check_value(condition))
         if table is MaterialRow:
             return _is_named(session, pattern.job, (pattern.material == row.id) & matches)
         return _is_named(session, row.job, matches)
     if name == TAG:
-        has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _checked(condition))
+        has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _check_value(condition))
         return has if compare is operator.eq else ~has
     _check_metric(session, name)
     metric = aliased(MetricRow)
@@ -288,13 +291,13 @@ def _is_named(session: Session, job: Any, matches: ColumnElement[bool]) -> Colum
     Where many jobs are named, they are met soon on the way through the jobs in their order, one look-up each; where few
     are, the index of the other table names them at once. The other way round either takes long in a long table.
     """
-    first = select(job).where(matches).limit(MANY).subquery()
-    if (session.scalar(select(func.count()).select_from(first)) or 0) < MANY:
+    first = select(job).where(matches).limit(MIN_EXISTS_MATCH_COUNT).subquery()
+    if (session.scalar(select(func.count()).select_from(first)) or 0) < MIN_EXISTS_MATCH_COUNT:
         return JobRow.id.in_(select(job).where(matches))
     return exists().where(job == JobRow.id, matches)
 
 
-def _checked(condition: Condition) -> str | float:
+def _check_value(condition: Condition) -> str | float:
     """Return the value of a condition on a field.
 
     Raises:
@@ -302,7 +305,7 @@ def _checked(condition: Condition) -> str | float:
     """
     if condition.name == "state" and condition.value not in list(State):
         raise QueryBad(f"there is no state '{str(condition.value)[:40]}'; there are {', '.join(State)}.")
-    if isinstance(condition.value, str) and UNKEPT.search(condition.value):
+    if isinstance(condition.value, str) and FORBIDDEN_CHARACTERS.search(condition.value):
         raise QueryBad(f"the value of '{condition.name}' holds a character that no text has; leave it out.")
     return condition.value
 
@@ -318,7 +321,7 @@ def _check_metric(session: Session, name: str) -> None:
     Raises:
         QueryBad: where it is unknown.
     """
-    is_text = not UNKEPT.search(name)
+    is_text = not FORBIDDEN_CHARACTERS.search(name)
     if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
         known = session.scalars(select(MetricRow.name).distinct()).all()  # slow with many results, so only to tell
         if known or not CONDITION.match(f"{name} = 0"):
@@ -326,7 +329,7 @@ def _check_metric(session: Session, name: str) -> None:
             raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
 
 
-@pass_damage
+@skip_damaged_rows
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
     """Return the jobs that run, then the newest others, each newest first."""
     newest, runs = select(JobRow).order_by(JobRow.created.desc(), JobRow.id), JobRow.state == State.RUNNING
@@ -335,7 +338,7 @@ def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
         return [*first, *session.scalars(newest.where(~runs).limit(limit - len(first)))]
 
 
-@pass_damage
+@skip_damaged_rows
 def count_states(database: Database) -> dict[State, int]:
     """Count the jobs by state."""
     with database.read() as session:

@@ -1,7 +1,7 @@
 """What keeps the queue moving when something died: expired leases, forgotten jobs, and the outbox.
 
-One process at a time does it (`hold_duty`), but nothing breaks where two do: a claim is compare-and-set, so a second
-wake-up for the same job finds nothing to claim.
+One process at a time does it (`acquire_leader_lease`), but nothing breaks where two do: a claim is compare-and-set, so
+a second wake-up for the same job finds nothing to claim.
 """
 
 from __future__ import annotations
@@ -12,28 +12,28 @@ from sqlalchemy import ColumnElement, delete, exists, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from .clocks import AHEAD_SECONDS
-from .database import Database, change_rows, clock, pass_damage
+from .database import Database, change_rows, clock, skip_damaged_rows
 from .fairness import is_due
-from .jobs import LOSS, expire, record
+from .jobs import WORKER_LOST_EVENT, expire, record
 from .models import JobRow, LockRow, OutboxRow, WorkerRow
 from .states import OPEN, State
 
-BATCH = 50
-"""Wake-ups published in one go: a hundred a second, and the loop that also hands jobs to the children rests for less
-than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
+WAKE_UP_BATCH_SIZE = 50
+"""Number of wake-ups that are published at once: a hundred a second, and the loop that also hands jobs to the children
+rests for less than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
 
 
-DUTY = "dispatcher"
+DISPATCHER_LEASE = "dispatcher"
 """Name of the duty to dispatch and reap."""
 
-DUTY_SECONDS = 5.0
+LEADER_LEASE_TIME = 5.0
 """How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
 
 FORGET_SECONDS = 30.0
 """A worker that has not said so for so long lives no more [s]; it says so every 5 s."""
 
 
-def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool:
+def acquire_leader_lease(database: Database, name: str, owner: str, seconds: float) -> bool:
     """Take or renew a duty for some seconds; False where another process has it."""
     with database.write() as session:
         is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
@@ -49,13 +49,13 @@ def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool
         return True
 
 
-def drop_duty(database: Database, name: str, owner: str) -> None:
+def release_leader_lease(database: Database, name: str, owner: str) -> None:
     """Drop a duty, so that another process need not wait."""
     with database.write() as session:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
 
-@pass_damage
+@skip_damaged_rows
 def reap(database: Database, max_attempts: int) -> int:
     """Take back the jobs whose owners no longer renew their lease; one that was lost too often ends as `dead`.
 
@@ -72,8 +72,8 @@ def reap(database: Database, max_attempts: int) -> int:
         return len(expired)
 
 
-@pass_damage
-def remind(database: Database, seconds: float, is_broker_empty: Callable[[], bool]) -> int:
+@skip_damaged_rows
+def republish_stalled_jobs(database: Database, seconds: float, is_broker_empty: Callable[[], bool]) -> int:
     """Owe a new wake-up to each queued job that saw nothing for so long [s] while the broker holds no message at all.
 
     A broker that still holds messages is only busy: publishing again would pile them up.
@@ -87,7 +87,9 @@ def remind(database: Database, seconds: float, is_broker_empty: Callable[[], boo
     if not is_broker_empty():
         return 0
     with database.write() as session:
-        statement = select(JobRow).where(_is_forgotten(seconds)).limit(BATCH).with_for_update(skip_locked=True)
+        statement = (
+            select(JobRow).where(_is_forgotten(seconds)).limit(WAKE_UP_BATCH_SIZE).with_for_update(skip_locked=True)
+        )
         forgotten = session.scalars(statement).all()
         for row in forgotten:
             row.touched = clock()
@@ -96,7 +98,7 @@ def remind(database: Database, seconds: float, is_broker_empty: Callable[[], boo
         return len(forgotten)
 
 
-def show_life(database: Database, name: str, queues: str, concurrency: int, forget_seconds: float) -> None:
+def record_heartbeat(database: Database, name: str, queues: str, concurrency: int, forget_seconds: float) -> None:
     """Record that a worker lives, and forget those that have not said so for some seconds."""
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.seen < clock() - forget_seconds))
@@ -106,13 +108,13 @@ def show_life(database: Database, name: str, queues: str, concurrency: int, forg
             session.execute(insert(WorkerRow).values(**row, started=clock(), seen=clock()))
 
 
-def end_life(database: Database, name: str) -> None:
+def remove_worker(database: Database, name: str) -> None:
     """Take a worker that stops off the list."""
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.name == name))
 
 
-@pass_damage
+@skip_damaged_rows
 def list_workers(database: Database) -> list[WorkerRow]:
     """Return the living workers by name; whoever died without a word is off the list after `FORGET_SECONDS`."""
     lives = (WorkerRow.seen > clock() - FORGET_SECONDS) & (WorkerRow.seen < clock() + AHEAD_SECONDS)
@@ -120,8 +122,8 @@ def list_workers(database: Database) -> list[WorkerRow]:
         return list(session.scalars(select(WorkerRow).where(lives).order_by(WorkerRow.name)))
 
 
-@pass_damage
-def report_loss(database: Database, mark: str, reason: str) -> None:
+@skip_damaged_rows
+def release_lost_leases(database: Database, mark: str, reason: str) -> None:
     """Release the lease of a process that is known to be dead, so that its job need not wait for the end of it.
 
     Args:
@@ -133,10 +135,10 @@ def report_loss(database: Database, mark: str, reason: str) -> None:
         held = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
         for row in session.scalars(select(JobRow).where(held).with_for_update()):
             row.lease_until = clock() - 1.0
-            record(session, row.id, LOSS, attempt=row.attempts, reason=reason[:200])
+            record(session, row.id, WORKER_LOST_EVENT, attempt=row.attempts, reason=reason[:200])
 
 
-@pass_damage
+@skip_damaged_rows
 def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
     """Publish what the outbox owes; a row goes only after its message was taken, so a crash between repeats it.
 
@@ -153,7 +155,7 @@ def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
             .join(JobRow, JobRow.id == OutboxRow.job)
             .where(is_due())
             .order_by(OutboxRow.id)
-            .limit(BATCH)
+            .limit(WAKE_UP_BATCH_SIZE)
         ).all()
     sent: list[int] = []
     try:

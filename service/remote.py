@@ -27,12 +27,12 @@ import httpx
 
 from ..core.body.spec import BuiltinWearer
 from ..core.run.errors import NotFound
-from .connection import TRIES, Connection, ServiceUnreachable
+from .connection import MAX_REQUEST_TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
-from .jobs import pick_known
+from .jobs import order_by_ids
 from .kinds import FileRef, RequestBad
 from .materials import is_shipped
-from .ordering import check_typed
+from .ordering import check_order_locally
 from .query import JobQuery
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Json, News, check_id
@@ -40,14 +40,14 @@ from .remote_libraries import RemoteLibraries, read, read_all
 from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
-from .submission import BodyUnreadable, Order, Submitted
+from .submission import BodyUnreadable, Order, SubmissionResult
 from .versions import Version
 
-MOST_JOBS = 1000
-"""Jobs of one question about states, as the service bounds it."""
+MAX_JOBS_PER_REQUEST = 1000
+"""Largest number of jobs in one request for states, as the service bounds it."""
 
-POLL_SECONDS = 0.5
-"""How often a service is asked for news [s]; progress is written twice a second."""
+REMOTE_POLL_INTERVAL = 0.5
+"""Interval at which a service is asked for new events [s]; progress is written twice a second."""
 
 UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """What each file of a derived job is uploaded as, by its field."""
@@ -60,7 +60,7 @@ class RemoteBackend(RemoteLibraries):
     """Answer by HTTP; see `backend.Backend`. Every refusal is a `GarmentqError` with the service's code."""
 
     is_remote = True
-    poll_seconds = POLL_SECONDS
+    poll_seconds = REMOTE_POLL_INTERVAL
 
     def __init__(self, url: str, key: str = "") -> None:
         """Prepare a client; nothing is sent before the first question.
@@ -86,13 +86,13 @@ class RemoteBackend(RemoteLibraries):
 
     def check_order(self, order: Order, template: str | None = None) -> Order:
         """Check an order's files and names before they are sent; the service knows its templates and fabrics."""
-        checked = check_typed(order)
+        checked = check_order_locally(order)
         for fabric in {order.settings.fabric, *(one.fabric for one in order.choices.values())}:
             if isinstance(fabric, str) and not is_shipped(fabric):
                 self.read_material(fabric)
         return replace(checked, settings=replace(checked.settings, template=template))
 
-    def submit(self, order: Order) -> Submitted:
+    def submit(self, order: Order) -> SubmissionResult:
         """Upload an order's files and ask for the job; a template that is no file goes by its name in the settings."""
         settings = order.settings.as_dict()
         template = settings.pop("template")
@@ -120,7 +120,7 @@ class RemoteBackend(RemoteLibraries):
         found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
         return _read_submitted(found)
 
-    def submit_derived(self, order: DerivedOrder) -> Submitted:
+    def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Upload an order's files and ask for the job that works on a stored result."""
         wanted: dict[str, Any] = {
             "kind": order.kind,
@@ -187,17 +187,19 @@ class RemoteBackend(RemoteLibraries):
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
         """Return how far the jobs of some ids are, one request for each thousand; with `below` then all jobs below."""
         found: dict[str, Job] = {}
-        for start in range(0, len(ids), MOST_JOBS):
-            wanted = {"jobs": list(ids[start : start + MOST_JOBS])} | ({"below": True} if below else {})
+        for start in range(0, len(ids), MAX_JOBS_PER_REQUEST):
+            wanted = {"jobs": list(ids[start : start + MAX_JOBS_PER_REQUEST])} | ({"below": True} if below else {})
             answer = self._ask("POST", "/v1/jobs/states", json=wanted)
             found |= {job.id: job for job in read_all(Job.from_json, answer, "jobs")}
-        known, asked = pick_known(ids, found), set(ids)
+        known, asked = order_by_ids(ids, found), set(ids)
         return known + [job for job in found.values() if job.id not in asked]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the jobs that run, then the newest others, each newest first; at most a thousand."""
         given: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
-        asked = [self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MOST_JOBS)}) for one in given]
+        asked = [
+            self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST)}) for one in given
+        ]
         found = {job.id: job for one in asked for job in read_all(JobReport.from_json, one, "jobs")}
         return list(found.values())[:limit]
 
@@ -237,7 +239,7 @@ class RemoteBackend(RemoteLibraries):
                             yield event
             except httpx.TransportError as error:
                 failures += 1
-                if failures >= TRIES:
+                if failures >= MAX_REQUEST_TRIES:
                     raise ServiceUnreachable(f"the service at {self._connection.address} does not answer.") from error
             time.sleep(0.5)
 
@@ -293,8 +295,8 @@ class RemoteBackend(RemoteLibraries):
         return path
 
 
-def _read_submitted(found: Json) -> Submitted:
-    return read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+def _read_submitted(found: Json) -> SubmissionResult:
+    return read(lambda: SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
 
 
 def _read_event(text: str) -> Event:

@@ -10,9 +10,9 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from ..core.run.errors import NotFound
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .families import make_children
-from .jobs import Claim, refuse, succeed, write_fenced
+from .jobs import Claim, fail_with_result, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
 from .models import (
     ArtifactRow,
@@ -47,7 +47,7 @@ class ResultMissing(NotFound):
     code = "result.missing"
 
 
-@pass_damage
+@skip_damaged_rows
 def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> State:
     """Keep the files first, then write all rows, end the job and make its children in one fenced transaction.
 
@@ -77,7 +77,7 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
             _add_artifact(session, claim.job, RESULT, name, kept.sha256, kept.size)
         outcome = kind.store(session, claim, result)
         if outcome.failure is not None:
-            refuse(session, claim, outcome.failure, outcome.summary)
+            fail_with_result(session, claim, outcome.failure, outcome.summary)
             return State.FAILED
         succeed(session, claim, outcome.summary)
         make_children(session, claim.job, outcome.children)
@@ -137,7 +137,7 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
     return [file for file in files if not names or file.name in names]
 
 
-@pass_damage
+@skip_damaged_rows
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
     """Return jobs with what they found, in the order of their rows; ten questions for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []

@@ -14,19 +14,28 @@ from urllib.parse import urlsplit
 from .database import DriverMissing
 from .private import make_private
 from .settings import ServiceSettingBad
-from .store import BLOCK, ArtifactMissing, Kept, StorageFull, Store, Stored, StoreUnreachable, check_key
+from .store import (
+    STORE_BLOCK_SIZE,
+    ArtifactMissing,
+    StorageFull,
+    Store,
+    StoredFile,
+    StoreEntry,
+    StoreUnreachable,
+    check_key,
+)
 
-CONNECT_SECONDS = 5
-"""How long the server may take to accept a connection [s]."""
+S3_CONNECT_TIMEOUT = 5
+"""Time limit for the server to accept a connection [s]."""
 
 READ_SECONDS = 30
 """How long it may be silent [s]; an answer to a block takes milliseconds."""
 
-ATTEMPTS = 4
-"""Requests until one is given up; a server that restarts is back within them."""
+MAX_S3_ATTEMPTS = 4
+"""Largest number of attempts of one request; a server that restarts is back within them."""
 
-PART = 16 << 20
-"""Bytes of one part of an upload; S3 takes 5 MB at least and 10 000 parts at most."""
+S3_PART_SIZE = 16 << 20
+"""Size of one part of an upload [bytes]; S3 takes 5 MB at least and 10 000 parts at most."""
 
 MISSING = ("404", "NoSuchKey", "NotFound")
 
@@ -56,19 +65,19 @@ class S3Store(Store):
     def prepare(self) -> None:
         """Make the bucket if it is not there."""
         try:
-            with _reachable("bucket"):
+            with _translate_s3_errors("bucket"):
                 self._client.head_bucket(Bucket=self.bucket)
         except ArtifactMissing:
             region = self._client.meta.region_name
             place = {} if region == "us-east-1" else {"CreateBucketConfiguration": {"LocationConstraint": region}}
-            with _reachable(""):
+            with _translate_s3_errors(""):
                 self._client.create_bucket(Bucket=self.bucket, **place)
 
     def check(self, free_bytes: int = 0) -> None:
         """Look whether the bucket answers, and whether the cache has room; a bucket has no end."""
         make_private(self.root)
         super().check(free_bytes)
-        with _reachable(""):
+        with _translate_s3_errors(""):
             self._client.head_bucket(Bucket=self.bucket)
 
     def path(self, sha256: str) -> Path:
@@ -84,29 +93,31 @@ class S3Store(Store):
                 os.replace(self.copy(sha256, Path(folder) / sha256), path)
         return path
 
-    def renew(self, known: Stored) -> bool:
+    def renew(self, known: StoredFile) -> bool:
         """Return False: a bucket cannot make a file young, so every one is put again."""
         return False
 
-    def put_stream(self, stream: BinaryIO) -> Stored:
+    def put_stream(self, stream: BinaryIO) -> StoredFile:
         """Hash the bytes into a temporary file, then upload it under its hash, in parts where it is large."""
         from boto3.s3.transfer import TransferConfig
 
         digest, size = hashlib.sha256(), 0
         with _spool(self.root) as out:
-            while block := stream.read(BLOCK):
+            while block := stream.read(STORE_BLOCK_SIZE):
                 digest.update(block)
                 size += len(block)
                 out.write(block)
             out.seek(0)
-            config = TransferConfig(multipart_threshold=PART, multipart_chunksize=PART, use_threads=False)
-            with _reachable(digest.hexdigest()):
+            config = TransferConfig(
+                multipart_threshold=S3_PART_SIZE, multipart_chunksize=S3_PART_SIZE, use_threads=False
+            )
+            with _translate_s3_errors(digest.hexdigest()):
                 self._client.upload_fileobj(out, self.bucket, self._name(digest.hexdigest()), Config=config)
-        return Stored(digest.hexdigest(), size)
+        return StoredFile(digest.hexdigest(), size)
 
     def size(self, sha256: str) -> int:
         """Return a stored file's size [bytes]."""
-        with _reachable(sha256):
+        with _translate_s3_errors(sha256):
             return int(self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))["ContentLength"])
 
     def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
@@ -114,21 +125,21 @@ class S3Store(Store):
         stop = self.size(sha256) if stop is None else min(stop, self.size(sha256))
         if start >= stop:
             return iter(())
-        with _reachable(sha256):
+        with _translate_s3_errors(sha256):
             answer = self._client.get_object(
                 Bucket=self.bucket, Key=self._name(sha256), Range=f"bytes={start}-{stop - 1}"
             )
         return _read_body(sha256, answer["Body"])
 
-    def list_kept(self) -> Iterator[Kept]:
+    def list_kept(self) -> Iterator[StoreEntry]:
         """Return every stored file."""
         base = f"{self.prefix}/" if self.prefix else ""
-        with _reachable(""):
+        with _translate_s3_errors(""):
             for page in self._client.get_paginator("list_objects_v2").paginate(Bucket=self.bucket, Prefix=base):
                 for found in page.get("Contents", ()):
                     key = found["Key"].removeprefix(base).replace("/", "")
                     if len(key) == 64:
-                        yield Kept(key, found["Size"], found["LastModified"].timestamp())
+                        yield StoreEntry(key, found["Size"], found["LastModified"].timestamp())
 
     def remove(self, sha256: str, before: float) -> bool:
         """Remove a stored file unless it was put there (again) at `before` or later.
@@ -136,7 +147,7 @@ class S3Store(Store):
         S3 has no "remove if old": a put between the look and the removal would be lost. The look is repeated right
         before, so that is a matter of milliseconds against a grace time of hours.
         """
-        with _reachable(sha256):
+        with _translate_s3_errors(sha256):
             found = self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))
             if found["LastModified"].timestamp() >= before:
                 return False
@@ -155,9 +166,9 @@ def _make_client(endpoint: str) -> Any:
     except ImportError as error:
         raise DriverMissing("an s3:// store needs boto3; pip install 'garmentq[s3]'.") from error
     config = Config(
-        connect_timeout=CONNECT_SECONDS,
+        connect_timeout=S3_CONNECT_TIMEOUT,
         read_timeout=READ_SECONDS,
-        retries={"total_max_attempts": ATTEMPTS, "mode": "standard"},
+        retries={"total_max_attempts": MAX_S3_ATTEMPTS, "mode": "standard"},
         s3={"addressing_style": "path"} if endpoint else {},
         request_checksum_calculation="when_required",  # other servers than Amazon's may refuse the newer checksums
         response_checksum_validation="when_required",
@@ -170,9 +181,9 @@ def _make_client(endpoint: str) -> Any:
 
 
 def _read_body(sha256: str, body: Any) -> Iterator[bytes]:
-    with _reachable(sha256):
+    with _translate_s3_errors(sha256):
         try:
-            yield from body.iter_chunks(BLOCK)
+            yield from body.iter_chunks(STORE_BLOCK_SIZE)
         finally:
             body.close()
 
@@ -188,7 +199,7 @@ def _spool(folder: Path) -> Iterator[Any]:
 
 
 @contextmanager
-def _reachable(sha256: str) -> Iterator[None]:
+def _translate_s3_errors(sha256: str) -> Iterator[None]:
     """Turn what boto3 raises into our errors; its messages name bucket and key, never a credential."""
     from botocore.exceptions import BotoCoreError, ClientError
 

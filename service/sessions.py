@@ -10,13 +10,13 @@ from sqlalchemy import delete, select
 
 from ..core.run.errors import GarmentqError
 from .database import Database, clock
-from .keys import LOCAL, TOKEN_BYTES, Caller, KeyBad, admit_key, has_keys, hash_token
+from .keys import LOCAL_CALLER, TOKEN_BYTES, Caller, KeyBad, authenticate_key, has_keys, hash_token
 from .models import SessionRow
 
 SESSION_SECONDS = 12 * 3600.0
 """How long a session lasts [s]: a long working day; then the key is asked for again."""
 
-MOST_SESSIONS = 50
+MAX_KEY_SESSIONS = 50
 """Sessions of one key at a time: a studio's browsers, each signed in anew now and then; one more ends the oldest."""
 
 LINK_SECONDS = 600.0
@@ -45,7 +45,7 @@ def begin_session(database: Database, caller: Caller, is_link: bool = False, ear
     """Begin a session, or make a link that begins one, and return its token, which is given here and never again.
 
     The earlier session of the same browser, named by its token, ends. Sessions that are over are forgotten, and of
-    those of the key the oldest beyond `MOST_SESSIONS`.
+    those of the key the oldest beyond `MAX_KEY_SESSIONS`.
     """
     token = secrets.token_urlsafe(TOKEN_BYTES)
     seconds = LINK_SECONDS if is_link else SESSION_SECONDS
@@ -55,14 +55,14 @@ def begin_session(database: Database, caller: Caller, is_link: bool = False, ear
             is_past |= SessionRow.hash == hash_token(earlier)
         session.execute(delete(SessionRow).where(is_past))
         own = (SessionRow.key == caller.key) & (SessionRow.is_link == is_link)
-        kept = select(SessionRow.hash).where(own).order_by(SessionRow.created.desc()).limit(MOST_SESSIONS - 1)
+        kept = select(SessionRow.hash).where(own).order_by(SessionRow.created.desc()).limit(MAX_KEY_SESSIONS - 1)
         session.execute(delete(SessionRow).where(own, SessionRow.hash.not_in(kept)))
         row = {"hash": hash_token(token), "key": caller.key, "is_link": is_link}
         session.add(SessionRow(**row, created=clock(), expires=clock() + seconds))
     return token
 
 
-def admit_session(database: Database, token: str, is_open: bool) -> Caller:
+def authenticate_session(database: Database, token: str, is_open: bool) -> Caller:
     """Authenticate the token of a session.
 
     Args:
@@ -79,7 +79,7 @@ def admit_session(database: Database, token: str, is_open: bool) -> Caller:
     if key is None or (not key and (not is_open or has_keys(database))):
         raise SessionEnded()
     try:
-        return admit_key(database, key) if key else LOCAL
+        return authenticate_key(database, key) if key else LOCAL_CALLER
     except KeyBad:
         raise SessionEnded("the key that signed in was revoked or has expired; sign in with another.") from None
 

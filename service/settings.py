@@ -21,7 +21,7 @@ WRITER = "garmentq.core.deliver.export:write_recovery"
 CHECKER = "garmentq.service.checking:check_recovery"
 """What reads and checks the files of a recovery first, in a limited process."""
 
-SEPARATOR = "garmentq.service.kinds.person_work:take_apart"
+SEPARATOR = "garmentq.service.kinds.person_work:segment_person"
 """What takes a person apart."""
 
 PERSON_CHECKER = "garmentq.service.checking:check_person"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..core.run.errors import GarmentqError, keep_printable
 from ..core.run.sandbox import LONGEST_MESSAGE
 
-OURS = ("service.", "store.")
+SERVICE_CODE_PREFIXES = ("service.", "store.")
 """How codes begin of what is wrong with the service itself: their messages name hosts, folders and users."""
 
 
@@ -14,13 +14,13 @@ def show_message(error: GarmentqError) -> str:
 
     Who tells such an error writes its own message into the log.
     """
-    message = explain_kind(error) if is_ours(error) else error.message
+    message = explain_kind(error) if is_service_error(error) else error.message
     return keep_printable(message.replace("\n", " "))[:LONGEST_MESSAGE]
 
 
-def is_ours(error: GarmentqError) -> bool:
+def is_service_error(error: GarmentqError) -> bool:
     """Return whether an error tells of the service itself, not of what it was asked."""
-    return error.code.startswith(OURS)
+    return error.code.startswith(SERVICE_CODE_PREFIXES)
 
 
 def explain_kind(error: GarmentqError) -> str:

@@ -13,7 +13,9 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @contextmanager
-def handling(signals: Iterable[signal.Signals], handler: Callable[[int, Any], Any] | signal.Handlers) -> Iterator[None]:
+def handle_signals(
+    signals: Iterable[signal.Signals], handler: Callable[[int, Any], Any] | signal.Handlers
+) -> Iterator[None]:
     """Handle signals by a handler for the block, and afterwards as before."""
     before = {number: signal.signal(number, handler) for number in signals}
     try:
@@ -24,7 +26,7 @@ def handling(signals: Iterable[signal.Signals], handler: Callable[[int, Any], An
 
 
 @contextmanager
-def deferring_stops() -> Iterator[None]:
+def defer_stop_signals() -> Iterator[None]:
     """Handle what tells this process to stop within the block at its end; what is ignored stays so.
 
     Python handles signals in its main thread alone: in others the block changes nothing.
@@ -33,7 +35,7 @@ def deferring_stops() -> Iterator[None]:
     is_main = threading.current_thread() is threading.main_thread()
     heard = [number for number in STOP_SIGNALS if is_main and signal.getsignal(number) is not signal.SIG_IGN]
     try:
-        with handling(heard, lambda number, _: came.append(number)):
+        with handle_signals(heard, lambda number, _: came.append(number)):
             yield
     finally:  # also where the block failed: a signal is never lost
         for number in came:

@@ -17,8 +17,8 @@ from typing import BinaryIO
 from ..core.run.errors import GarmentqError, Unavailable
 from .private import make_private
 
-BLOCK = 1 << 18
-"""Bytes read at a time; each download holds three or four blocks of memory."""
+STORE_BLOCK_SIZE = 1 << 18
+"""Number of bytes read at a time; each download holds three or four blocks of memory."""
 
 
 class ArtifactDamaged(GarmentqError):
@@ -46,7 +46,7 @@ class StoreUnreachable(Unavailable):
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredFile:
     """Name a stored file.
 
     Attributes:
@@ -59,7 +59,7 @@ class Stored:
 
 
 @dataclass(frozen=True)
-class Kept:
+class StoreEntry:
     """Describe a file that the store holds.
 
     Attributes:
@@ -138,7 +138,7 @@ class Store:
             raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or run with --force.")
         return path
 
-    def put(self, source: Path) -> Stored:
+    def put(self, source: Path) -> StoredFile:
         """Keep a copy of a file; one that is kept and sound is only made young again, which needs no write of it."""
         known = hash_file(source)
         if self.renew(known):
@@ -146,7 +146,7 @@ class Store:
         with source.open("rb") as stream:
             return self.put_stream(stream)
 
-    def renew(self, known: Stored) -> bool:
+    def renew(self, known: StoredFile) -> bool:
         """Set a kept file's time to now, so that `remove` spares it; False where it is not there, or damaged."""
         path = self.root / known.sha256[:2] / known.sha256[2:]
         try:
@@ -158,7 +158,7 @@ class Store:
             return False
         return True
 
-    def put_bytes(self, content: bytes) -> Stored:
+    def put_bytes(self, content: bytes) -> StoredFile:
         """Keep some bytes."""
         return self.put_stream(io.BytesIO(content))
 
@@ -235,12 +235,12 @@ class Store:
         if held:
             yield held
 
-    def list_kept(self) -> Iterator[Kept]:
+    def list_kept(self) -> Iterator[StoreEntry]:
         """Return every stored file, in no order; half-written ones are none."""
         for path in self.root.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(ArtifactMissing, FileNotFoundError):
                 key, found = check_key(path.parent.name + path.name), path.stat()
-                yield Kept(key, found.st_size, found.st_mtime)
+                yield StoreEntry(key, found.st_size, found.st_mtime)
 
     def remove(self, sha256: str, before: float) -> bool:
         """Remove a stored file unless it was put there (again) at `before` [s since 1970] or later.
@@ -257,7 +257,7 @@ class Store:
         aside.unlink()
         return True
 
-    def put_stream(self, stream: BinaryIO) -> Stored:
+    def put_stream(self, stream: BinaryIO) -> StoredFile:
         """Write to a temporary file, flush it to the disk, then rename it to its hash."""
         incoming = self.root / "incoming"
         if self.must_exist:
@@ -268,7 +268,7 @@ class Store:
             descriptor, temporary = tempfile.mkstemp(dir=incoming)
             digest, size = hashlib.sha256(), 0
             with os.fdopen(descriptor, "wb") as out:
-                while block := stream.read(BLOCK):
+                while block := stream.read(STORE_BLOCK_SIZE):
                     digest.update(block)
                     size += len(block)
                     out.write(block)
@@ -282,14 +282,14 @@ class Store:
             if temporary and os.path.exists(temporary):
                 os.unlink(temporary)
             raise StorageFull(f"the store {self.root} cannot be written: {error.strerror}.") from error
-        return Stored(digest.hexdigest(), size)
+        return StoredFile(digest.hexdigest(), size)
 
 
 def _read_blocks(stream: BinaryIO, start: int, stop: int | None) -> Iterator[bytes]:
     with stream:
         stream.seek(start)
         left = None if stop is None else max(stop - start, 0)
-        while block := stream.read(BLOCK if left is None else min(BLOCK, left)):
+        while block := stream.read(STORE_BLOCK_SIZE if left is None else min(STORE_BLOCK_SIZE, left)):
             left = None if left is None else left - len(block)
             yield block
 
@@ -313,14 +313,14 @@ def check_room(folder: Path, free_bytes: int) -> None:
         )
 
 
-def hash_file(path: Path) -> Stored:
+def hash_file(path: Path) -> StoredFile:
     """Return a file's hash and size without keeping it."""
     digest, size = hashlib.sha256(), 0
     with path.open("rb") as stream:
-        while block := stream.read(BLOCK):
+        while block := stream.read(STORE_BLOCK_SIZE):
             digest.update(block)
             size += len(block)
-    return Stored(digest.hexdigest(), size)
+    return StoredFile(digest.hexdigest(), size)
 
 
 def _flush_folder(folder: Path) -> None:

@@ -20,10 +20,10 @@ from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.people.hints import parse_wearing
 from ..core.run.errors import BadInput
-from .database import Database, clock, serialise
-from .families import share, try_again
+from .database import Database, clock, take_advisory_lock
+from .families import grant_family, requeue_jobs
 from .jobs import JobUnknown, create
-from .keys import check_quota, own
+from .keys import check_quota, grant_job
 from .kinds import FileRef, pack_request
 from .kinds.person_request import PartChoice, PersonRequest
 from .kinds.recover import Recover, RecoverRequest
@@ -31,7 +31,7 @@ from .models import JobRow, OwnerRow, ScanRow
 from .new_job import NewJob
 from .order import Order, is_person
 from .states import QUEUES, UNSUCCESSFUL, State
-from .store import Store, Stored
+from .store import Store, StoredFile
 
 
 class BodyUnreadable(BadInput):
@@ -55,10 +55,10 @@ class InputNotEnded(BadInput):
 PERSON_KIND = "person"
 """Name of the kind that takes a person apart; its class is not loaded for that."""
 
-LONGEST_NAME, LONGEST_TAG, MOST_TAGS = 255, 64, 20
+MAX_FAMILY_NAME_LENGTH, MAX_TAG_LENGTH, MAX_FAMILY_TAGS = 255, 64, 20
 """Bounds of what a user calls a family; the longest name is the column's."""
 
-SIGNS = "._-()+,"
+ALLOWED_NAME_SIGNS = "._-()+,"
 """What a file's own name keeps beside letters and digits: nothing that a page, a shell or a spreadsheet understands."""
 
 
@@ -97,7 +97,7 @@ class JobRequest:
 
 
 @dataclass(frozen=True)
-class Submitted:
+class SubmissionResult:
     """Answer a submission.
 
     Attributes:
@@ -111,7 +111,7 @@ class Submitted:
     state: State
 
 
-def submit(database: Database, store: Store, order: Order) -> Submitted:
+def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
     """Keep the files, then ask for the recovery.
 
     Raises:
@@ -127,7 +127,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
     scan = store.put(order.scan)
     request = _describe_person(order, scan, store) if of_person else _describe(order, scan, store)
     with database.write() as session:
-        serialise(session, scan.sha256)
+        take_advisory_lock(session, scan.sha256)
         if session.get(ScanRow, scan.sha256) is None:
             name = request["scan"]["name"]
             session.add(ScanRow(sha256=scan.sha256, name=name, size=scan.size, created=clock()))
@@ -149,7 +149,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
         return add_job(session, wanted)
 
 
-def add_job(session: Session, wanted: JobRequest) -> Submitted:
+def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
     """Add a job, its first event and its outbox row; an equal job is that job, tried again if it did not succeed.
 
     Raises:
@@ -160,19 +160,21 @@ def add_job(session: Session, wanted: JobRequest) -> Submitted:
     for job in wanted.inputs.values():  # first, or an equal job would show what its inputs hold to whoever names them
         _check_input(session, job, wanted.key)
     dedup = _hash(wanted)
-    serialise(session, dedup)  # equal orders at the same time are one job
+    take_advisory_lock(session, dedup)  # equal orders at the same time are one job
     row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
     if row is not None:
         if row.state in UNSUCCESSFUL:
-            try_again(session, [row], "resubmitted", wanted.key, wanted.quota)
-        share(session, wanted.key, row)  # after the quota: a new owner's row holds the key's, which the quota locks
-        return Submitted(row.id, False, row.state)
+            requeue_jobs(session, [row], "resubmitted", wanted.key, wanted.quota)
+        grant_family(
+            session, wanted.key, row
+        )  # after the quota: a new owner's row holds the key's, which the quota locks
+        return SubmissionResult(row.id, False, row.state)
     check_quota(session, wanted.key, wanted.quota)
     columns = ("kind", "request", "scan", "name", "priority", "queue", "tags", "inputs")
     new = NewJob(dedup, payer=wanted.key, **{name: getattr(wanted, name) for name in columns})
     made = create(session, new)
-    own(session, wanted.key, made.id)
-    return Submitted(made.id, True, made.state)
+    grant_job(session, wanted.key, made.id)
+    return SubmissionResult(made.id, True, made.state)
 
 
 def check_labels(name: str, tags: Sequence[str]) -> None:
@@ -181,15 +183,15 @@ def check_labels(name: str, tags: Sequence[str]) -> None:
     Raises:
         LabelBad: where it cannot be used.
     """
-    is_bad = len(name) > LONGEST_NAME or not name.isprintable() or len(set(tags)) > MOST_TAGS
-    if is_bad or any(not 0 < len(tag) <= LONGEST_TAG or not tag.isprintable() for tag in tags):
+    is_bad = len(name) > MAX_FAMILY_NAME_LENGTH or not name.isprintable() or len(set(tags)) > MAX_FAMILY_TAGS
+    if is_bad or any(not 0 < len(tag) <= MAX_TAG_LENGTH or not tag.isprintable() for tag in tags):
         raise LabelBad()
 
 
 def own_name(file: str) -> str:
     """Return a file's own name for people to read: the letters, marks and digits of any script, and harmless signs."""
-    kept = (c if unicodedata.category(c)[0] in "LMN" or c in SIGNS else " " for c in Path(file).stem)
-    return " ".join("".join(kept).split())[:LONGEST_NAME] or "scan"
+    kept = (c if unicodedata.category(c)[0] in "LMN" or c in ALLOWED_NAME_SIGNS else " " for c in Path(file).stem)
+    return " ".join("".join(kept).split())[:MAX_FAMILY_NAME_LENGTH] or "scan"
 
 
 def clean_name(name: str) -> str:
@@ -208,16 +210,16 @@ def _check_dressed(order: Order) -> None:
         raise BodyMissing()
 
 
-def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
+def _describe(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
     """Describe an order by hashes only, so that the same files elsewhere are the same order."""
-    labels = _kept(order.labels, store) if order.labels else None
+    labels = _store_file(order.labels, store) if order.labels else None
     file = FileRef(scan.sha256, clean_name(order.scan.name))
     template = _keep_template(order.template, order.settings.template, store)
     body = _keep_body(order, store)
     return pack_request(RecoverRequest(file, body, template, order.settings, labels, given_as=order.given_as))
 
 
-def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
+def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
     """Describe an order of a whole person likewise."""
     choices = {
         word: PartChoice(
@@ -228,7 +230,7 @@ def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]
     request = PersonRequest(
         FileRef(scan.sha256, clean_name(order.scan.name)),
         order.settings,
-        _kept(order.labels, store) if order.labels else None,
+        _store_file(order.labels, store) if order.labels else None,
         _keep_body(order, store),
         _keep_template(order.template, order.settings.template, store),
         order.wearing,
@@ -242,18 +244,18 @@ def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]
 
 
 def _keep_body(order: Order, store: Store) -> FileRef | BuiltinWearer | None:
-    return _kept(order.body, store) if isinstance(order.body, Path) else order.body
+    return _store_file(order.body, store) if isinstance(order.body, Path) else order.body
 
 
 def _keep_template(file: Path | None, name: str | None, store: Store) -> FileRef | None:
     """Keep a pattern file, under what the user calls an imported one."""
     if file is None:
         return None
-    kept = _kept(file, store)
+    kept = _store_file(file, store)
     return replace(kept, name=clean_name(f"{name}.json")) if name else kept
 
 
-def _kept(path: Path, store: Store) -> FileRef:
+def _store_file(path: Path, store: Store) -> FileRef:
     try:
         return FileRef(store.put(path).sha256, clean_name(path.name))
     except FileNotFoundError:

@@ -11,7 +11,7 @@ from sqlalchemy import select
 from ..core.run.errors import BadInput
 from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 from .catalogue import ImportedTemplate, Template
-from .database import Database, clock, pass_damage
+from .database import Database, clock, skip_damaged_rows
 from .models import TemplateRow
 from .services import Services
 from .store import Store
@@ -112,7 +112,7 @@ def read_template(services: Services, name: str) -> bytes:
     return json.dumps(write_pattern(load_template(name)), indent=1).encode()
 
 
-@pass_damage
+@skip_damaged_rows
 def list_templates(database: Database) -> list[Template]:
     """Return shipped and imported templates, each kind by name."""
     from ..core import garment

@@ -9,7 +9,7 @@ from .checking import DOUBTS
 from .database import Database, clock
 from .jobs import Claim, record, write_fenced
 
-DOUBTED = "doubted"
+DOUBTS_EVENT = "doubted"
 """Kind of the event that tells what is doubtful of a job's files."""
 
 
@@ -22,10 +22,10 @@ def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> Non
     with database.write() as session:
         write_fenced(session, claim, checked=found, touched=clock())
         if found.get(DOUBTS):
-            record(session, claim.job, DOUBTED, doubts=found[DOUBTS])
+            record(session, claim.job, DOUBTS_EVENT, doubts=found[DOUBTS])
 
 
-def turn(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
+def change_kind(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
     """Make a running job one of another kind, since that is what its files are, and return the claim on it.
 
     Raises:

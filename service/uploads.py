@@ -13,7 +13,7 @@ from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
 from .keys import lock_key
 from .models import IdempotencyRow, UploadRow
-from .store import Store, Stored
+from .store import Store, StoredFile
 
 DAY_SECONDS = 86400.0
 """Over how long uploads are added up [s]."""
@@ -44,7 +44,7 @@ class IdempotencyMismatch(BadInput):
 
 def keep_upload(
     database: Database, store: Store, key: str, path: Path, given: tuple[str, str], day_bytes: int | None = None
-) -> Stored:
+) -> StoredFile:
     """Keep an uploaded file, and that this key may use it as what it was uploaded; the newest name counts.
 
     Args:
@@ -113,7 +113,7 @@ def find_upload(database: Database, key: str, sha256: str, kind: str | None = No
     return row
 
 
-def begin_once(database: Database, key: str, token: str, request: str) -> str | None:
+def begin_idempotent(database: Database, key: str, token: str, request: str) -> str | None:
     """Note what an Idempotency-Key is used for.
 
     Returns:
@@ -136,7 +136,7 @@ def begin_once(database: Database, key: str, token: str, request: str) -> str | 
     return row.job
 
 
-def end_once(database: Database, key: str, token: str, job: str) -> None:
+def end_idempotent(database: Database, key: str, token: str, job: str) -> None:
     """Note the job that an Idempotency-Key made."""
     with database.write() as session:
         row = session.get(IdempotencyRow, (key, token))

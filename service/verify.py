@@ -17,7 +17,7 @@ from .store import ArtifactMissing, Store
 
 
 @dataclass(frozen=True)
-class Named:
+class FileReference:
     """Name a stored file as people know it: `owner` is a job, a template or an upload, `name` the file's own."""
 
     sha256: str
@@ -31,11 +31,11 @@ class Fault:
 
     sha256: str
     fault: str
-    named: tuple[Named, ...]
+    named: tuple[FileReference, ...]
 
 
 @dataclass(frozen=True)
-class Verified:
+class VerificationResult:
     """Describe what was looked at, and what is wrong with it: files, and rows that cannot be read."""
 
     files: int
@@ -44,7 +44,7 @@ class Verified:
     rows: tuple[DamagedRow, ...] = ()
 
 
-def verify_store(database: Database, store: Store, is_data_read: bool) -> Verified:
+def verify_store(database: Database, store: Store, is_data_read: bool) -> VerificationResult:
     """Look for every file that a row names, and for rows that cannot be read; it goes on past both.
 
     Args:
@@ -57,8 +57,8 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
     """
     rows = database.find_damaged()
     with (database.sound if rows else database).read() as session:
-        owners: dict[str, list[Named]] = {}
-        for one in find_named(session):
+        owners: dict[str, list[FileReference]] = {}
+        for one in find_file_references(session):
             owners.setdefault(one.sha256, []).append(one)
     store.check()
     size, faults = 0, list[Fault]()
@@ -70,7 +70,7 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
             fault = "missing"
         if fault:
             faults.append(Fault(key, fault, tuple(named)))
-    return Verified(len(owners), size, tuple(faults), tuple(rows))
+    return VerificationResult(len(owners), size, tuple(faults), tuple(rows))
 
 
 def is_sound(store: Store, sha256: str) -> bool:
@@ -88,17 +88,17 @@ def is_sound(store: Store, sha256: str) -> bool:
     return digest.hexdigest() == sha256
 
 
-def find_named(session: Session) -> Iterator[Named]:
+def find_file_references(session: Session) -> Iterator[FileReference]:
     """Return every stored file that a row names, once for each that does."""
     artifacts = select(ArtifactRow.sha256, ArtifactRow.job, ArtifactRow.kind, ArtifactRow.name)
     for sha256, job, kind, name in session.execute(artifacts.execution_options(yield_per=1000)):
-        yield Named(sha256, f"job {job}", name if kind == "result" else f"{kind} {name}")
+        yield FileReference(sha256, f"job {job}", name if kind == "result" else f"{kind} {name}")
     for job, scan, request in session.execute(select(JobRow.id, JobRow.scan, JobRow.request)):
         for sha256 in sorted({scan, *find_hashes(request)}):
-            yield Named(sha256, f"job {job}", "input")
+            yield FileReference(sha256, f"job {job}", "input")
     for sha256, name in session.execute(select(ScanRow.sha256, ScanRow.name)):
-        yield Named(sha256, "scan", name)
+        yield FileReference(sha256, "scan", name)
     for sha256, name in session.execute(select(TemplateRow.sha256, TemplateRow.name)):
-        yield Named(sha256, "template", name)
+        yield FileReference(sha256, "template", name)
     for sha256, name in session.execute(select(UploadRow.sha256, UploadRow.name)):
-        yield Named(sha256, "upload", name)
+        yield FileReference(sha256, "upload", name)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from sqlalchemy import select
 
-from .database import Database, pass_damage
+from .database import Database, skip_damaged_rows
 from .kinds.dress_request import RESULT
 from .models import JobInputRow, JobRow, OwnerRow
 from .records import CLOSED, Json, check_id
@@ -47,7 +47,7 @@ class Version:
         return asdict(self)
 
 
-@pass_damage
+@skip_damaged_rows
 def list_versions(database: Database, job: str, owner: str = "") -> list[Version]:
     """Return all versions of the result that a job is one of, oldest first: each stands behind its predecessor.
 

@@ -15,10 +15,11 @@ from .settings import ServiceSettingBad
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
-LONGEST_URL = 2000
+MAX_WEBHOOK_URL_LENGTH = 2000
+"""Longest address [characters], about what proxies take."""
 PORTS = {"https": 443, "http": 80}
 
-CARRIERS = tuple(ipaddress.ip_network(text) for text in ("2001::/32", "2002::/16", "192.88.99.0/24"))
+TUNNEL_NETWORKS = tuple(ipaddress.ip_network(text) for text in ("2001::/32", "2002::/16", "192.88.99.0/24"))
 """Teredo and 6to4: public addresses behind which any other IPv4 address may be."""
 
 UNICAST = ipaddress.ip_network("2000::/3")
@@ -49,8 +50,8 @@ def check_url(url: str, networks: str) -> SplitResult:
         AddressForbidden: where its host is an address that is not allowed.
     """
     allowed = read_networks(networks)
-    if len(url) > LONGEST_URL or not re.fullmatch(r"[!-~]+", url):
-        raise WebhookBad(f"a webhook is made of at most {LONGEST_URL} printable ASCII letters.")
+    if len(url) > MAX_WEBHOOK_URL_LENGTH or not re.fullmatch(r"[!-~]+", url):
+        raise WebhookBad(f"a webhook is made of at most {MAX_WEBHOOK_URL_LENGTH} printable ASCII letters.")
     try:
         parts = urlsplit(url)
         host, port = parts.hostname, parts.port
@@ -93,7 +94,7 @@ def is_public(address: Address) -> bool:
     """
     if address.version == 6 and address not in UNICAST:
         return False
-    is_carrier = any(address in network for network in CARRIERS if network.version == address.version)
+    is_carrier = any(address in network for network in TUNNEL_NETWORKS if network.version == address.version)
     return address.is_global and not (address.is_multicast or address.is_reserved or is_carrier)
 
 

@@ -22,11 +22,11 @@ from .webhooks import Message
 
 log = logging.getLogger(__name__)
 
-UNREACHED = "the host has no public address, does not answer, or its certificate is not trusted"
+UNREACHABLE_MESSAGE = "the host has no public address, does not answer, or its certificate is not trusted"
 """What is told of every message that reached nobody: names of an inner network are not to be found out by asking."""
 
-SECONDS = 5.0
-"""Longest time of one message, from the question for its address to the head of the answer [s]."""
+WEBHOOK_DELIVERY_TIMEOUT = 5.0
+"""Time limit of one message [s], from the look-up of its address to the head of the answer."""
 
 
 def sign(secret: str, mark: str, at: int, body: bytes) -> str:
@@ -55,13 +55,13 @@ async def send(message: Message, networks: str, context: ssl.SSLContext | None =
         context: Whom to trust; by default the system's authorities.
     """
     try:
-        async with asyncio.timeout(SECONDS):
-            status = await _post(message, networks, context or _trust())
+        async with asyncio.timeout(WEBHOOK_DELIVERY_TIMEOUT):
+            status = await _post(message, networks, context or _make_tls_context())
     except TimeoutError:
-        return Receipt(None, f"no answer within {SECONDS:g} s")
+        return Receipt(None, f"no answer within {WEBHOOK_DELIVERY_TIMEOUT:g} s")
     except (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError, WebhookBad) as error:
         log.info("message %s was not sent: %s: %s", message.id, type(error).__name__, error)
-        return Receipt(None, UNREACHED)
+        return Receipt(None, UNREACHABLE_MESSAGE)
     return Receipt(status, None if 200 <= status < 300 else f"the answer was {status}, not 2xx")
 
 
@@ -80,11 +80,13 @@ async def _post(message: Message, networks: str, context: ssl.SSLContext) -> int
         "webhook-timestamp": str(at),
         "webhook-signature": sign(message.secret, message.id, at, body),
     }
-    async with httpx.AsyncClient(verify=context, trust_env=False, follow_redirects=False, timeout=SECONDS) as client:
+    async with httpx.AsyncClient(
+        verify=context, trust_env=False, follow_redirects=False, timeout=WEBHOOK_DELIVERY_TIMEOUT
+    ) as client:
         for index, address in enumerate(addresses):
             try:
                 request = client.build_request(
-                    "POST", _place(url, address, port), content=body, headers=headers,
+                    "POST", _pin_address(url, address, port), content=body, headers=headers,
                     extensions={"sni_hostname": url.hostname},
                 )  # fmt: skip
                 answer = await client.send(request, stream=True)
@@ -99,7 +101,7 @@ async def _post(message: Message, networks: str, context: ssl.SSLContext) -> int
     raise AssertionError("a host without an address was refused before")
 
 
-def _place(url: SplitResult, address: Address, port: int) -> str:
+def _pin_address(url: SplitResult, address: Address, port: int) -> str:
     """Return the address of a request with the host's own address in place of its name."""
     host = f"[{address}]" if address.version == 6 else str(address)
     query = f"?{url.query}" if url.query else ""
@@ -107,5 +109,5 @@ def _place(url: SplitResult, address: Address, port: int) -> str:
 
 
 @cache
-def _trust() -> ssl.SSLContext:
+def _make_tls_context() -> ssl.SSLContext:
     return ssl.create_default_context()

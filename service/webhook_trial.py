@@ -7,16 +7,18 @@ import time
 
 from .database import Database
 from .webhook_records import Receipt
-from .webhooks import owe_trial, read_receipt, withdraw
+from .webhooks import queue_trial, read_receipt, withdraw_message
 
-SECONDS = 30.0
-"""Longest wait for what came of a trial [s]: a worker starts its courier within two, and a message takes 5 s at most,
+WEBHOOK_TRIAL_TIMEOUT = 30.0
+"""Longest wait for the result of a trial [s]: a worker starts its courier within two, and a message takes 5 s at most,
 after the one that is on its way."""
 
-PERIOD_SECONDS = 0.2
-"""How often it is looked for [s]."""
+TRIAL_POLL_INTERVAL = 0.2
+"""Interval at which the result of a trial is looked for [s]."""
 
-UNSENT = Receipt(None, "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send")
+UNSENT_RECEIPT = Receipt(
+    None, "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send"
+)
 """What is known of a message that was not sent."""
 
 
@@ -31,13 +33,13 @@ async def try_webhook(database: Database, webhook: str, key: str | None = None) 
     Raises:
         WebhookUnknown: where there is none.
     """
-    message = await asyncio.to_thread(owe_trial, database, webhook, key)
+    message = await asyncio.to_thread(queue_trial, database, webhook, key)
     try:
-        until = time.monotonic() + SECONDS
+        until = time.monotonic() + WEBHOOK_TRIAL_TIMEOUT
         while time.monotonic() < until:
-            await asyncio.sleep(PERIOD_SECONDS)
+            await asyncio.sleep(TRIAL_POLL_INTERVAL)
             if (receipt := await asyncio.to_thread(read_receipt, database, message)) is not None:
                 return receipt
-        return UNSENT
+        return UNSENT_RECEIPT
     finally:
-        await asyncio.to_thread(withdraw, database, message)
+        await asyncio.to_thread(withdraw_message, database, message)

@@ -18,29 +18,31 @@ from sqlalchemy.orm import Session
 
 from ..core.run.errors import BadInput, NotFound
 from .clocks import AHEAD_SECONDS
-from .database import Database, change_rows, clock, pass_damage
+from .database import Database, change_rows, clock, skip_damaged_rows
 from .keys import lock_key
 from .models import ApiKeyRow, DeliveryRow, JobRow, OwnerRow, WebhookRow
 from .states import ENDED, State
 from .webhook_address import check_url
 from .webhook_records import Receipt, Webhook
 
-MOST_WEBHOOKS = 10
+MAX_KEY_WEBHOOKS = 10
 """Webhooks of one key."""
 
 TAKEN_SECONDS = 30.0
 """How long a message is its sender's alone [s]; it takes 5 s at most, or its sender has died."""
 
-FIRST_PAUSE, GROWTH, LONGEST_PAUSE = 10.0, 4.0, 6 * 3600.0
-"""Pauses after a message was not taken [s]: 10 s, 40 s, 160 s, ... up to 6 h."""
+FIRST_PAUSE, PAUSE_GROWTH_FACTOR, MAX_DELIVERY_PAUSE = 10.0, 4.0, 6 * 3600.0
+"""First pause after a message was not taken [s], the factor by which each next pause is longer, and the longest pause
+[s]: 10 s, 40 s, 160 s, ... up to 6 h."""
 
-MOST_TRIES = 9
+MAX_DELIVERY_TRIES = 9
 """How often a message is sent; with these pauses the last goes 16 hours after the first, longer than a night."""
 
 KEPT_SECONDS = 7 * 86400.0
 """How long a message is kept that was taken or given up [s]."""
 
 SECRET_BYTES = 32
+"""Random bytes of a signing secret, as many as SHA-256 has."""
 
 
 class WebhookUnknown(NotFound):
@@ -98,7 +100,7 @@ def create_webhook(
     with database.write() as session:
         lock_key(session, key)
         count = session.scalar(select(func.count()).select_from(WebhookRow).where(WebhookRow.key == key)) or 0
-        if count >= MOST_WEBHOOKS:
+        if count >= MAX_KEY_WEBHOOKS:
             raise WebhooksFull(f"there are {count} webhooks, as many as a key may have; delete one first.")
         session.add(row)
         session.flush()
@@ -106,7 +108,7 @@ def create_webhook(
     return Webhook.from_row(row, 0), secret
 
 
-@pass_damage
+@skip_damaged_rows
 def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
     """Return the webhooks of a key, or with None all, the oldest first."""
     owed = select(func.count()).select_from(DeliveryRow)
@@ -131,7 +133,7 @@ def delete_webhook(database: Database, webhook: str, key: str | None = None) -> 
         return Webhook.from_row(row, 0)
 
 
-def owe_trial(database: Database, webhook: str, key: str | None = None) -> str:
+def queue_trial(database: Database, webhook: str, key: str | None = None) -> str:
     """Owe a webhook a message of the type `test`, before all others and to be sent once; return the message's id.
 
     Raises:
@@ -141,7 +143,7 @@ def owe_trial(database: Database, webhook: str, key: str | None = None) -> str:
     with database.write() as session:
         row = _find(session, webhook, key)
         body = {"id": mark, "type": "test", "at": session.scalar(select(clock()))}
-        once = {"due": 0.0, "tries": MOST_TRIES - 1}
+        once = {"due": 0.0, "tries": MAX_DELIVERY_TRIES - 1}
         session.add(DeliveryRow(id=mark, webhook=row.id, job=None, body=body, created=clock(), **once))
     return mark
 
@@ -153,13 +155,13 @@ def read_receipt(database: Database, message: str) -> Receipt | None:
         return None if row is None or row.due is not None else Receipt(row.status, row.error)
 
 
-def withdraw(database: Database, message: str) -> None:
+def withdraw_message(database: Database, message: str) -> None:
     """Owe a message no longer."""
     with database.write() as session:
         session.execute(delete(DeliveryRow).where(DeliveryRow.id == message))
 
 
-def owe_messages(session: Session, job: str, state: State) -> None:
+def queue_messages(session: Session, job: str, state: State) -> None:
     """Owe each webhook that may see an ended job one message, in the transaction that ends the job."""
     owned = exists().where(OwnerRow.job == job, OwnerRow.key == WebhookRow.key)
     hooks = session.scalars(select(WebhookRow).where((WebhookRow.key == "") | owned, _is_valid())).all()
@@ -183,8 +185,8 @@ def has_due(database: Database) -> bool:
         return bool(session.scalar(select(exists().where(_is_waiting()))))
 
 
-@pass_damage
-def take_due(database: Database, most: int) -> list[Message]:
+@skip_damaged_rows
+def claim_due_messages(database: Database, most: int) -> list[Message]:
     """Take some messages to send, one for each webhook, whoever was served longest ago first."""
     wanted = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
     found = []
@@ -206,7 +208,7 @@ def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
         hook = session.get(WebhookRow, row.webhook)
         assert hook is not None
         row.tries += 1
-        is_over = receipt.error is None or row.tries >= MOST_TRIES
+        is_over = receipt.error is None or row.tries >= MAX_DELIVERY_TRIES
         row.due = None if is_over else clock() + find_pause(row.tries)
         row.status, row.error = receipt.status, receipt.error
         hook.taken_until, hook.status, hook.error = 0.0, receipt.status, receipt.error
@@ -214,10 +216,10 @@ def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
 
 def find_pause(tries: int) -> float:
     """Return how long to wait [s] after a message was not taken so many times."""
-    return min(LONGEST_PAUSE, FIRST_PAUSE * GROWTH ** (min(tries, 20) - 1))
+    return min(MAX_DELIVERY_PAUSE, FIRST_PAUSE * PAUSE_GROWTH_FACTOR ** (min(tries, 20) - 1))
 
 
-@pass_damage
+@skip_damaged_rows
 def forget_messages(database: Database) -> int:
     """Remove what was taken or given up long ago, or is owed to a key that is no more; return how many rows."""
     over = DeliveryRow.due.is_(None) & (DeliveryRow.created < clock() - KEPT_SECONDS)
@@ -228,7 +230,7 @@ def forget_messages(database: Database) -> int:
 
 def _is_due() -> ColumnElement[bool]:
     """Return what a message that is to be sent fulfils; one that lies further ahead than any pause is so, too."""
-    return (DeliveryRow.due <= clock()) | (DeliveryRow.due > clock() + LONGEST_PAUSE + AHEAD_SECONDS)
+    return (DeliveryRow.due <= clock()) | (DeliveryRow.due > clock() + MAX_DELIVERY_PAUSE + AHEAD_SECONDS)
 
 
 def _is_waiting() -> ColumnElement[bool]:

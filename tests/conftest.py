@@ -96,7 +96,7 @@ def tube_recovery():
     """Return the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
     from garmentq.core.body import ExposedSurface
-    from garmentq.core.judge import Reference, judge, measure_fit, measure_seams
+    from garmentq.core.judge import Reference, evaluate_gates, measure_fit, measure_seams
 
     @functools.cache
     def base(names: tuple[str, str]) -> Recovery:
@@ -122,7 +122,7 @@ def tube_recovery():
             "meshes": meshes,
             "report": ResultReport(
                 metrics,
-                judge(metrics),
+                evaluate_gates(metrics),
                 ("The scan's hem was frayed.",),
                 {"scan": 0.2, "deform": 3.4},
                 3.6,

@@ -13,13 +13,13 @@ from garmentq.core.body import Body
 from garmentq.core.recover.fit import Descent, material, shape
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.reuse.animate import animation
-from garmentq.core.run.checkpoints import FORMAT, fingerprint, load, pack, save, unpack
+from garmentq.core.run.checkpoints import FORMAT_KEY, fingerprint, load, pack, save, unpack
 from garmentq.core.run.hooks import Arrays, Hooks
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-KINDS = (Body, RecoveryState, shape._Reached, Descent, material._Tried, animation._Chunk)
+KINDS = (Body, RecoveryState, shape._ShapeCheckpoint, Descent, material._TriedStiffnesses, animation._FrameChunk)
 """Every type that a stage keeps."""
 
 
@@ -141,7 +141,7 @@ def test_another_set_of_fields_is_another_format() -> None:
     kept = pack(Inner(np.zeros(3), "a"))
     assert unpack(Longer, kept) is None
     assert unpack(Longer, {**kept, "more": np.array(1)}) is None
-    assert unpack(Inner, {**kept, FORMAT: np.zeros(64)}) is None
+    assert unpack(Inner, {**kept, FORMAT_KEY: np.zeros(64)}) is None
     assert fingerprint(Inner) == fingerprint(Inner) != fingerprint(Longer)
 
 

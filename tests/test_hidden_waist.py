@@ -11,7 +11,7 @@ from garmentq.core.recover.drape import DrapeSettings, drape_template
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Recovery, Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.scan import Pieces, Scan
+from garmentq.core.scan import Scan, ScanInput
 from garmentq.core.scan.contours import find_loops
 from wearers import find_wearer
 
@@ -42,7 +42,7 @@ def recovery(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     nodes, faces = worn.nodes[used], faces.reshape(-1, 3)
     hidden = np.zeros(len(nodes), bool)
     hidden[max(find_loops(faces), key=lambda loop: nodes[loop, 1].mean())] = True
-    pieces = Pieces(Scan(nodes, faces, name="trousers", hidden=hidden), None)
+    pieces = ScanInput(Scan(nodes, faces, name="trousers", hidden=hidden), None)
     settings = RecoverySettings(method="deform", vertex_count=1000, template="trousers")
     return recover(
         Request(tmp_path_factory.mktemp("scan"), BuiltinWearer(WEARER), settings=settings, reading=Reading(pieces))

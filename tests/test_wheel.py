@@ -86,7 +86,7 @@ with Client("http://127.0.0.1:8080", key="x") as service:
 
 TYPES = (
     "garmentq.core.deliver.export.stored_result.StoredResult", "str", "numpy.ndarray", "garmentq.service.states.State",
-    "garmentq.service.submission.Submitted",
+    "garmentq.service.submission.SubmissionResult",
 )  # fmt: skip
 """What is revealed in it, line by line."""
 

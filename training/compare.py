@@ -16,21 +16,27 @@ import numpy as np
 
 from ..core.people.coat import Coat, find_coat
 from ..core.people.colour import link_alike
-from ..core.people.crumbs import give_crumbs
+from ..core.people.crumbs import relabel_small_pieces
 from ..core.people.diffusion import Links, link_points
 from ..core.people.features import Features, describe_points
 from ..core.people.learnt import (
-    Committee,
     Network,
-    cells_of,
-    load_committee,
+    NetworkEnsemble,
+    find_limb_cells,
+    kinds_to_parts,
+    load_ensemble,
     load_network,
     network_inputs,
-    share_kinds,
-    soften,
-    sum_kinds,
+    parts_to_kinds,
+    softmax,
 )
-from ..core.people.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
+from ..core.people.outfit import (
+    above_waist_probability,
+    condition_on_outfit,
+    marginalise_outfits,
+    outfit_probabilities,
+    rank_outfits,
+)
 from ..core.people.part import GARMENTS, Part
 from ..core.people.points import PersonPoints, sample_person
 from ..core.people.rules import tell_by_rules
@@ -71,7 +77,7 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     links = link_points(points.positions, points.normals)
     if points.colours is not None:
         links = link_alike(links, points.colours)
-    above = above_waist(features.place, fit.body)
+    above = above_waist_probability(features.place, fit.body)
     answers = {name: Answer(NUMBERS[each.argmax(axis=1)], each.max(axis=1)) for name, each in found.items()}
     for name, each in found.items():
         smooth = smooth_parts(each, points, features, links, tone)
@@ -83,10 +89,10 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
 def tell(posterior: np.ndarray, points: PersonPoints, links: Links, above: np.ndarray, coat: Coat) -> Answer:
     """Return the labels and their confidence that a separation makes of a smoothed posterior of the samples."""
     outfits = rank_outfits(posterior, above, coat=coat)
-    believed = read_all(posterior, outfits, above, coat.over)
-    read = read_as(posterior, outfits[0].parts, above, coat.over)
+    believed = marginalise_outfits(posterior, outfits, above, coat.over)
+    read = condition_on_outfit(posterior, outfits[0].parts, above, coat.over)
     first = read.argmax(axis=1)
-    column = give_crumbs(first, points.positions, np.full(len(first), points.spacing**2), links)
+    column = relabel_small_pieces(first, points.positions, np.full(len(first), points.spacing**2), links)
     # A crumb that was given away is as sure as what it was taken for.
     confidence = believed[np.arange(len(column)), first]
     likely = float(outfit_probabilities(outfits)[0])
@@ -105,12 +111,12 @@ class Learners:
 
     network: Network | None
     trees: object | None
-    kinds: Committee | None = None
+    kinds: NetworkEnsemble | None = None
 
     @classmethod
     def load(cls, folder: Path | None, kinds: Path | None = None) -> Learners:
         """Read what a training left in a folder, and networks of kinds from a file; without, nothing was trained."""
-        committee = None if kinds is None else load_committee(kinds)
+        committee = None if kinds is None else load_ensemble(kinds)
         if folder is None:
             return cls(None, None, committee)
         return cls(load_network(folder / "weights.npz"), load_boosted(folder), committee)
@@ -129,13 +135,13 @@ class Learners:
         found = {}
         if self.network is not None:
             values = network_inputs(features.values, rules)
-            found["network"] = soften(self.network.logits(values, cells_of(features)))
+            found["network"] = softmax(self.network.logits(values, find_limb_cells(features)))
         if self.trees is not None:
             logits = predict_boosted(self.trees, described)
             found["boosted"] = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
-        found |= {f"{name}_grouped": share_kinds(sum_kinds(each), share) for name, each in found.items()}
+        found |= {f"{name}_grouped": kinds_to_parts(parts_to_kinds(each), share) for name, each in found.items()}
         if self.kinds is not None:
-            found["kinds"] = share_kinds(self.kinds.predict_kinds(features, rules), share)
+            found["kinds"] = kinds_to_parts(self.kinds.predict_kinds(features, rules), share)
         return found
 
 

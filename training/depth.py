@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.people import GARMENTS, Part
 from ..core.people.depth import ARM, HANGING, HELD, LEG, OVER, Excess, find_looseness
-from ..core.people.features import LENGTH, NAMES
+from ..core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES
 from ..core.people.limbs import Limb
 from .describe import Described
 from .train import load_set
@@ -57,7 +57,7 @@ def measure_excess(
     stations = np.array(excess.stations)
     sums = np.zeros((4, len(stations)))
     for scan in scans:
-        height = LENGTH * scan.values[:, NAMES.index("offset")]
+        height = FEATURE_LENGTH_SCALE * scan.values[:, FEATURE_NAMES.index("offset")]
         for limb in limbs:
             for part in parts:
                 mine = (scan.limb == limb) & (scan.label == part)

@@ -18,13 +18,13 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.body.fit import State
+from ..core.body.fit import FitState
 from ..core.body.person import PersonFit, fit_person
 from ..core.body.registration import body_of_state
 from ..core.body.template import load_template, rotations_of
 from ..core.people.diffusion import link_points
-from ..core.people.features import VERSION, describe_points
-from ..core.people.learnt import network_inputs, sum_kinds
+from ..core.people.features import FEATURE_LAYOUT_VERSION, describe_points
+from ..core.people.learnt import network_inputs, parts_to_kinds
 from ..core.people.points import PersonPoints, sample_person
 from ..core.people.rules import tell_by_rules
 from ..core.people.separate import fit_below_clothes
@@ -75,7 +75,7 @@ class Described:
     @cached_property
     def kind_inputs(self) -> np.ndarray:
         """Return what a network of kinds reads, shape [n, F + 5]."""
-        return network_inputs(self.values, sum_kinds(self.rules))
+        return network_inputs(self.values, parts_to_kinds(self.rules))
 
 
 def describe(shard: Shard) -> Described:
@@ -96,7 +96,7 @@ def describe_given(shard: Shard) -> Described:
 def true_fit(shard: Shard) -> PersonFit:
     """Return the true body as a fit would be."""
     own = shard.parameters
-    return unpack_fit(pack_state(State(own["shape"], rotations_of(own["pose"]), own["translation"])))
+    return unpack_fit(pack_state(FitState(own["shape"], rotations_of(own["pose"]), own["translation"])))
 
 
 def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Described:
@@ -106,7 +106,7 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
     rules = tell_by_rules(points, features, fit, tone)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
-    about = shard.about | {"version": VERSION, "coloured": points.colours is not None}
+    about = shard.about | {"version": FEATURE_LAYOUT_VERSION, "coloured": points.colours is not None}
     return Described(
         features.values,
         points.positions,
@@ -128,7 +128,7 @@ def painted_scan(shard: Shard) -> RawScan:
     return replace(shard.raw_scan(), colours=paint(shard))
 
 
-def pack_state(state: State) -> np.ndarray:
+def pack_state(state: FitState) -> np.ndarray:
     """Return a fit as one row of numbers."""
     return np.concatenate([state.shape, state.rotations.ravel(), state.translation])
 
@@ -136,7 +136,7 @@ def pack_state(state: State) -> np.ndarray:
 def unpack_fit(packed: np.ndarray) -> PersonFit:
     """Return the fit of a row of numbers, without its figures."""
     packed = packed.astype(np.float64)
-    state = State(packed[:-219], packed[-219:-3].reshape(24, 3, 3), packed[-3:])
+    state = FitState(packed[:-219], packed[-219:-3].reshape(24, 3, 3), packed[-3:])
     return PersonFit(body_of_state(load_template(), state, 0.0), state, 0.0, 0.0, 0.0, 0.0)
 
 

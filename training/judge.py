@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.judge import measure_calibration
-from ..core.judge.raw_labels import SURE
+from ..core.judge.raw_labels import MIN_SURE_CONFIDENCE
 from ..core.people import CLOTH, PARTS
 
 NUMBERS = np.array([int(part) for part in PARTS])
@@ -24,7 +24,7 @@ class Judged:
         cloth_iou: Of cloth against the rest, mean of the scans.
         iou: Of each part over all samples, by its word.
         ece: Expected calibration error.
-        sure: Share of samples at `SURE` or more.
+        sure: Share of samples at `MIN_SURE_CONFIDENCE` or more.
         sure_right: Share of these that are right.
     """
 
@@ -51,7 +51,7 @@ def judge_labels(found: list[np.ndarray], confidences: list[np.ndarray], labels:
         means.append(np.mean([iou(ours == number, true == number) for number in np.unique(true)]))
         cloths.append(iou(np.isin(ours, cloth), np.isin(true, cloth)))
     ours, true, confidence = (np.concatenate(each) for each in (found, labels, confidences))
-    right, sure = ours == true, confidence >= SURE
+    right, sure = ours == true, confidence >= MIN_SURE_CONFIDENCE
     classes = {part.word: iou(ours == int(part), true == int(part)) for part in PARTS if (true == int(part)).any()}
     return Judged(
         accuracy=float(right.mean()),

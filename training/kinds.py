@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.people.features import VERSION
-from ..core.people.learnt import Cells, Committee, Network, save_committee, share_kinds, sum_kinds
+from ..core.people.features import FEATURE_LAYOUT_VERSION
+from ..core.people.learnt import LimbCells, Network, NetworkEnsemble, kinds_to_parts, parts_to_kinds, save_ensemble
 from .describe import Described
 from .judge import Judged, judge
 from .network import PersonNetwork
@@ -35,20 +35,25 @@ def harden(network: PersonNetwork, temperature: float) -> Network:
     return Network(weights, temperature)
 
 
-def measure_committee(committee: Committee, scans: list[Described]) -> Judged:
+def measure_committee(committee: NetworkEnsemble, scans: list[Described]) -> Judged:
     """Return the figures of networks of kinds on scans, garments shared out as the rules do."""
     found = []
     for scan in scans:
-        cells = Cells.of(scan.limb, scan.station, *front_and_side(scan))
-        found.append(share_kinds(committee.tell(scan.kind_inputs, sum_kinds(scan.rules), cells), scan.share))
+        cells = LimbCells.of(scan.limb, scan.station, *front_and_side(scan))
+        found.append(kinds_to_parts(committee.tell(scan.kind_inputs, parts_to_kinds(scan.rules), cells), scan.share))
     return judge(found, [scan.label for scan in scans])
 
 
-def write_kinds(committee: Committee, path: Path, about: dict[str, Any]) -> None:
+def write_kinds(committee: NetworkEnsemble, path: Path, about: dict[str, Any]) -> None:
     """Write networks of kinds, and beside them what is known of them with the file's hash."""
-    save_committee(committee, path)
+    save_ensemble(committee, path)
     count = sum(value.size for each in committee.networks for value in each.weights.values())
-    known = {"sha256": sha256(path.read_bytes()).hexdigest(), "features": VERSION, "parameters": count, **about}
+    known = {
+        "sha256": sha256(path.read_bytes()).hexdigest(),
+        "features": FEATURE_LAYOUT_VERSION,
+        "parameters": count,
+        **about,
+    }
     path.with_suffix(".json").write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
 
 
@@ -65,12 +70,12 @@ def main() -> None:
     for seed in options.seeds:
         network = train_network(train, options.epochs, seed, of_kinds=True)
         members.append(harden(network, calibrate([predict(network, scan) for scan in validation], validation)))
-    committee = Committee(tuple(members))
+    committee = NetworkEnsemble(tuple(members))
     write_kinds(committee, options.out, describe_training(committee, options.seeds, options.epochs, train, validation))
 
 
 def describe_training(
-    committee: Committee, seeds: list[int], epochs: int, train: list[Described], validation: list[Described]
+    committee: NetworkEnsemble, seeds: list[int], epochs: int, train: list[Described], validation: list[Described]
 ) -> dict[str, Any]:
     """Return what is written beside the weights: how they were made, and their figures on the persons kept."""
     return {

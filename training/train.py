@@ -18,8 +18,8 @@ import torch
 from torch.nn import functional
 
 from ..core.people import GARMENTS, PARTS, learnt
-from ..core.people.features import LENGTH, NAMES, VERSION
-from ..core.people.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
+from ..core.people.features import FEATURE_LAYOUT_VERSION, FEATURE_LENGTH_SCALE, FEATURE_NAMES
+from ..core.people.learnt import KIND_OF_COLUMN, KINDS, LimbCells, kinds_to_parts, parts_to_kinds
 from ..core.people.limbs import Limb
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
@@ -47,7 +47,7 @@ VALIDATED = 8
 """One person in so many is kept for validation."""
 
 RAISED = ("offset", "distance", "slice_20", "slice_50", "slice_80", "slice_both")
-_GROWS = [name in RAISED or name.startswith(("offset_mean", "typical_")) for name in NAMES]
+_GROWS = [name in RAISED or name.startswith(("offset_mean", "typical_")) for name in FEATURE_NAMES]
 OFFSETS = np.array(_GROWS + [False] * len(PARTS), np.float32)
 """1 for the inputs that grow with every offset from the body."""
 
@@ -57,7 +57,7 @@ COLUMN[NUMBERS] = np.arange(len(NUMBERS))
 
 def _named(*starts: str) -> np.ndarray:
     """Return which inputs of a network of kinds have names that start so; the rules' come last."""
-    return np.array([name.startswith(starts) for name in NAMES] + ["rules".startswith(starts)] * len(KINDS))
+    return np.array([name.startswith(starts) for name in FEATURE_NAMES] + ["rules".startswith(starts)] * len(KINDS))
 
 
 TOLD_TOGETHER = np.stack(
@@ -76,7 +76,7 @@ OF_LIMBS &= ~_named("offset_spread", "offset_step")[: -len(KINDS)]
 def load_set(folder: Path) -> list[Described]:
     """Read the described scans of the present layout."""
     scans = [load_described(path) for path in sorted(folder.glob("*.npz"))]
-    return [scan for scan in scans if scan.about["version"] == VERSION]
+    return [scan for scan in scans if scan.about["version"] == FEATURE_LAYOUT_VERSION]
 
 
 def split(scans: list[Described]) -> tuple[list[Described], list[Described]]:
@@ -89,12 +89,12 @@ def split(scans: list[Described]) -> tuple[list[Described], list[Described]]:
 def cells_of(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[torch.Tensor, ...]:
     """Return the cells of some samples."""
     front, side = front_and_side(scan, take)
-    return to_torch(Cells.of(scan.limb[take], scan.station[take], front, side))
+    return to_torch(LimbCells.of(scan.limb[take], scan.station[take], front, side))
 
 
 def front_and_side(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
     """Return the directions of some samples around their limb."""
-    front, side = (scan.values[take, NAMES.index(name)] for name in ("around_front", "around_side"))
+    front, side = (scan.values[take, FEATURE_NAMES.index(name)] for name in ("around_front", "around_side"))
     return front, side
 
 
@@ -157,8 +157,8 @@ def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np
     if not network.of_kinds:
         loss = functional.cross_entropy(logits, column, weight)
     else:  # the likelihood itself, so that probabilities are true
-        kinds = torch.from_numpy(np.log(sum_kinds(scan.rules[take])).astype(np.float32))
-        loss = functional.cross_entropy(kinds + logits, torch.from_numpy(KIND)[column])
+        kinds = torch.from_numpy(np.log(parts_to_kinds(scan.rules[take])).astype(np.float32))
+        loss = functional.cross_entropy(kinds + logits, torch.from_numpy(KIND_OF_COLUMN)[column])
     wanted = torch.from_numpy(np.log(scan.tightness[take] + LEAST_TIGHTNESS).astype(np.float32))
     spread = tightness[:, 1].clamp(-3, 3)
     loss = loss + 0.1 * (0.5 * ((tightness[:, 0] - wanted) * torch.exp(-spread)) ** 2 + spread).mean()
@@ -170,15 +170,15 @@ def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np
 
 def _vary(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return features as another fit would have given them: the body a little thinner or thicker, and grain."""
-    raised = OFFSETS[: values.shape[1]] * np.float32(rng.normal(0.0, THICKER) / LENGTH)
+    raised = OFFSETS[: values.shape[1]] * np.float32(rng.normal(0.0, THICKER) / FEATURE_LENGTH_SCALE)
     return values + raised + rng.normal(0.0, GRAIN, values.shape).astype(np.float32)
 
 
 def _vary_limbs(values: np.ndarray, limb: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return inputs of a network of kinds as where the fit is off on single limbs, and by parts of the body."""
     count = len(OF_LIMBS)
-    raised = rng.normal(0.0, THICKER / LENGTH, len(Limb))[limb][:, None] * OF_LIMBS
-    raised += rng.normal(0.0, THICKER / LENGTH, count) * _named("typical_")[:count]
+    raised = rng.normal(0.0, THICKER / FEATURE_LENGTH_SCALE, len(Limb))[limb][:, None] * OF_LIMBS
+    raised += rng.normal(0.0, THICKER / FEATURE_LENGTH_SCALE, count) * _named("typical_")[:count]
     return values + np.pad(raised, ((0, 0), (0, len(KINDS)))).astype(np.float32)
 
 
@@ -186,12 +186,12 @@ def predict(network: PersonNetwork, scan: Described) -> np.ndarray:
     """Return the logits of all samples of a scan, shape [n, 8]; of a network of kinds of `KINDS`, shape [n, 5]."""
     with torch.no_grad():
         logits = network(torch.from_numpy(inputs_of(scan, network.of_kinds)), cells_of(scan))[0].numpy()
-    return logits + np.log(sum_kinds(scan.rules)) if network.of_kinds else logits
+    return logits + np.log(parts_to_kinds(scan.rules)) if network.of_kinds else logits
 
 
 def soften(logits: np.ndarray, temperature: float) -> np.ndarray:
     """Return the posterior of logits at a temperature."""
-    return learnt.soften(logits / temperature)
+    return learnt.softmax(logits / temperature)
 
 
 def calibrate(logits: list[np.ndarray], scans: list[Described]) -> float:
@@ -200,14 +200,14 @@ def calibrate(logits: list[np.ndarray], scans: list[Described]) -> float:
         return 1.0
     column = COLUMN[np.concatenate([scan.label for scan in scans])]
     every = np.concatenate(logits)
-    return find_temperature(every, KIND[column] if every.shape[1] == len(KINDS) else column)
+    return find_temperature(every, KIND_OF_COLUMN[column] if every.shape[1] == len(KINDS) else column)
 
 
 def measure(logits: list[np.ndarray], temperature: float, scans: list[Described]) -> Judged:
     """Return the figures of a set of scans; garments of a network of kinds are shared out as the rules do."""
     found = [soften(one, temperature) for one in logits]
     if found and found[0].shape[1] == len(KINDS):
-        found = [share_kinds(one, scan.share) for one, scan in zip(found, scans, strict=True)]
+        found = [kinds_to_parts(one, scan.share) for one, scan in zip(found, scans, strict=True)]
     return judge(found, [scan.label for scan in scans])
 
 

@@ -13,9 +13,9 @@ from ..core.body import Body, DistanceGrid, skin, weights_at
 from ..core.garment import BodyMeasures, Garment, draft_template, mesh_pattern
 from ..core.geometry import HalfEdges
 from ..core.people import Part
-from ..core.recover.drape import PbdState, follow, lay_threads, measure_wearer
+from ..core.recover.drape import PbdState, build_distance_constraints, measure_wearer
 from ..core.recover.drape.dress import DressSettings, dress, waist_loop
-from ..core.recover.drape.follow import Threads
+from ..core.recover.drape.follow import DistanceConstraints, simulate_pbd
 from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
 
@@ -69,7 +69,7 @@ class Worn:
 
     piece: Piece
     garment: Garment
-    threads: Threads
+    threads: DistanceConstraints
     nodes: np.ndarray
     heights: np.ndarray
 
@@ -179,7 +179,7 @@ def put_on(pieces: list[Piece], rest: Body) -> list[Worn]:
         over = heights if piece.wide else np.zeros_like(heights)
         try:
             garment = mesh_pattern(draft_template(piece.template, piece.measures), NODES)
-            threads = lay_threads(garment)
+            threads = build_distance_constraints(garment)
             nodes = dress(garment, rest, Over.of(rest, grid, over), settings=DressSettings(iron=False), threads=threads)
         except (GarmentqError, RuntimeError, ValueError):
             continue
@@ -260,7 +260,7 @@ def take_pose(worn: list[Worn], body: Body, grid: DistanceGrid, rng: np.random.G
         around = Over.of(body, grid, one.heights)
         nodes = skin(one.nodes, weights_at(body, one.nodes, rest=True), body.transforms)
         start = PbdState.at_rest(nodes)
-        nodes = follow(one.threads, start, around, FALL, gravity=9.81, held=waist_loop(one.garment)).nodes
+        nodes = simulate_pbd(one.threads, start, around, FALL, gravity=9.81, held=waist_loop(one.garment)).nodes
         if not np.isfinite(nodes).all():
             continue
         layers.append(Layer(one.piece.part, _finish(one, nodes, around, body, rng)))

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ..core.body import JOINTS, Body
 from ..core.body.builtin import arm_pose, named_pose, pose_template
-from ..core.body.fit import SPREADS
+from ..core.body.fit import POSE_PRIOR_STDS
 from ..core.body.template import Template
 from ..core.geometry import vertex_normals
 
@@ -44,7 +44,7 @@ def draw_pose(template: Template, shape: np.ndarray, rng: np.random.Generator) -
     for _ in range(TRIES):
         name = str(rng.choice(names, p=np.array(shares) / sum(shares)))
         angles = pose_angles(name)
-        jitter = rng.normal(0.0, JITTER, (24, 3)) * np.where(np.isfinite(SPREADS), SPREADS, 0.0)
+        jitter = rng.normal(0.0, JITTER, (24, 3)) * np.where(np.isfinite(POSE_PRIOR_STDS), POSE_PRIOR_STDS, 0.0)
         heading = np.zeros((24, 3))
         heading[0] = rng.normal(0.0, [0.03, 0.0, 0.03])
         body = stand(template, shape, angles + jitter + heading)

@@ -21,7 +21,7 @@ from ..core.run.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
 from ..service.private import make_private
 from ..service.settings import ServiceSettingBad, ServiceSettings
-from .detached import has_ended, launching
+from .detached import has_ended, launch_or_kill
 
 if TYPE_CHECKING:
     import redis
@@ -32,8 +32,8 @@ SOCKET_BYTES = 100
 CELERY_SOCKET, PLAIN_SOCKET = "redis+socket://", "unix://"
 """How the address of a broker on a unix socket begins for Celery, and for redis-py."""
 
-START_SECONDS = 10.0
-"""How long a start may take [s]; it takes 0.1 s on an idle machine."""
+BROKER_START_TIMEOUT = 10.0
+"""Time limit of the broker's start [s]; it takes 0.1 s on an idle machine."""
 
 
 class BrokerUnreachable(Unavailable):
@@ -77,7 +77,7 @@ def broker_url(settings: ServiceSettings) -> str:
     if settings.broker_url.startswith("rediss://") and "ssl_cert_reqs=" not in settings.broker_url:
         joint = "&" if "?" in settings.broker_url else "?"
         return f"{settings.broker_url}{joint}ssl_cert_reqs=required"
-    known = _respell(settings.broker_url, (PLAIN_SOCKET, CELERY_SOCKET), ("db", "virtual_host"))
+    known = _convert_socket_url(settings.broker_url, (PLAIN_SOCKET, CELERY_SOCKET), ("db", "virtual_host"))
     return known or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
 
 
@@ -148,8 +148,8 @@ def start_broker(settings: ServiceSettings) -> bool:
         if is_broker_up(settings):
             return False
         command = _prepare_server(settings, folder)
-        deadline = time.monotonic() + START_SECONDS
-        with launching(command, settings.home / "broker.log") as process:
+        deadline = time.monotonic() + BROKER_START_TIMEOUT
+        with launch_or_kill(command, settings.home / "broker.log") as process:
             while time.monotonic() < deadline and not has_ended(process):
                 if is_broker_up(settings):
                     (folder / "broker.pid").write_text(f"{process}\n")
@@ -176,7 +176,7 @@ def stop_broker(settings: ServiceSettings) -> bool:
         with suppress(redis.RedisError, OSError):
             client.execute_command("SHUTDOWN", "NOSAVE")
         client.close()
-        deadline = time.monotonic() + START_SECONDS
+        deadline = time.monotonic() + BROKER_START_TIMEOUT
         while is_broker_up(settings) and time.monotonic() < deadline:
             time.sleep(0.02)
         _end_leftover(folder)
@@ -193,11 +193,11 @@ def _connect(settings: ServiceSettings) -> redis.Redis:
     once: dict[str, Any] = {"retry": Retry(NoBackoff(), 0), "socket_timeout": 2.0}
     if settings.is_embedded:
         return redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"), **once)
-    url = _respell(settings.broker_url, (CELERY_SOCKET, PLAIN_SOCKET), ("virtual_host", "db"))
+    url = _convert_socket_url(settings.broker_url, (CELERY_SOCKET, PLAIN_SOCKET), ("virtual_host", "db"))
     return redis.Redis.from_url(url, socket_connect_timeout=2.0, **once)
 
 
-def _respell(url: str, beginnings: tuple[str, str], numbers: tuple[str, str]) -> str:
+def _convert_socket_url(url: str, beginnings: tuple[str, str], numbers: tuple[str, str]) -> str:
     """Return the address of a socket as another program spells it; any other address as it is."""
     if not url.startswith(beginnings[0]):
         return url

@@ -22,9 +22,9 @@ from ..service.database import Database, open_database
 from ..service.home import use_home
 from ..service.logs import set_up_logs
 from ..service.settings import ServiceSettings, read_settings
-from ..service.signals import STOP_SIGNALS, handling
+from ..service.signals import STOP_SIGNALS, handle_signals
 from ..service.webhook_delivery import send
-from ..service.webhooks import note_receipt, take_due
+from ..service.webhooks import claim_due_messages, note_receipt
 from .detached import launch
 
 log = logging.getLogger(__name__)
@@ -32,14 +32,15 @@ log = logging.getLogger(__name__)
 AT_ONCE = 8
 """Messages on the way at a time, each to another webhook."""
 
-LONGEST_SECONDS = 60.0
-"""How long a courier works [s]; then the dispatcher starts another one, with its own settings."""
+MAX_COURIER_RUNTIME = 60.0
+"""Longest time that a courier works [s]; then the dispatcher starts another one, with its own settings."""
 
 ROUND_SECONDS = 10.0
 """How long a courier that stays works before it says that it lives [s]."""
 
-ALIVE_SECONDS = 60.0
-"""A courier that has not looked for so long hangs, or cannot reach the database [s]: a round takes 15 s at most."""
+MAX_COURIER_SILENCE = 60.0
+"""Time since its last round after which a courier hangs, or cannot reach the database [s]: a round takes 15 s at
+most."""
 
 
 def start_courier(settings: ServiceSettings, environment: dict[str, str]) -> int:
@@ -55,21 +56,21 @@ class CourierAway(Unavailable):
 
 
 @contextmanager
-def _listening() -> Iterator[Event]:
+def _stop_event() -> Iterator[Event]:
     """Give what is set when this process is told to stop: what is on its way then arrives, and is noted."""
     told = Event()
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
     heard = [number for number in STOP_SIGNALS if not (is_kept and number is signal.SIGHUP)]
-    with handling(heard, lambda *_: told.set()):
+    with handle_signals(heard, lambda *_: told.set()):
         yield told
 
 
 async def deliver(
-    database: Database, networks: str, seconds: float = LONGEST_SECONDS, told: Event | None = None
+    database: Database, networks: str, seconds: float = MAX_COURIER_RUNTIME, told: Event | None = None
 ) -> int:
     """Send what is due until nothing is, for some seconds, or until told to stop; return how many were sent."""
     until, sent, told = time.monotonic() + seconds, 0, told or Event()
-    while time.monotonic() < until and not told.is_set() and (batch := take_due(database, AT_ONCE)):
+    while time.monotonic() < until and not told.is_set() and (batch := claim_due_messages(database, AT_ONCE)):
         receipts = await asyncio.gather(*(send(message, networks) for message in batch))
         for message, receipt in zip(batch, receipts, strict=True):
             note_receipt(database, message.id, receipt)
@@ -83,16 +84,16 @@ def run_courier(settings: ServiceSettings) -> None:
     set_up_logs(bool(settings.log_json))
     database = open_database(settings, pooled=False)
     try:
-        with _listening() as told:
+        with _stop_event() as told:
             while not told.is_set():
                 try:
                     asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS, told))
-                    _mark(settings).touch()
+                    _heartbeat_path(settings).touch()
                 except GarmentqError as error:
                     log.warning("messages wait: %s", error)
                 told.wait(settings.poll_seconds)
     finally:
-        _mark(settings).unlink(missing_ok=True)
+        _heartbeat_path(settings).unlink(missing_ok=True)
         database.dispose()
         os.close(in_use)
 
@@ -104,14 +105,14 @@ def check_courier(settings: ServiceSettings) -> None:
         CourierAway: where none did.
     """
     try:
-        age = time.time() - _mark(settings).stat().st_mtime
+        age = time.time() - _heartbeat_path(settings).stat().st_mtime
     except FileNotFoundError:
         raise CourierAway() from None
-    if age > ALIVE_SECONDS:
+    if age > MAX_COURIER_SILENCE:
         raise CourierAway(f"the courier of this home has not looked for messages for {age:.0f} s; see its log.")
 
 
-def _mark(settings: ServiceSettings) -> Path:
+def _heartbeat_path(settings: ServiceSettings) -> Path:
     """Return the file whose time says when a courier looked last."""
     return settings.home / "courier.alive"
 
@@ -122,8 +123,8 @@ def main() -> int:
     set_up_logs(bool(settings.log_json))
     database = Database(settings.database, pooled=False)
     try:
-        with _listening() as told:
-            asyncio.run(deliver(database, settings.webhook_networks, LONGEST_SECONDS, told))
+        with _stop_event() as told:
+            asyncio.run(deliver(database, settings.webhook_networks, MAX_COURIER_RUNTIME, told))
     except GarmentqError as error:
         log.warning("messages wait: %s", error)
         return 1

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..service.private import make_private
-from ..service.signals import deferring_stops
+from ..service.signals import defer_stop_signals
 
 
 def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> int:
@@ -49,14 +49,14 @@ def kill_group(process: int) -> None:
 
 
 @contextmanager
-def launching(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> Iterator[int]:
+def launch_or_kill(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> Iterator[int]:
     """Start a command as `launch` does; kill it where the block does not find it up: it failed, or was told to stop.
 
     A signal that comes while the process starts is handled when its id is known: else nobody could end it.
     """
     process: int | None = None
     try:
-        with deferring_stops():
+        with defer_stop_signals():
             process = launch(command, log, environment)
         yield process
     except BaseException:

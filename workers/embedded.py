@@ -16,7 +16,7 @@ from ..core.run.errors import GarmentqError
 from ..service.lock import hold_lock, is_locked, take_lock
 from ..service.settings import ServiceSettings
 from .broker import run_folder, start_broker, stop_broker
-from .detached import has_ended, kill_group, launching
+from .detached import has_ended, kill_group, launch_or_kill
 from .threads import VARIABLES, count_cores
 
 log = logging.getLogger(__name__)
@@ -24,8 +24,8 @@ log = logging.getLogger(__name__)
 KEEP_SECONDS = 5.0
 """How often somebody looks whether broker and worker are alive [s]."""
 
-START_SECONDS = 30.0
-"""How long the worker's start may take [s]; it takes about 1 s on an idle machine."""
+WORKER_START_TIMEOUT = 30.0
+"""Time limit of the worker's start [s]; it takes about 1 s on an idle machine."""
 
 GRACE_SECONDS = 20.0
 """How long a worker has to bring its jobs to a stop [s]: a stage asks several times a second whether it must."""
@@ -74,7 +74,7 @@ def ensure_services(settings: ServiceSettings, workers: int | None = None) -> li
 
 
 @contextmanager
-def keeping_up(settings: ServiceSettings, workers: int | None = None) -> Iterator[None]:
+def keep_services_up(settings: ServiceSettings, workers: int | None = None) -> Iterator[None]:
     """Start broker and worker again where they die within the block, unless a person stops them."""
     ended = threading.Event()
 
@@ -133,8 +133,8 @@ def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
     """Start a worker process and wait until it holds its lock."""
     environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
-    deadline = time.monotonic() + START_SECONDS
-    with launching(command, settings.home / "worker.log", environment) as process:
+    deadline = time.monotonic() + WORKER_START_TIMEOUT
+    with launch_or_kill(command, settings.home / "worker.log", environment) as process:
         while time.monotonic() < deadline and not has_ended(process):
             if is_locked(folder / "worker.lock"):
                 return

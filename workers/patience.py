@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 
 from ..core.run.errors import GarmentqError, Unavailable
 from ..service.database import Database, DatabaseUnreachable
-from ..service.outage import LONGEST_SECONDS, end_outages, find_outage, find_pause, note_outage
+from ..service.outage import MAX_OUTAGE_PAUSE, end_outages, find_outage, find_pause, note_outage
 from ..service.settings import ServiceSettings
 from ..service.store import Store
-from .watch import Watch
+from .watch import LeaseKeeper
 
 log = logging.getLogger(__name__)
 
@@ -23,7 +23,7 @@ T = TypeVar("T")
 AWAY_SECONDS = 0.2
 """Pause between two tries to reach a database or store that is away, and between two looks whether to stop [s]."""
 
-LONGEST_LOOK = 30.0
+MAX_STORE_CHECK_PAUSE = 30.0
 """Longest pause between two looks at the store [s]: what the queue stands still after it is back."""
 
 
@@ -35,7 +35,7 @@ def wait_for_store(
     Returns:
         False where it stays away for long, or the worker is to stop; the wake-up is published again then.
     """
-    deadline, tries = time.monotonic() + LONGEST_SECONDS, 0
+    deadline, tries = time.monotonic() + MAX_OUTAGE_PAUSE, 0
     while not is_draining() and time.monotonic() < deadline:
         try:
             store.check(settings.free_bytes)
@@ -43,15 +43,15 @@ def wait_for_store(
             return True
         except Unavailable as error:
             log.warning("no job is begun: %s", error)
-            _tell(database, error)
-        pause, tries = min(LONGEST_LOOK, find_pause(settings.pause_seconds, tries)), tries + 1
+            _report_outage(database, error)
+        pause, tries = min(MAX_STORE_CHECK_PAUSE, find_pause(settings.pause_seconds, tries)), tries + 1
         until = time.monotonic() + pause
         while time.monotonic() < until and not is_draining():
             time.sleep(AWAY_SECONDS)
     return False
 
 
-def persist(write: Callable[[], T], watch: Watch) -> T:
+def persist(write: Callable[[], T], watch: LeaseKeeper) -> T:
     """Repeat a write while database or store is away, and return what it does.
 
     A database is waited for as long as the job may take: the fence tells afterwards whether it still is this worker's.
@@ -61,7 +61,7 @@ def persist(write: Callable[[], T], watch: Watch) -> T:
         Unavailable: where it stayed away for longer, or the job must stop.
         FenceLost: where another worker has taken the job over.
     """
-    deadline, told = time.monotonic() + LONGEST_SECONDS, ""
+    deadline, told = time.monotonic() + MAX_OUTAGE_PAUSE, ""
     while True:
         try:
             done = write()
@@ -72,7 +72,7 @@ def persist(write: Callable[[], T], watch: Watch) -> T:
                 raise
             if outage.code != told:
                 log.warning("a write waits: %s", outage)
-                told = _tell(watch.database, outage)
+                told = _report_outage(watch.database, outage)
         else:
             if told:
                 end_outages(watch.database, socket.gethostname())
@@ -80,7 +80,7 @@ def persist(write: Callable[[], T], watch: Watch) -> T:
         time.sleep(AWAY_SECONDS)
 
 
-def _tell(database: Database, outage: Unavailable) -> str:
+def _report_outage(database: Database, outage: Unavailable) -> str:
     """Note what this host waits for where others see it, if they can; return its code."""
     if not isinstance(outage, DatabaseUnreachable):
         with suppress(GarmentqError):
@@ -89,7 +89,7 @@ def _tell(database: Database, outage: Unavailable) -> str:
 
 
 @contextmanager
-def going_on(job: str, note: dict[str, Any]) -> Iterator[None]:
+def tolerate_outage(job: str, note: dict[str, Any]) -> Iterator[None]:
     """Go on without a report or checkpoint while database or store is away; the watch tells when that lasts too long.
 
     Args:

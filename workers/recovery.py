@@ -26,22 +26,22 @@ from ..core.run.sandbox import is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.columns import RowDamaged
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release
-from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, reschedule
+from ..service.kinds import Kind, KindChange, RunContext, find_files, find_kind, read_request
 from ..service.outage import find_outage, note_outage
 from ..service.private import make_private
-from ..service.progress import Pace, Pacer, learn_pace, report
+from ..service.progress import Pace, ProgressEstimator, learn_pace, report
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
-from ..service.shown_errors import is_ours, show_message
+from ..service.shown_errors import is_service_error, show_message
 from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
 from ..service.stores import open_store
-from ..service.understanding import note_checked, turn
-from .patience import going_on, persist, wait_for_store
+from ..service.understanding import change_kind, note_checked
+from .patience import persist, tolerate_outage, wait_for_store
 from .threads import limit_threads
-from .watch import JobTooLong, Watch
+from .watch import JobTooLong, LeaseKeeper
 
 log = logging.getLogger(__name__)
 
@@ -51,7 +51,7 @@ REPORT_SECONDS = 0.5
 MEMORY = "job.out_of_memory"
 """Code of a job that met the limit of its process."""
 
-FORCED = 75
+FORCED_EXIT_STATUS = 75
 """Exit status of a child that ended under its job; the conventional one for `try again later`."""
 
 
@@ -68,7 +68,7 @@ def run_job(
         mark: Ends the owner's name, so that the parent finds what a dead child held.
 
     Returns:
-        What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `put_off` or `lost`.
+        What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `reschedule` or `lost`.
     """
     if is_draining():
         return "unclaimed"  # the job stays queued, and another worker's reaper publishes it again
@@ -93,10 +93,10 @@ def run_job(
         except GarmentqError as error:
             log.warning("%s", error, extra=note)
         finally:
-            os._exit(FORCED)
+            os._exit(FORCED_EXIT_STATUS)
 
     times = (settings.lease_seconds, settings.poll_seconds, settings.max_seconds)
-    watch = Watch(database, held, *times, is_draining, settings.grace_seconds, force)
+    watch = LeaseKeeper(database, held, *times, is_draining, settings.grace_seconds, force)
     try:
         with watch:
             outcome = _work(Services(settings, database, store), held, watch)
@@ -114,14 +114,14 @@ def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
     return {"job": held.job, "attempt": held.attempt, "stage": stage}
 
 
-def _work(services: Services, held: Claim, watch: Watch) -> str:
+def _work(services: Services, held: Claim, watch: LeaseKeeper) -> str:
     settings, database, store = services.settings, services.database, services.store
     try:
         with work_folder(settings.home / "work", held.job) as folder:
             limit_threads(settings.threads)
             kind, request, work, turned = _begin(services, held, watch, folder / "1")
             if turned is not None:
-                held = persist(partial(turn, database, held, turned.kind, turned.request), watch)
+                held = persist(partial(change_kind, database, held, turned.kind, turned.request), watch)
                 kind, request, work, _ = _begin(services, held, watch, folder / "2")
             pace = learn_pace(database, held.kind, held.request, kind.stages)
             result = kind.run(request, work, make_hooks(database, store, held, watch, pace))
@@ -136,12 +136,14 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
         if (outage := find_outage(error)) is not None:
-            return _put_off(settings, database, held, outage, watch)
+            return _reschedule(settings, database, held, outage, watch)
         persist(partial(_fail, database, held, error), watch)
         return State.FAILED
 
 
-def _begin(services: Services, held: Claim, watch: Watch, folder: Path) -> tuple[Kind, Any, Work, Turned | None]:
+def _begin(
+    services: Services, held: Claim, watch: LeaseKeeper, folder: Path
+) -> tuple[Kind, Any, RunContext, KindChange | None]:
     """Unpack and check a job's files, and find out whether they are what another kind works on."""
     settings, database = services.settings, services.database
     kind = find_kind(settings, held.kind)
@@ -171,11 +173,13 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
     return reason
 
 
-def _put_off(settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: Watch) -> str:
+def _reschedule(
+    settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: LeaseKeeper
+) -> str:
     """Put a job back that met an outage, and say so where the workers are shown."""
     log.warning("job %s is put off: %s", held.job, outage, extra=make_note(held))
     persist(partial(note_outage, database, socket.gethostname(), outage.code), watch)
-    persist(partial(put_off, database, held, outage, settings.pause_seconds), watch)
+    persist(partial(reschedule, database, held, outage, settings.pause_seconds), watch)
     return "put_off"
 
 
@@ -190,7 +194,7 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
             "job.crashed",
             f"{type(error).__name__}: a fault of garmentq; please report it with the worker's log.",
         )
-    if not isinstance(error, BadInput) or is_ours(error):
+    if not isinstance(error, BadInput) or is_service_error(error):
         log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
     fail(database, held, code, message, isinstance(error, BadInput))
 
@@ -205,13 +209,13 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: Any) -> Work:
+def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: Any) -> RunContext:
     """Put a job's files into a folder, each alone in a folder of its own, and what it reads of other jobs' results.
 
     Raises:
         ResultMissing: where a job that is read has no result.
     """
-    work = Work(services.settings, folder / "files", {}, folder / "result")
+    work = RunContext(services.settings, folder / "files", {}, folder / "result")
     work.out.mkdir(parents=True)
     for field, file in find_files(held.request):
         services.store.copy(file.sha256, work.files / field / file.name)
@@ -222,9 +226,9 @@ def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: A
     return replace(work, inputs=inputs)
 
 
-def make_hooks(database: Database, store: Store, held: Claim, watch: Watch, pace: Pace = Pace()) -> Hooks:  # noqa: B008
+def make_hooks(database: Database, store: Store, held: Claim, watch: LeaseKeeper, pace: Pace = Pace()) -> Hooks:  # noqa: B008
     """Connect a pipeline's four calls to the job's row; `pace` tells how far a stage brings the whole."""
-    pacer = Pacer(pace)
+    pacer = ProgressEstimator(pace)
     last: dict[str, Any] = {"stage": "", "at": 0.0}
 
     def on_progress(stage: str, fraction: float, message: str) -> None:
@@ -233,13 +237,13 @@ def make_hooks(database: Database, store: Store, held: Claim, watch: Watch, pace
             return
         last.update(stage=stage, at=now)
         log.debug("job %s: %s %.2f", held.job, stage, fraction, extra=make_note(held, stage))
-        with going_on(held.job, make_note(held, stage)):
+        with tolerate_outage(held.job, make_note(held, stage)):
             report(database, held, pacer.note(stage, fraction, message))
 
     def save(name: str, arrays: Arrays) -> None:
         buffer = io.BytesIO()
         np.savez(buffer, **{key: np.asarray(value) for key, value in arrays.items()})  # type: ignore[arg-type]
-        with going_on(held.job, make_note(held, last["stage"])):
+        with tolerate_outage(held.job, make_note(held, last["stage"])):
             save_checkpoint(database, store, held, name, buffer.getvalue())
 
     def load(name: str) -> Arrays | None:

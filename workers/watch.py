@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from ..core.run.errors import GarmentqError
 from ..service.database import Database
-from ..service.jobs import Claim, Pulse, look, renew
+from ..service.jobs import Claim, HeartbeatResult, read_cancel_flag, renew
 
 BEATS_PER_LEASE = 4
 """Heartbeats in one lease: three may fail before another worker takes over."""
@@ -21,11 +21,11 @@ class JobTooLong(GarmentqError):
     code = "job.too_long"
 
 
-def _go_on(reason: str) -> None:
+def _do_nothing(reason: str) -> None:
     """Do not force anything."""
 
 
-class Watch:
+class LeaseKeeper:
     """Keep a claim alive in the background.
 
     Attributes:
@@ -42,7 +42,7 @@ class Watch:
         max_seconds: float,
         is_draining: Callable[[], bool],
         grace_seconds: float = 10.0,
-        force: Callable[[str], None] = _go_on,
+        force: Callable[[str], None] = _do_nothing,
     ) -> None:
         """Prepare the thread; `with` runs it.
 
@@ -60,7 +60,7 @@ class Watch:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
 
-    def __enter__(self) -> Watch:
+    def __enter__(self) -> LeaseKeeper:
         """Start the thread."""
         self._thread.start()
         return self
@@ -80,9 +80,13 @@ class Watch:
             now = time.monotonic()
             is_due = now - renewed >= self._lease / BEATS_PER_LEASE
             try:
-                pulse = renew(self.database, self._claim, self._lease) if is_due else look(self.database, self._claim)
+                pulse = (
+                    renew(self.database, self._claim, self._lease)
+                    if is_due
+                    else read_cancel_flag(self.database, self._claim)
+                )
             except GarmentqError:  # the database is away; once it is back the fence tells whose the job is
-                pulse = Pulse(is_owner=True, is_cancelled=False)
+                pulse = HeartbeatResult(is_owner=True, is_cancelled=False)
             else:
                 renewed = now if is_due else renewed
             self.reason = self._judge(pulse, now - started)
@@ -90,7 +94,7 @@ class Watch:
                 self._keep_alive(renewed)
                 return
 
-    def _judge(self, pulse: Pulse, seconds: float) -> str:
+    def _judge(self, pulse: HeartbeatResult, seconds: float) -> str:
         if not pulse.is_owner:
             return "lost"
         if pulse.is_cancelled:

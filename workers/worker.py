@@ -24,24 +24,24 @@ from celery.platforms import SecurityWarning
 
 from ..core.run.errors import GarmentqError
 from ..service.audit import forget_accesses
-from ..service.clocks import Leaps, read_clock, set_right
+from ..service.clocks import ClockJumpGuard, clamp_future_times, read_clock
 from ..service.database import Database, DatabaseUnreachable, open_database
-from ..service.families import advance
+from ..service.families import release_waiting_jobs
 from ..service.home import use_home
 from ..service.logs import set_up_logs
 from ..service.reaper import (
-    DUTY,
-    DUTY_SECONDS,
+    DISPATCHER_LEASE,
     FORGET_SECONDS,
+    LEADER_LEASE_TIME,
+    acquire_leader_lease,
     dispatch,
-    drop_duty,
-    end_life,
-    hold_duty,
     is_idle,
     reap,
-    remind,
-    report_loss,
-    show_life,
+    record_heartbeat,
+    release_leader_lease,
+    release_lost_leases,
+    remove_worker,
+    republish_stalled_jobs,
 )
 from ..service.settings import ServiceSettings
 from ..service.states import QUEUES
@@ -65,7 +65,7 @@ FORGET_OLD_SECONDS = 3600.0
 """How often old rows of the audit log and of sent messages are removed [s]: they are kept for days."""
 
 
-class Duties(bootsteps.StartStopStep):
+class DispatcherStep(bootsteps.StartStopStep):
     """Dispatch and reap from the parent's event loop, where this worker holds the duty."""
 
     requires = ("celery.worker.components:Timer", "celery.worker.components:Pool")
@@ -81,7 +81,7 @@ class Duties(bootsteps.StartStopStep):
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
         self.showed, self.forgot = 0.0, -FORGET_OLD_SECONDS
         self.courier: int | None = None
-        self.leaps = Leaps(self.settings.lease_seconds)
+        self.leaps = ClockJumpGuard(self.settings.lease_seconds)
         self.began = time.monotonic()
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
@@ -93,8 +93,8 @@ class Duties(bootsteps.StartStopStep):
         if self.courier is not None and not has_ended(self.courier):
             end_group(self.courier)  # what it has not sent stays owed
         try:
-            end_life(self.database, self.name)
-            drop_duty(self.database, DUTY, self.name)
+            remove_worker(self.database, self.name)
+            release_leader_lease(self.database, DISPATCHER_LEASE, self.name)
         except GarmentqError as error:
             log.warning("the duty could not be dropped: %s", error)
 
@@ -102,15 +102,17 @@ class Duties(bootsteps.StartStopStep):
         try:
             if time.monotonic() - self.showed > LIFE_SECONDS:
                 queues, concurrency = self.app.garmentq_strength
-                show_life(self.database, self.name, queues, concurrency, FORGET_SECONDS)
+                record_heartbeat(self.database, self.name, queues, concurrency, FORGET_SECONDS)
                 self.showed = time.monotonic()
-            if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
-                set_right(self.database)
+            if acquire_leader_lease(self.database, DISPATCHER_LEASE, self.name, LEADER_LEASE_TIME):
+                clamp_future_times(self.database)
                 self.leaps.note(read_clock(self.database))
                 if self.leaps.is_steady:
                     reap(self.database, self.settings.max_attempts)
-                advance(self.database)
-                remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
+                release_waiting_jobs(self.database)
+                republish_stalled_jobs(
+                    self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0
+                )
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
                 self._send_messages()
                 if time.monotonic() - self.forgot > FORGET_OLD_SECONDS:
@@ -167,7 +169,7 @@ def run_worker(
     app.garmentq_goes_home = lock is not None
     draining = multiprocessing.RawValue("b", 0)
     _register(app, settings, draining, lock)
-    app.steps["worker"].add(Duties)
+    app.steps["worker"].add(DispatcherStep)
     app.steps["consumer"].add(MessageGuard)
     worker = _make_worker(
         app,
@@ -216,7 +218,7 @@ def limit_job_memory(megabytes: int) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
-def _go_on(number: int, frame: object) -> None:
+def _ignore_signal(number: int, frame: object) -> None:
     """Do nothing about a signal; unlike one that is ignored it does not stay so in a program that is started."""
 
 
@@ -227,7 +229,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
     @app.task(name=TASK, ignore_result=True, bind=True)
     def recover(task: Any, job: str) -> str:
         for number in (signal.SIGTERM, signal.SIGHUP):  # may be sent to all of a unit or terminal; the parent tells us
-            signal.signal(number, _go_on)
+            signal.signal(number, _ignore_signal)
         return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
 
     @signals.task_failure.connect(weak=False)
@@ -236,7 +238,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
             return
         database = Database(settings.database, pooled=False)
         try:
-            report_loss(database, task_id, str(exception))
+            release_lost_leases(database, task_id, str(exception))
         except GarmentqError as error:
             log.warning("%s; the lease must run out", error)
         finally:

@@ -5,22 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..run.lazy import import_lazily
-from .body import JOINTS, PARENTS, Body
+from .body import JOINT_PARENTS, JOINTS, Body
 from .spec import BUILTIN, BuiltinWearer, Wearer, is_builtin, read_wearer
 
 if TYPE_CHECKING:
     from .builtin import POSES, BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
-    from .current import carry_outside
+    from .current import advect_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth, pinched_depth
-    from .girths import BELOW_ARMPIT, GIRTHS, Girth, Tape, armpit_height, crotch_height
+    from .girths import BELOW_ARMPIT, GIRTHS, Girth, TapeMeasure, armpit_height, crotch_height
     from .hanging_arms import find_hanging_arms, lies_under_arm
     from .measured import MeasureRange
     from .measures_file import MeasuresBad, read_measures
     from .model import BodyModel
     from .person import PersonFit, PersonSettings, PointWeights, fit_person, refit_person
     from .posing import check_wearer, pose_body
-    from .projection import project_outside, ways_out
+    from .projection import exit_displacements, project_outside
     from .registration import NotHuman, register_body
     from .resizing import resize_body
     from .signed_distance import SignedDistance
@@ -35,7 +35,7 @@ _LAZY = {
     "BELOW_ARMPIT": "girths",
     "GIRTHS": "girths",
     "Girth": "girths",
-    "Tape": "girths",
+    "TapeMeasure": "girths",
     "armpit_height": "girths",
     "crotch_height": "girths",
     "MeasureRange": "measured",
@@ -54,7 +54,7 @@ _LAZY = {
     "SmplBad": "smpl",
     "Solid": "solid",
     "builtin_body": "builtin",
-    "carry_outside": "current",
+    "advect_outside": "current",
     "check_wearer": "posing",
     "describe_bodies": "builtin",
     "find_hanging_arms": "hanging_arms",
@@ -75,7 +75,7 @@ _LAZY = {
     "skin": "skinning",
     "unskin": "skinning",
     "untangle_outside": "untangling",
-    "ways_out": "projection",
+    "exit_displacements": "projection",
     "weights_at": "skinning",
 }
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
@@ -85,7 +85,7 @@ __all__ = [
     "BUILTIN",
     "GIRTHS",
     "JOINTS",
-    "PARENTS",
+    "JOINT_PARENTS",
     "POSES",
     "Body",
     "BodyMissing",
@@ -105,14 +105,15 @@ __all__ = [
     "SignedDistance",
     "SmplBad",
     "Solid",
-    "Tape",
+    "TapeMeasure",
     "Wearer",
+    "advect_outside",
     "armpit_height",
     "builtin_body",
-    "carry_outside",
     "check_wearer",
     "crotch_height",
     "describe_bodies",
+    "exit_displacements",
     "find_hanging_arms",
     "fit_person",
     "is_builtin",
@@ -134,7 +135,6 @@ __all__ = [
     "skin",
     "unskin",
     "untangle_outside",
-    "ways_out",
     "weights_at",
 ]
 

@@ -15,7 +15,7 @@ JOINTS = (
 )  # fmt: skip
 """SMPL's 24 joints in SMPL's order."""
 
-PARENTS = (-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21)
+JOINT_PARENTS = (-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21)
 """Index of each joint's parent in `JOINTS`; the root's is -1. A bone is named by its child joint."""
 
 

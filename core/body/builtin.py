@@ -11,12 +11,12 @@ import numpy as np
 from ..run.errors import BadInput
 from .body import JOINTS, Body
 from .girths import GIRTHS
-from .measured import DENSITY, Wanted, shape_for, volume_of
+from .measured import BODY_DENSITY, TargetMeasures, most_probable_shape, volume_of
 from .skinning import skin
 from .spec import BUILTIN, BuiltinWearer, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
-HEIGHTS = (1.40, 2.10)
+BUILTIN_HEIGHT_RANGE = (1.40, 2.10)
 """Heights [m] that the shape directions were drawn for; beyond them bodies look wrong."""
 USUAL_HEIGHTS = {"female": 1.65, "male": 1.77}
 """Height [m] where none is asked for: about the mean of young adults in Europe."""
@@ -60,7 +60,7 @@ def builtin_body(spec: str | BuiltinWearer) -> Body:
     """
     asked = parse_spec(str(spec))
     template = load_template()
-    shape = shape_for(template, asked.wanted)
+    shape = most_probable_shape(template, asked.wanted)
     return pose_template(template, shape, named_pose(asked.pose), f"{BUILTIN}{asked.wanted.gender}")
 
 
@@ -107,10 +107,10 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
     template = load_template()
     bodies = []
     for gender, height in USUAL_HEIGHTS.items():
-        vertices, _ = template.shaped(shape_for(template, Wanted(gender, height)))
-        usual = DENSITY * volume_of(vertices, template.faces)[0]
+        vertices, _ = template.shaped(most_probable_shape(template, TargetMeasures(gender, height)))
+        usual = BODY_DENSITY * volume_of(vertices, template.faces)[0]
         low, high = (round(index * height**2) for index in MASS_INDICES)
-        ranges = ((*HEIGHTS, height), (low, high, round(usual)))
+        ranges = ((*BUILTIN_HEIGHT_RANGE, height), (low, high, round(usual)))
         bodies.append({"spec": f"{BUILTIN}{gender}", "ranges": ranges, "poses": POSES})
     return tuple(bodies)
 
@@ -124,7 +124,7 @@ class BodySpec:
         pose: One of `POSES`.
     """
 
-    wanted: Wanted
+    wanted: TargetMeasures
     pose: str = "T"
 
 
@@ -151,13 +151,16 @@ def parse_spec(spec: str) -> BodySpec:
         else:
             raise BodySpecBad(f"'{word}' in '{spec}' is not understood. {BodySpecBad().message}")
     height, weight = numbers.pop("height", USUAL_HEIGHTS[words[0]]), numbers.pop("weight", None)
-    if not HEIGHTS[0] <= height <= HEIGHTS[1]:
-        raise BodySpecBad(f"height={height:g} is outside {HEIGHTS[0]:.2f} to {HEIGHTS[1]:.2f} m (height is in metres).")
+    if not BUILTIN_HEIGHT_RANGE[0] <= height <= BUILTIN_HEIGHT_RANGE[1]:
+        raise BodySpecBad(
+            f"height={height:g} is outside {BUILTIN_HEIGHT_RANGE[0]:.2f} to {BUILTIN_HEIGHT_RANGE[1]:.2f} m "
+            "(height is in metres)."
+        )
     low, high = (index * height**2 for index in MASS_INDICES)
     if weight is not None and not low <= weight <= high:
         raise BodySpecBad(f"weight={weight:g} is outside {low:.0f} to {high:.0f} kg for a height of {height:.2f} m.")
     girths = {name: numbers[name] for name in GIRTHS if name in numbers}
-    return BodySpec(Wanted(words[0], height, weight, girths), pose)
+    return BodySpec(TargetMeasures(words[0], height, weight, girths), pose)
 
 
 def named_pose(name: str) -> np.ndarray:

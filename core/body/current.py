@@ -7,22 +7,23 @@ import numpy as np
 from ..geometry import face_boxes, self_intersections, undo_crossings
 from .signed_distance import SignedDistance
 
-STEP = 2e-3
-"""Longest move in a round [m]: over the width of the current a strain of a few per cent, so nothing folds over."""
+MAX_ADVECTION_STEP = 2e-3
+"""Longest move of a node in an iteration [m]. Over the width of the displacement field it is a strain of a few per
+cent, so nothing folds over."""
 
-ROUNDS = 40
-"""Rounds in which cloth is carried at most: 8 cm, a lap's crease."""
+MAX_ADVECTION_ITERATIONS = 40
+"""Largest number of advection iterations. Together they move cloth by 8 cm, the depth of the crease of a lap."""
 
-REACH = 4.0
-"""Widths beyond which the current is still: it has faded to less than 1e-3 there."""
+ADVECTION_CUTOFF_RATIO = 4.0
+"""Cutoff distance of the displacement field [widths of the field]. The field has faded to less than 1e-3 there."""
 
 
-def carry_outside(
+def advect_outside(
     nodes: np.ndarray,
     faces: np.ndarray,
     body: SignedDistance,
     width: float,
-    rounds: int = ROUNDS,
+    rounds: int = MAX_ADVECTION_ITERATIONS,
     clearance: float = 1e-3,
 ) -> np.ndarray:
     """Carry cloth that is inside a body out of it, with the cloth around it, and return the nodes [m], [node_count, 3].
@@ -31,7 +32,8 @@ def carry_outside(
     nearness, and fades with the distance to them: u(x) = max_i w_i sum_i w_i m_i / sum_i w_i with
     w_i = exp(-|x - x_i|^2 / 2 h^2), h its width. It is a smooth map of space in small steps, which takes layers that
     lie on each other along without passing them through each other; where a coarse triangle does not follow it well
-    enough, its step is undone. Nodes further than `REACH` widths from what is low stay exactly where they are.
+    enough, its step is undone. Nodes further than `ADVECTION_CUTOFF_RATIO` widths from what is low stay exactly where
+    they are.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -48,14 +50,14 @@ def carry_outside(
         low = np.flatnonzero(distance < 0.0)
         if not len(low):
             break
-        near = np.flatnonzero(_within(nodes, points[low], REACH * width).all(axis=1))
-        move = np.minimum(clearance - distance[low], STEP)[:, None] * normal[low]
+        near = np.flatnonzero(_is_within_box(nodes, points[low], ADVECTION_CUTOFF_RATIO * width).all(axis=1))
+        move = np.minimum(clearance - distance[low], MAX_ADVECTION_STEP)[:, None] * normal[low]
         square = ((nodes[near, None] - points[low]) ** 2).sum(axis=2)
-        nearness = np.exp(-0.5 * square / width**2) * (square < (REACH * width) ** 2)
+        nearness = np.exp(-0.5 * square / width**2) * (square < (ADVECTION_CUTOFF_RATIO * width) ** 2)
         share = nearness.max(axis=1) / np.maximum(nearness.sum(axis=1), 1e-300)
         moved = nodes.copy()
         moved[near] += share[:, None] * (nearness @ move)
-        _undo_near(moved, nodes, faces)
+        _undo_new_crossings(moved, nodes, faces)
         stirred = (moved != nodes).any(axis=1)
         if not stirred.any():
             break
@@ -66,7 +68,7 @@ def carry_outside(
     return nodes
 
 
-def _undo_near(moved: np.ndarray, before: np.ndarray, faces: np.ndarray) -> None:
+def _undo_new_crossings(moved: np.ndarray, before: np.ndarray, faces: np.ndarray) -> None:
     """Undo, in place, moves that make faces cross; only faces near what moved are looked at."""
     stirred = (moved != before).any(axis=1)[faces].any(axis=1)
     if not stirred.any():
@@ -79,6 +81,6 @@ def _undo_near(moved: np.ndarray, before: np.ndarray, faces: np.ndarray) -> None
     undo_crossings(moved, before, near, self_intersections(before, near))
 
 
-def _within(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
+def _is_within_box(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
     """Find which coordinates of points lie within the box around others, widened by a reach [m], shape [n, 3]."""
     return np.asarray((points >= others.min(axis=0) - reach) & (points <= others.max(axis=0) + reach))

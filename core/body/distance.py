@@ -12,15 +12,15 @@ from ..geometry import HalfEdges, TriangleSurface
 from ..run.errors import BadInput
 from .solid import Solid
 
-BAND = 4
-"""Cells on each side of the surface with exact distances. The spline's prefilter damps an error by 0.27 a cell, so the
-centimetre-sized errors beyond are below 0.05 mm at the surface."""
+NARROW_BAND_WIDTH = 4
+"""Width of the band with exact distances on each side of the surface [cells]. The spline's prefilter damps an error by
+0.27 a cell, so the centimetre-sized errors beyond are below 0.05 mm at the surface."""
 
-CLEAR = 3.0
-"""Cells by which the coefficient at a point's corner may exceed its distance: it is at most 1.7 away, and inside thin
-limbs coefficients exceed the distance by up to 2.5 (measured on bodies)."""
+MAX_COEFFICIENT_EXCESS = 3.0
+"""Largest excess of the spline coefficient at a point's corner over the point's distance [cells]. The corner is at most
+1.7 cells away, and inside thin limbs coefficients exceed the distance by up to 2.5 (measured on bodies)."""
 
-FAR = 1.0
+OUTSIDE_GRID_DISTANCE = 1.0
 """Distance reported outside the grid [m]: beyond every contact thickness."""
 
 
@@ -66,8 +66,8 @@ class DistanceGrid:
     ) -> DistanceGrid:
         """Sample the distance to a mesh (vertices [m], shape [n, 3]; outward faces, shape [m, 3]).
 
-        Exact within `BAND` cells of the surface, from a distance transform beyond. The sign is the winding number's,
-        so small holes and self-intersections do no harm; a mesh that is inside out is turned.
+        Exact within `NARROW_BAND_WIDTH` cells of the surface, from a distance transform beyond. The sign is the winding
+        number's, so small holes and self-intersections do no harm; a mesh that is inside out is turned.
 
         Raises:
             DistanceBad: where the mesh is empty or not finite.
@@ -78,20 +78,20 @@ class DistanceGrid:
         if not len(faces) or not np.isfinite(vertices).all():
             raise DistanceBad()
         used = vertices[np.unique(faces)]
-        pad = max(margin, (BAND + 2) * spacing)
+        pad = max(margin, (NARROW_BAND_WIDTH + 2) * spacing)
         origin = used.min(0) - pad
         shape = np.ceil((used.max(0) + pad - origin) / spacing).astype(np.int64) + 1
         near = np.ones(shape, dtype=bool)
         samples = _sample_surface(vertices, faces, spacing)
         near[tuple(np.rint((samples - origin) / spacing).astype(np.int64).T)] = False
         rough = distance_transform_edt(near)
-        band = np.argwhere(rough <= BAND + 1)
+        band = np.argwhere(rough <= NARROW_BAND_WIDTH + 1)
         values = rough * spacing
         values[tuple(band.T)] = TriangleSurface(vertices, faces).distance(origin + spacing * band)
         # A closed surface does not pass between two neighbours further from it than half a cell; through a hole the
         # inside meets the outside, and only beyond the band is there no doubt.
-        sure = values > 0.51 * spacing if _is_closed(faces) else rough > BAND + 1
-        values[_inside(sure, origin, spacing, vertices, faces)] *= -1.0
+        sure = values > 0.51 * spacing if _is_closed(faces) else rough > NARROW_BAND_WIDTH + 1
+        values[_find_inside_points(sure, origin, spacing, vertices, faces)] *= -1.0
         return cls.from_values(origin, spacing, values)
 
     @classmethod
@@ -118,7 +118,8 @@ class DistanceGrid:
         return replace(self, origin=self.origin + np.asarray(translation, dtype=np.float64))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Return signed distances [m], shape [n], of points [m], shape [n, 3]; `FAR` outside the grid."""
+        """Return signed distances [m], shape [n], of points [m], shape [n, 3]; `OUTSIDE_GRID_DISTANCE` outside the
+        grid."""
         return self.evaluate(points)[0]
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,7 +150,7 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
     return np.concatenate(found)
 
 
-def _inside(
+def _find_inside_points(
     sure: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
     """Return which grid points are inside; a mesh inside out as a whole is turned.
@@ -174,21 +175,21 @@ def _is_closed(faces: np.ndarray) -> bool:
 
 
 @njit(cache=True, inline="always")
-def _weigh(t):  # type: ignore[no-untyped-def]
+def _spline_weights(t):  # type: ignore[no-untyped-def]
     """Return the four cubic B-spline weights at t in 0..1."""
     s = 1.0 - t
     return s * s * s / 6.0, 2.0 / 3.0 - t * t + 0.5 * t * t * t, 2.0 / 3.0 - s * s + 0.5 * s * s * s, t * t * t / 6.0
 
 
 @njit(cache=True, inline="always")
-def _weigh_slope(t):  # type: ignore[no-untyped-def]
+def _spline_slopes(t):  # type: ignore[no-untyped-def]
     """Return the weights' first derivatives."""
     s = 1.0 - t
     return -0.5 * s * s, -2.0 * t + 1.5 * t * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
 @njit(cache=True, inline="always")
-def _weigh_curve(t):  # type: ignore[no-untyped-def]
+def _spline_curvatures(t):  # type: ignore[no-untyped-def]
     """Return the weights' second derivatives."""
     s = 1.0 - t
     return s, -2.0 + 3.0 * t, -2.0 + 3.0 * s, t
@@ -205,7 +206,7 @@ def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no
     """Return the distance at one point [m] and write its gradient [3] (order >= 1) and Hessian [3, 3] (order 2).
 
     Further than `reach` [m] from the surface, and outside the grid, `slope` and `curve` are left as they are; where the
-    coefficient at its corner is `CLEAR` cells further, the distance is rough.
+    coefficient at its corner is `MAX_COEFFICIENT_EXCESS` cells further, the distance is rough.
     """
     flat, (nx, ny, nz), origin, spacing, offset = grid
     s0 = (point[0] - origin[0]) / spacing
@@ -213,14 +214,14 @@ def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no
     s2 = (point[2] - origin[2]) / spacing
     # negated so that a position that is not a number counts as outside
     if not (s0 >= 1.0 and s1 >= 1.0 and s2 >= 1.0 and s0 < nx - 2.0 and s1 < ny - 2.0 and s2 < nz - 2.0):
-        return FAR
+        return OUTSIDE_GRID_DISTANCE
     i, j, k = int(s0), int(s1), int(s2)
     t0, t1, t2 = s0 - i, s1 - j, s2 - k
     rough = flat[(i * ny + j) * nz + k] + offset
-    if rough > reach + CLEAR * spacing:
+    if rough > reach + MAX_COEFFICIENT_EXCESS * spacing:
         return rough
     corner = ((i - 1) * ny + j - 1) * nz + k - 1
-    u, v, w = _weigh(t0), _weigh(t1), _weigh(t2)
+    u, v, w = _spline_weights(t0), _spline_weights(t1), _spline_weights(t2)
     value = offset
     for a in range(4):
         at = corner + a * ny * nz
@@ -228,8 +229,8 @@ def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no
         value += u[a] * (line + _blend(flat, at + 2 * nz, w) * v[2] + _blend(flat, at + 3 * nz, w) * v[3])
     if order == 0 or value >= reach:
         return value
-    du, dv, dw = _weigh_slope(t0), _weigh_slope(t1), _weigh_slope(t2)
-    ddu, ddv, ddw = _weigh_curve(t0), _weigh_curve(t1), _weigh_curve(t2)
+    du, dv, dw = _spline_slopes(t0), _spline_slopes(t1), _spline_slopes(t2)
+    ddu, ddv, ddw = _spline_curvatures(t0), _spline_curvatures(t1), _spline_curvatures(t2)
     g0, g1, g2 = 0.0, 0.0, 0.0
     h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(4):

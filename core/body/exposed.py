@@ -8,29 +8,30 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Closest, TriangleSurface, face_normals
+from ..geometry import ClosestPoints, TriangleSurface, face_normals
 from .body import Body
 from .solid import Solid
 
-SPLITS = 2
-"""Times that a face which a crease cuts is split in four: edges of 2 cm come down to 5 mm, which is how near the rim
-of the open skin comes to the crease."""
+CREASE_SUBDIVISION_COUNT = 2
+"""Number of times that a face which a crease cuts is split in four. Edges of 2 cm come down to 5 mm, which is how near
+the rim of the exposed skin comes to the crease."""
 
-WITHIN = 0.9
-"""Share of the way from a face's middle to its corners at which it is asked whether it is in the open. At the corners
-themselves the lift of a face of a hollow ends in the face beside it."""
+CORNER_SAMPLE_SHARE = 0.9
+"""Share of the way from a face's centre to its corners at which exposure is tested. At the corners themselves the
+offset point of a face in a hollow lies in the face beside it."""
 
-CLEAR = 0.97
-"""Cosine between the way to a point and its foot's normal above which it is outside without a further question, away
-from creases: the nearest skin is seen from behind by what is inside."""
+CERTAIN_OUTSIDE_COSINE = 0.97
+"""Cosine between the way to a point and the normal at its foot above which the point is outside without a further test,
+away from creases. A point inside sees the nearest skin from behind."""
 
-BESIDE = 0.15
-"""How far beyond the box around given points skin is looked at [m]: more than cloth is off the skin that bears it, with
-what both move in a step."""
+SKIN_BOX_MARGIN = 0.15
+"""Margin around the box of given points in which skin is tested for exposure [m]. It is more than the distance of cloth
+from the skin that bears it, together with what both move in a step."""
 
-RINGS = 3
-"""Edges around swallowed skin within which that is asked of every point: beside a crease the skin of one part that lies
-in front of a point may be in the open while the part that the point is in is taken for swallowed there."""
+CREASE_RING_COUNT = 3
+"""Number of edges around skin inside another part of the body within which every point's side is tested. Beside a
+crease the skin of one part in front of a point may be exposed, while the part that holds the point is taken for hidden
+there."""
 
 
 class ExposedSurface:
@@ -44,8 +45,9 @@ class ExposedSurface:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: The body's mesh, shape [face_count, 3].
         splits: Times that a face which a crease cuts is split in four; 0 takes it as its middle is.
-        near: Points [m], shape [n, 3], around which the surface will be asked: skin that is farther than `BESIDE` from
-            their box is taken to be in the open, for to find out costs half of the time. None: all is looked at.
+        near: Points [m], shape [n, 3], around which the surface will be asked: skin that is farther than
+            `SKIN_BOX_MARGIN` from their box is taken to be in the open, for to find out costs half of the time. None:
+            all is looked at.
 
     Attributes:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -54,7 +56,11 @@ class ExposedSurface:
     """
 
     def __init__(
-        self, vertices: np.ndarray, faces: np.ndarray, splits: int = SPLITS, near: np.ndarray | None = None
+        self,
+        vertices: np.ndarray,
+        faces: np.ndarray,
+        splits: int = CREASE_SUBDIVISION_COUNT,
+        near: np.ndarray | None = None,
     ) -> None:
         self._solid, self._near = Solid(vertices, faces), near
         self._strict: ExposedSurface | None = None
@@ -63,7 +69,7 @@ class ExposedSurface:
         self.normals = self._surface.face_normals
 
     @classmethod
-    def of(cls, body: Body, splits: int = SPLITS) -> ExposedSurface:
+    def of(cls, body: Body, splits: int = CREASE_SUBDIVISION_COUNT) -> ExposedSurface:
         """Take the outside of a body's own mesh, not of the fitted model."""
         return cls(body.vertices, body.faces, splits)
 
@@ -114,7 +120,7 @@ class ExposedSurface:
         count = len(solid.vertices)
         degree, kept = (np.bincount(each.ravel(), minlength=count) for each in (solid.faces, self.faces))
         beside = kept < degree
-        for _ in range(RINGS):
+        for _ in range(CREASE_RING_COUNT):
             beside[self.faces[beside[self.faces].any(axis=1)]] = True
         return np.asarray(beside[self.faces].any(axis=1))
 
@@ -122,7 +128,7 @@ class ExposedSurface:
         """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""
         vertices, faces = self._solid.vertices, self._solid.faces
         bare = self._bare
-        mixed = _beside_creases(vertices, faces, bare)
+        mixed = _find_crease_faces(vertices, faces, bare)
         kept = []
         for _ in range(splits):
             corners = self._bare_corners(vertices, faces[mixed])
@@ -140,7 +146,7 @@ class ExposedSurface:
         middles, normals = vertices[faces].mean(axis=1), face_normals(vertices, faces)[0]
         if self._near is None:
             return self._solid.exposed(middles, normals)
-        low, high = self._near.min(axis=0) - BESIDE, self._near.max(axis=0) + BESIDE
+        low, high = self._near.min(axis=0) - SKIN_BOX_MARGIN, self._near.max(axis=0) + SKIN_BOX_MARGIN
         asked = ((middles >= low) & (middles <= high)).all(axis=1)
         bare = np.ones(len(faces), dtype=bool)
         bare[asked] = self._solid.exposed(middles[asked], normals[asked])
@@ -149,7 +155,7 @@ class ExposedSurface:
     def _bare_corners(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Return which of the faces' corners are in the open, shape [n, 3]."""
         middle = vertices[faces].mean(axis=1, keepdims=True)
-        near = middle + WITHIN * (vertices[faces] - middle)
+        near = middle + CORNER_SAMPLE_SHARE * (vertices[faces] - middle)
         normals = np.repeat(face_normals(vertices, faces)[0], 3, axis=0)
         return self._solid.exposed(near.reshape(-1, 3), normals).reshape(-1, 3)
 
@@ -191,7 +197,7 @@ class ExposedSurface:
         depth = swallowed.distance(inside)
         return depth < way, depth
 
-    def closest(self, points: np.ndarray) -> Closest:
+    def closest(self, points: np.ndarray) -> ClosestPoints:
         """Find the closest points of the skin in the open to points [m], shape [n, 3]."""
         return self._surface.closest(points)
 
@@ -215,7 +221,7 @@ class ExposedSurface:
         distance = np.linalg.norm(offset, axis=1)
         gradient, sign = self.normals[found.face], np.ones(len(points))
         doubtful = np.flatnonzero(
-            self._creased[found.face] | ((offset * gradient).sum(axis=1) < CLEAR * distance)
+            self._creased[found.face] | ((offset * gradient).sum(axis=1) < CERTAIN_OUTSIDE_COSINE * distance)
         )  # the winding number of a point costs more than its foot
         sign[doubtful] = np.where(self.contains(points[doubtful]), -1.0, 1.0)
         # Below a nanometre the difference of two positions of about 1 m has no direction left in float64.
@@ -229,7 +235,7 @@ class ExposedSurface:
         return signed, gradient
 
 
-def _beside_creases(vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray) -> np.ndarray:
+def _find_crease_faces(vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray) -> np.ndarray:
     """Find the faces that share a vertex with one in the open and with one that is not."""
     touched = np.zeros((2, len(vertices)), dtype=bool)
     touched[0, faces[bare]] = touched[1, faces[~bare]] = True

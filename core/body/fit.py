@@ -9,19 +9,19 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
 from ..geometry import vertex_normals
-from .body import JOINTS, PARENTS
+from .body import JOINT_PARENTS, JOINTS
 from .template import Template, articulate, cross_matrices, rotations_of
 
-_BELOW = np.zeros((24, 24))
-"""Row j marks joint j and all joints below it."""
+_DESCENDANT_MASK = np.zeros((24, 24))
+"""Mask of the joints below each joint, shape [24, 24]. Row j marks joint j and all joints below it."""
 for _k in range(24):
     _j = _k
     while _j >= 0:
-        _BELOW[_j, _k] = 1.0
-        _j = PARENTS[_j]
+        _DESCENDANT_MASK[_j, _k] = 1.0
+        _j = JOINT_PARENTS[_j]
 
 
-def _spreads() -> np.ndarray:
+def _pose_prior_stds() -> np.ndarray:
     """Return the standard deviations [rad] of each joint's axis-angle in everyday poses, shape [24, 3].
 
     Assumed from the ranges of human joints: hinges wide about their axis only, ball joints wide, spine and feet narrow.
@@ -40,7 +40,7 @@ def _spreads() -> np.ndarray:
     return spread
 
 
-SPREADS = _spreads()
+POSE_PRIOR_STDS = _pose_prior_stds()
 HINGES = (("left_knee", 0, 1.0), ("right_knee", 0, 1.0), ("left_elbow", 1, -1.0), ("right_elbow", 1, 1.0))
 """Joint, axis and sign of the only way it bends: the shank goes back, the forearm forward."""
 HINGE_SLACK = 0.1
@@ -98,7 +98,7 @@ class OrientedPoints:
 
 
 @dataclass(frozen=True)
-class State:
+class FitState:
     """Describe a fit: shape [k], local rotations [24, 3, 3], translation [m], shape [3]."""
 
     shape: np.ndarray
@@ -107,7 +107,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Stage:
+class FitStage:
     """Describe how one stage of the fit goes.
 
     Attributes:
@@ -129,20 +129,20 @@ class Stage:
     cloth_gap: float = 1.0
 
 
-EVIDENCE = 3000.0
+EFFECTIVE_OBSERVATION_COUNT = 3000.0
 """Observations that a whole surface counts for against the priors, so that 1 cm everywhere outweighs a few standard
 deviations of shape. 300 held mannequins with long arms back (16 mm RMS instead of 8); 5000 gained a millimetre more."""
 CLOTH_REACH = 3.0
 """A point of the body that sticks out of cloth is believed up to so many times the scale of a stage: unlike a gap, it
 is never what the wearer looks like."""
 
-CALM = 0.02
-"""A stage ends early where a step moves the points by less than this share of its scale (RMS): what is left of its way
-is then a fraction of what the next, nearer stage corrects, or in the last one 0.2 mm."""
+MIN_STAGE_MOTION_SHARE = 0.02
+"""Share of a stage's scale by which a step must move the points (RMS) for the stage to go on. Below it the way that is
+left is a fraction of what the next, nearer stage corrects; in the last stage it is 0.2 mm."""
 
 
 @dataclass(frozen=True)
-class _Placed:
+class _PosedPoints:
     """Hold our points in a state.
 
     Attributes:
@@ -178,20 +178,23 @@ class Fitter:
         self.normals = np.ascontiguousarray(vertex_normals(template.vertices, template.faces)[subset].T)
         self.surface = surface
 
-    def fit(self, state: State, stage: Stage) -> State:
+    def fit(self, state: FitState, stage: FitStage) -> FitState:
         """Improve a state by one stage."""
         s = self.surface
         tree = cKDTree(s.stack(stage.normal_length))
         last = None
         for _ in range(stage.steps):
             placed = self._place(state)
-            if last is not None and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < CALM * stage.scale:
+            if (
+                last is not None
+                and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < MIN_STAGE_MOTION_SHARE * stage.scale
+            ):
                 break
             last = placed.points
             state = self._step(state, stage, tree, placed)
         return state
 
-    def residual(self, state: State, scale: float, normal_length: float) -> float:
+    def residual(self, state: FitState, scale: float, normal_length: float) -> float:
         """Return the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
         placed = self._place(state)
         ours = np.hstack([placed.points, normal_length * placed.normals])
@@ -202,7 +205,7 @@ class Fitter:
             back = back.reshape(2, -1).min(axis=0)
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
 
-    def _place(self, state: State) -> _Placed:
+    def _place(self, state: FitState) -> _PosedPoints:
         k = len(state.shape)
         rest = self.vertices + np.tensordot(state.shape, self.directions[:, :k], axes=(0, 1))
         joints = self.template.joints + np.tensordot(state.shape, self.template.joint_directions[:k], axes=1)
@@ -212,9 +215,9 @@ class Fitter:
         points = (blend * rest).sum(axis=1) + shift.T @ self.weights
         normals = (blend * self.normals).sum(axis=1)
         normals /= np.sqrt((normals**2).sum(axis=0))
-        return _Placed(points.T, normals.T, rest, blend, world, posed, shift)
+        return _PosedPoints(points.T, normals.T, rest, blend, world, posed, shift)
 
-    def _step(self, state: State, stage: Stage, tree: cKDTree, placed: _Placed) -> State:
+    def _step(self, state: FitState, stage: FitStage, tree: cKDTree, placed: _PosedPoints) -> FitState:
         """Take one Gauss-Newton step.
 
         Pairs are gathered at our points: with J_i the derivative of point i, its pairs add J_i^T M_i J_i to the normal
@@ -224,7 +227,9 @@ class Fitter:
         row, chosen = self._pairs(points, placed.normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
-        weight = self._trust(offset, direction, (row, chosen), stage) * (EVIDENCE / len(row) / stage.scale**2)
+        weight = self._trust(offset, direction, (row, chosen), stage) * (
+            EFFECTIVE_OBSERVATION_COUNT / len(row) / stage.scale**2
+        )
         slopes = np.concatenate(
             [
                 self._turn_slopes(placed),
@@ -243,7 +248,7 @@ class Fitter:
         normal = sum(part @ part.T for part in scaled)
         self._add_priors(state, stage.shape_count, normal, gradient)
         step = cho_solve(cho_factor(normal + 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))), -gradient)
-        return _advance(state, step, stage.shape_count)
+        return _apply_step(state, step, stage.shape_count)
 
     def _scale_rows(self, slopes: np.ndarray, row: np.ndarray, weight: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Return L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
@@ -262,7 +267,7 @@ class Fitter:
         return scaled
 
     def _pairs(
-        self, points: np.ndarray, normals: np.ndarray, stage: Stage, tree: cKDTree
+        self, points: np.ndarray, normals: np.ndarray, stage: FitStage, tree: cKDTree
     ) -> tuple[np.ndarray, np.ndarray]:
         """Pair each of our points with the surface and each of the surface's with us: rows of ours and of theirs."""
         s, length = self.surface, stage.normal_length
@@ -275,7 +280,7 @@ class Fitter:
         return np.concatenate([np.arange(len(points)), back]), np.concatenate([there, np.arange(len(s.points))])
 
     def _trust(
-        self, offset: np.ndarray, direction: np.ndarray, pairs: tuple[np.ndarray, np.ndarray], stage: Stage
+        self, offset: np.ndarray, direction: np.ndarray, pairs: tuple[np.ndarray, np.ndarray], stage: FitStage
     ) -> np.ndarray:
         """Return the weight of each pair by its offset [m], shape [n, 3]: pairs far beyond the scale stop pulling.
 
@@ -299,7 +304,7 @@ class Fitter:
                 weight = weight * (1.0 - cloth * ((self.limb[row] > 0) & (s.limb[chosen] != self.limb[row])))
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
-    def _turn_slopes(self, placed: _Placed) -> np.ndarray:
+    def _turn_slopes(self, placed: _PosedPoints) -> np.ndarray:
         """Return the derivatives of our points by rotations in the parents' frames, shape [3, 72, m].
 
         A small turn w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the
@@ -308,21 +313,21 @@ class Fitter:
         world, posed = placed.world, placed.posed
         copies = (world.reshape(72, 3) @ placed.rest + placed.shift.reshape(72, 1)).reshape(24, 3, -1)
         copies *= self.weights[:, None]
-        arms = (_BELOW @ copies.reshape(24, -1)).reshape(copies.shape)
-        arms -= (_BELOW @ self.weights)[:, None] * posed[:, :, None]
-        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in PARENTS])[:, :, :, None]
+        arms = (_DESCENDANT_MASK @ copies.reshape(24, -1)).reshape(copies.shape)
+        arms -= (_DESCENDANT_MASK @ self.weights)[:, None] * posed[:, :, None]
+        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in JOINT_PARENTS])[:, :, :, None]
         slopes = np.zeros((3, 24, 3, self.weights.shape[1]))
         for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             np.multiply(frames[:, b], arms[:, None, c], out=slopes[a])
             slopes[a] -= frames[:, c] * arms[:, None, b]
         return slopes.reshape(3, 72, -1)
 
-    def _shape_slopes(self, count: int, placed: _Placed) -> np.ndarray:
+    def _shape_slopes(self, count: int, placed: _PosedPoints) -> np.ndarray:
         """Return the derivatives of our points by the first shape coefficients, shape [3, count, m]."""
         world = placed.world
         joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
-        for j, p in enumerate(PARENTS):
+        for j, p in enumerate(JOINT_PARENTS):
             posed_slopes[j] = (
                 joint_slopes[j] if p < 0 else posed_slopes[p] + world[p] @ (joint_slopes[j] - joint_slopes[p])
             )
@@ -333,10 +338,10 @@ class Fitter:
                 slopes[a] += placed.blend[a, b] * self.directions[b, :count]
         return slopes
 
-    def _add_priors(self, state: State, shape_count: int, normal: np.ndarray, gradient: np.ndarray) -> None:
+    def _add_priors(self, state: FitState, shape_count: int, normal: np.ndarray, gradient: np.ndarray) -> None:
         """Add the Gaussian priors of pose and shape and the hinges' one-sided limits to the normal equations."""
-        angles = vectors_of(state.rotations)
-        precision = 1.0 / SPREADS**2  # none for the root, whose spread is infinite
+        angles = axis_angles_of(state.rotations)
+        precision = 1.0 / POSE_PRIOR_STDS**2  # none for the root, whose spread is infinite
         value = precision * angles
         for name, axis, sign in HINGES:
             j = JOINTS.index(name)
@@ -353,7 +358,7 @@ class Fitter:
         gradient[tail] += np.pad(state.shape, (0, max(shape_count - len(state.shape), 0)))[:shape_count]
 
 
-def _advance(state: State, step: np.ndarray, shape_count: int) -> State:
+def _apply_step(state: FitState, step: np.ndarray, shape_count: int) -> FitState:
     """Take a step, with turns clipped to half a radian so that a poor pairing cannot throw the limbs about."""
     turns = step[:72].reshape(24, 3)
     size = np.linalg.norm(turns, axis=1, keepdims=True)
@@ -361,10 +366,10 @@ def _advance(state: State, step: np.ndarray, shape_count: int) -> State:
     shape = np.pad(state.shape, (0, max(shape_count - len(state.shape), 0)))
     # Five standard deviations: no human of the model is beyond.
     shape = np.clip(shape + step[75:], -5.0, 5.0)
-    return State(shape, rotations_of(turns) @ state.rotations, state.translation + step[72:75])
+    return FitState(shape, rotations_of(turns) @ state.rotations, state.translation + step[72:75])
 
 
-def vectors_of(rotations: np.ndarray) -> np.ndarray:
+def axis_angles_of(rotations: np.ndarray) -> np.ndarray:
     """Return the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3]."""
     from scipy.spatial.transform import Rotation
 

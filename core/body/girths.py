@@ -16,13 +16,13 @@ GIRTHS = ("chest", "waist", "hip", "thigh", "upper_arm")
 """What can be measured: round the trunk under the arms, where it is narrowest, where it is widest from the crotch to
 the pelvis; round a thigh below the crotch; round an upper arm, the mean of both sides for the last two."""
 
-STEP = 0.01
+GIRTH_LEVEL_SPACING = 0.01
 """Distance of the heights among which the narrowest and the widest place are looked for [m]: the vertices' spacing."""
 
-ACROSS = 0.01
+MAX_CROTCH_OFFSET = 0.01
 """Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
 
-ARM_ROOT = 0.04
+ARMPIT_PROBE_OFFSET = 0.04
 """How far outside the shoulder's joint the arm's underside gives the height of the armpit [m]: past the rounding of the
 trunk into the arm, before the arm tapers."""
 
@@ -32,14 +32,14 @@ BELOW_ARMPIT = 0.04
 BELOW_CROTCH = 0.03
 """How far below the crotch a thigh is measured [m]: where the legs have parted."""
 
-ALONG_ARM = 0.35
+BICEPS_POSITION_SHARE = 0.35
 """Share of the way from shoulder to elbow at which the upper arm is measured: the middle of the biceps."""
 
 
 def crotch_height(body: Body) -> float:
     """Return the height of the crotch of a body in its T-pose [m]: the lowest skin in the middle, above the knees."""
     pelvis = body.joint("pelvis")
-    middle = np.abs(body.vertices[:, 0] - pelvis[0]) < ACROSS
+    middle = np.abs(body.vertices[:, 0] - pelvis[0]) < MAX_CROTCH_OFFSET
     heights = body.vertices[middle & (body.vertices[:, 1] > 0.5 * pelvis[1]), 1]
     return float(heights.min()) if len(heights) else 0.5 * float(pelvis[1])
 
@@ -51,7 +51,9 @@ def armpit_height(body: Body) -> float:
     """
     centre, shoulder = body.joint("pelvis")[0], body.joint("left_shoulder")
     off, heights = np.abs(body.vertices[:, 0] - centre), body.vertices[:, 1]
-    root = (np.abs(off - abs(shoulder[0] - centre) - ARM_ROOT) < STEP) & (heights > body.joint("spine3")[1])
+    root = (np.abs(off - abs(shoulder[0] - centre) - ARMPIT_PROBE_OFFSET) < GIRTH_LEVEL_SPACING) & (
+        heights > body.joint("spine3")[1]
+    )
     return float(heights[root].min(initial=shoulder[1]))
 
 
@@ -71,7 +73,7 @@ class Girth:
 
 
 @dataclass(frozen=True)
-class Tape:
+class TapeMeasure:
     """Measure a body in its T-pose.
 
     Attributes:
@@ -81,7 +83,7 @@ class Tape:
     body: Body
 
     @classmethod
-    def of(cls, body: Body) -> Tape:
+    def of(cls, body: Body) -> TapeMeasure:
         """Lay a tape about a body's fitted model, whatever its pose."""
         return cls(rest_body(body))
 
@@ -101,7 +103,7 @@ class Tape:
         if name == "thigh":
             return self.thighs(crotch_height(self.body) - BELOW_CROTCH)
         shoulder, elbow = (self.body.joint(f"left_{joint}")[0] for joint in ("shoulder", "elbow"))
-        return self.arms(float(shoulder + ALONG_ARM * (elbow - shoulder)))
+        return self.arms(float(shoulder + BICEPS_POSITION_SHARE * (elbow - shoulder)))
 
     @property
     def waist_span(self) -> tuple[float, float]:
@@ -124,7 +126,7 @@ class Tape:
 
     def _best(self, span: tuple[float, float], least: bool) -> Girth:
         """Return the least or the largest girth of the trunk in a span of heights [m]."""
-        found = [self.trunk(height) for height in np.arange(*span, STEP)]
+        found = [self.trunk(height) for height in np.arange(*span, GIRTH_LEVEL_SPACING)]
         values = [girth.value for girth in found]
         return found[int(np.argmin(values) if least else np.argmax(values))]
 

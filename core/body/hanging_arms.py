@@ -8,27 +8,28 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..geometry import vertex_normals
-from .body import JOINTS, PARENTS, Body
+from .body import JOINT_PARENTS, JOINTS, Body
 
-HANGING = math.radians(30.0)
-"""Angle between upper arm and trunk below which an arm hangs: an A pose, 45 degrees and more, shows the armpit to a
-scanner; the everyday pose, 10 to 20 degrees, hides it."""
+MAX_HANGING_ANGLE = math.radians(30.0)
+"""Angle between upper arm and trunk below which an arm hangs [rad]. An A pose, 45 degrees and more, shows the armpit to
+a scanner; the everyday pose, 10 to 20 degrees, hides it."""
 
-NARROW = 0.025
+MAX_HIDDEN_GAP_WIDTH = 0.025
 """Width of the hollow [m] up to which it is hidden: two layers of cloth with the seams between them; scans join both
 sides of what is narrower."""
 
-FACING = 0.3
+ARMPIT_FACING_COSINE = 0.3
 """Cosine between the normals of arm and trunk below which a point is in the hollow between them, not on a shoulder."""
 
 
 def find_hanging_arms(body: Body) -> tuple[str, ...]:
-    """Return the sides, `left` or `right`, whose upper arm is nearer to the trunk's direction than `HANGING`."""
+    """Return the sides, `left` or `right`, whose upper arm is nearer to the trunk's direction than
+    `MAX_HANGING_ANGLE`."""
     down = body.joint("pelvis") - body.joint("neck")
     found = []
     for side in ("left", "right"):
         arm = body.joint(f"{side}_elbow") - body.joint(f"{side}_shoulder")
-        if float(arm @ down) > math.cos(HANGING) * float(np.linalg.norm(arm) * np.linalg.norm(down)):
+        if float(arm @ down) > math.cos(MAX_HANGING_ANGLE) * float(np.linalg.norm(arm) * np.linalg.norm(down)):
             found.append(side)
     return tuple(found)
 
@@ -36,8 +37,8 @@ def find_hanging_arms(body: Body) -> tuple[str, ...]:
 def lies_under_arm(points: np.ndarray, body: Body) -> np.ndarray:
     """Return which points [m], shape [n, 3], lie between the trunk and an arm that hangs beside it, bool, shape [n].
 
-    Such a point is nearer to both than `NARROW` in sum, measured from the tangent planes of the nearest vertices, and
-    these face each other.
+    Such a point is nearer to both than `MAX_HIDDEN_GAP_WIDTH` in sum, measured from the tangent planes of the nearest
+    vertices, and these face each other.
     """
     found = np.zeros(len(points), dtype=bool)
     sides = find_hanging_arms(body)
@@ -49,7 +50,9 @@ def lies_under_arm(points: np.ndarray, body: Body) -> np.ndarray:
     inner, inner_normal = _measure(points, body.vertices[trunk], normals[trunk])
     for side in sides:
         outer, outer_normal = _measure(points, body.vertices[arms[side]], normals[arms[side]])
-        found |= (inner + outer < NARROW) & ((inner_normal * outer_normal).sum(axis=1) < FACING)
+        found |= (inner + outer < MAX_HIDDEN_GAP_WIDTH) & (
+            (inner_normal * outer_normal).sum(axis=1) < ARMPIT_FACING_COSINE
+        )
     return found
 
 
@@ -62,7 +65,7 @@ def _measure(points: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> t
 def _weight_below(body: Body, joint: str) -> np.ndarray:
     """Return the share of each vertex that moves with a joint or one of those that hang from it, shape [n]."""
     chosen = {JOINTS.index(joint)}
-    for child, parent in enumerate(PARENTS):
+    for child, parent in enumerate(JOINT_PARENTS):
         if parent in chosen:
             chosen.add(child)
     return np.asarray(body.weights[:, sorted(chosen)].sum(axis=1))

@@ -9,28 +9,30 @@ import numpy as np
 
 from ..run.errors import BadInput
 from .body import Body
-from .girths import Tape
+from .girths import TapeMeasure
 from .template import Template
 
-DENSITY = 985.0
+BODY_DENSITY = 985.0
 """Mean density of a living body with air in its lungs [kg/m3]; turns the mesh's volume into the weight asked for.
 Assumed: bodies lie between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
 
-SPREAD = 3.0
-"""Standard deviations from what is most probable with the measures before it within which a girth may lie. Of bodies as
-those that the shape directions were drawn from one in 370 lies further out; there the model extrapolates."""
+MAX_GIRTH_Z_SCORE = 3.0
+"""Largest deviation of a girth from the most probable one with the measures before it [standard deviations]. Of bodies
+like those that the shape directions were drawn from, one in 370 lies further out; there the model extrapolates."""
 
-STEPS = 40
-"""Most Newton steps; without girths three to five are taken, with five girths at the ends of their ranges up to 20."""
+MAX_SHAPE_ITERATIONS = 40
+"""Largest number of Newton steps. Without girths three to five are taken, with five girths at the ends of their ranges
+up to 20."""
 
-SHARES = (1.0, 0.5, 0.25, 0.1)
-"""Shares of a Newton step that are tried until one helps; the last is taken in any case."""
+NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25, 0.1)
+"""Fractions of a Newton step that are tried until one helps; the last is taken in any case. A full step may not help,
+for the narrowest and the widest place jump between heights."""
 
-EXACT = 1e-4
-"""Mismatch of a girth that ends the search [m]; a thirtieth of what is promised."""
+GIRTH_SOLVE_TOLERANCE = 1e-4
+"""Mismatch of a girth that ends the search [m]: a thirtieth of `MAX_GIRTH_MISMATCH`."""
 
-PROMISED = 3e-3
-"""Largest mismatch of a girth that counts as met [m]: a tape's."""
+MAX_GIRTH_MISMATCH = 3e-3
+"""Largest mismatch of a girth that counts as met [m]: the error of a tape measure."""
 
 
 class MeasureRange(BadInput):
@@ -40,7 +42,7 @@ class MeasureRange(BadInput):
 
 
 @dataclass(frozen=True)
-class Wanted:
+class TargetMeasures:
     """What a shape is to have.
 
     Attributes:
@@ -56,7 +58,7 @@ class Wanted:
     girths: Mapping[str, float] | None = None
 
 
-def shape_for(template: Template, wanted: Wanted) -> np.ndarray:
+def most_probable_shape(template: Template, wanted: TargetMeasures) -> np.ndarray:
     """Return the most probable shape coefficients [k] of a gender with a height, and perhaps a weight and girths.
 
     With z ~ N(mean, C) and the constraints c(z) = t, minimise (z - mean)' C^-1 (z - mean) subject to c(z) = t: each
@@ -65,7 +67,8 @@ def shape_for(template: Template, wanted: Wanted) -> np.ndarray:
     one by one, so that each is judged by what is probable with those before it.
 
     Raises:
-        MeasureRange: where a girth lies further than `SPREAD` standard deviations from the most probable one.
+        MeasureRange: where a girth lies further than `MAX_GIRTH_Z_SCORE` standard deviations from the most probable
+            one.
     """
     girths = dict(wanted.girths or {})
     shape = _solve(template, wanted, (), template.means[wanted.gender])
@@ -75,7 +78,7 @@ def shape_for(template: Template, wanted: Wanted) -> np.ndarray:
     return shape
 
 
-def shape_near(template: Template, start: np.ndarray, wanted: Wanted) -> np.ndarray:
+def nearest_shape(template: Template, start: np.ndarray, wanted: TargetMeasures) -> np.ndarray:
     """Return the shape coefficients [k] with a height and girths that are nearest to given ones.
 
     Nearest by the gender's covariance: minimise (z - start)' C^-1 (z - start) subject to the measures, so that what is
@@ -87,7 +90,7 @@ def shape_near(template: Template, start: np.ndarray, wanted: Wanted) -> np.ndar
     return _solve(template, wanted, tuple(wanted.girths or {}), start, start)
 
 
-def rest_of(template: Template, shape: np.ndarray) -> Body:
+def t_pose_body(template: Template, shape: np.ndarray) -> Body:
     """Return the built-in body of a shape in its T-pose, where the model stands."""
     vertices, joints = template.shaped(shape)
     eyes = np.tile(np.eye(4), (len(joints), 1, 1))
@@ -105,7 +108,11 @@ def volume_of(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarra
 
 
 def _solve(
-    template: Template, wanted: Wanted, names: tuple[str, ...], start: np.ndarray, near: np.ndarray | None = None
+    template: Template,
+    wanted: TargetMeasures,
+    names: tuple[str, ...],
+    start: np.ndarray,
+    near: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the most probable shape with height, weight and the girths of some names, searched from a start.
 
@@ -115,13 +122,13 @@ def _solve(
     mean = mean if near is None else near
     shape, scale = start.copy(), _scale(wanted, names)
     values, a = _constraints(template, wanted, names, shape)
-    for step in range(STEPS):
+    for step in range(MAX_SHAPE_ITERATIONS):
         gap = _targets(wanted, names) - values
-        if step > 0 and np.abs(gap).max() < (EXACT if names else 1e-9):
+        if step > 0 and np.abs(gap).max() < (GIRTH_SOLVE_TOLERANCE if names else 1e-9):
             break
         moved = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap + a @ (shape - mean))
         # The narrowest and the widest place jump between heights: a step that does not help is shortened.
-        for share in SHARES:
+        for share in NEWTON_STEP_FRACTIONS:
             tried = shape + share * (moved - shape)
             values, a = _constraints(template, wanted, names, tried)
             if step == 0 or np.abs(scale * (_targets(wanted, names) - values)).max() < np.abs(scale * gap).max():
@@ -130,7 +137,7 @@ def _solve(
     if names:
         values, _ = _constraints(template, wanted, names, shape)
         missed = np.abs(_targets(wanted, names) - values)[-len(names) :]
-        if missed.max() > PROMISED:
+        if missed.max() > MAX_GIRTH_MISMATCH:
             worst = names[int(missed.argmax())]
             raise MeasureRange(
                 f"{worst}={(wanted.girths or {})[worst]:g} m cannot be met together with the other measures (by "
@@ -139,21 +146,21 @@ def _solve(
     return shape
 
 
-def _scale(wanted: Wanted, names: tuple[str, ...]) -> np.ndarray:
+def _scale(wanted: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
     """Return the weights by which mismatches are compared: litres of volume as centimetres of length."""
     return np.array([1.0] + [10.0] * (wanted.weight is not None) + [1.0] * len(names))
 
 
-def _targets(wanted: Wanted, names: tuple[str, ...]) -> np.ndarray:
-    weight = [] if wanted.weight is None else [wanted.weight / DENSITY]
+def _targets(wanted: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
+    weight = [] if wanted.weight is None else [wanted.weight / BODY_DENSITY]
     return np.array([wanted.height, *weight, *((wanted.girths or {})[name] for name in names)])
 
 
 def _constraints(
-    template: Template, wanted: Wanted, names: tuple[str, ...], shape: np.ndarray
+    template: Template, wanted: TargetMeasures, names: tuple[str, ...], shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return height, volume and girths of a shape, and their derivatives by its coefficients, shape [n, k]."""
-    body = rest_of(template, shape)
+    body = t_pose_body(template, shape)
     vertices = body.vertices
     top, bottom = vertices[:, 1].argmax(), vertices[:, 1].argmin()
     values = [float(vertices[top, 1] - vertices[bottom, 1])]
@@ -162,7 +169,7 @@ def _constraints(
         volume, slope = volume_of(vertices, template.faces)
         values.append(volume)
         slopes.append(np.tensordot(template.directions, slope, axes=2))
-    tape = Tape(body)
+    tape = TapeMeasure(body)
     for name in names:
         girth = tape.measure(name)
         values.append(girth.value)
@@ -170,7 +177,9 @@ def _constraints(
     return np.array(values), np.array(slopes)
 
 
-def _check_range(template: Template, wanted: Wanted, known: tuple[str, ...], name: str, shape: np.ndarray) -> None:
+def _check_range(
+    template: Template, wanted: TargetMeasures, known: tuple[str, ...], name: str, shape: np.ndarray
+) -> None:
     """Check a girth against its spread around the most probable one with the measures before it.
 
     With C given A: C - C A' (A C A')^-1 A C, the variance of a girth with derivative a is a C_A a'.
@@ -181,7 +190,7 @@ def _check_range(template: Template, wanted: Wanted, known: tuple[str, ...], nam
     left = own @ covariance - own @ covariance @ before.T @ np.linalg.solve(
         before @ covariance @ before.T, before @ covariance
     )
-    reach = SPREAD * float(np.sqrt(max(left @ own, 0.0)))
+    reach = MAX_GIRTH_Z_SCORE * float(np.sqrt(max(left @ own, 0.0)))
     low, high = values[-1] - reach, values[-1] + reach
     asked = (wanted.girths or {})[name]
     if not low <= asked <= high:

@@ -11,8 +11,8 @@ from ..run.errors import BadInput
 from ..run.text import read_json
 from .spec import BUILTIN
 
-LARGEST = 65_536
-"""Bytes of such a file at most: some hundred times what it needs."""
+MAX_MEASURES_FILE_BYTES = 65_536
+"""Largest size of a file of measures [bytes]: some hundred times what it needs."""
 
 NAMES = {
     "height": "height", "weight": "weight", "chest": "chest", "bust": "chest", "waist": "waist", "hip": "hip",
@@ -22,7 +22,8 @@ NAMES = {
 
 GENDERS = {"female": "female", "f": "female", "woman": "female", "male": "male", "m": "male", "man": "male"}
 
-CM = 0.01
+M_PER_CM = 0.01
+"""Metres in a centimetre [m/cm]: files hold lengths and girths in centimetres."""
 
 
 class MeasuresBad(BadInput):
@@ -42,11 +43,11 @@ def read_measures(path: Path) -> str:
         MeasuresBad: where it cannot be read, lacks the gender, or names what is no measure.
     """
     try:
-        content = path.read_bytes()[: LARGEST + 1]
+        content = path.read_bytes()[: MAX_MEASURES_FILE_BYTES + 1]
         text = content.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise MeasuresBad(f"'{path.name}' cannot be read as text. {MeasuresBad().message}") from error
-    if len(content) > LARGEST:
+    if len(content) > MAX_MEASURES_FILE_BYTES:
         raise MeasuresBad(f"'{path.name}' is no file of measures: it is too large. {MeasuresBad().message}")
     gender, numbers = "", dict[str, float]()
     for name, value in _pairs(path, text):
@@ -59,7 +60,7 @@ def read_measures(path: Path) -> str:
         elif NAMES[word] in numbers:
             raise MeasuresBad(f"'{NAMES[word]}' is given twice; leave one out.")
         else:
-            numbers[NAMES[word]] = _number(name, value) * (1.0 if word == "weight" else CM)
+            numbers[NAMES[word]] = _number(name, value) * (1.0 if word == "weight" else M_PER_CM)
     if not gender:
         raise MeasuresBad(f"'{path.name}' does not say gender: female or male. {MeasuresBad().message}")
     return ",".join([f"{BUILTIN}{gender}", *(f"{name}={value:.6g}" for name, value in numbers.items())])

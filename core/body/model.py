@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from .body import PARENTS
+from .body import JOINT_PARENTS
 from .template import Template, load_template
 
 
 @dataclass(frozen=True)
-class Posed:
+class PosedBody:
     """Describe a posed body: vertices [n, 3] and joints [24, 3] in metres, transforms from rest space [24, 4, 4]."""
 
     vertices: torch.Tensor
@@ -47,7 +47,7 @@ class BodyModel:
         vertices = self._vertices + torch.tensordot(shape, self._directions[:k], dims=1)
         return vertices, self._joints + torch.tensordot(shape, self._joint_directions[:k], dims=1)
 
-    def pose(self, shape: torch.Tensor, pose: torch.Tensor, translation: torch.Tensor | None = None) -> Posed:
+    def pose(self, shape: torch.Tensor, pose: torch.Tensor, translation: torch.Tensor | None = None) -> PosedBody:
         """Pose a shape.
 
         Args:
@@ -59,7 +59,7 @@ class BodyModel:
         local = rotation_matrices(pose)
         world: list[torch.Tensor] = []
         posed: list[torch.Tensor] = []
-        for j, parent in enumerate(PARENTS):
+        for j, parent in enumerate(JOINT_PARENTS):
             if parent < 0:
                 world.append(local[j])
                 posed.append(joints[j] if translation is None else joints[j] + translation)
@@ -71,7 +71,7 @@ class BodyModel:
         blended = torch.tensordot(self._weights, torch.cat([turn, shift[:, :, None]], dim=2), dims=1)
         vertices = (blended[:, :, :3] @ rest[:, :, None])[:, :, 0] + blended[:, :, 3]
         last = torch.tensor([0.0, 0.0, 0.0, 1.0], dtype=turn.dtype).expand(24, 1, 4)
-        return Posed(vertices, place, torch.cat([torch.cat([turn, shift[:, :, None]], dim=2), last], dim=1))
+        return PosedBody(vertices, place, torch.cat([torch.cat([turn, shift[:, :, None]], dim=2), last], dim=1))
 
 
 def rotation_matrices(vectors: torch.Tensor) -> torch.Tensor:

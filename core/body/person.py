@@ -9,56 +9,68 @@ from scipy.spatial import cKDTree
 
 from ..geometry import vertex_normals
 from ..geometry.point_normals import smooth_normals
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
-from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
+from .fit import FitStage, FitState, Fitter, OrientedPoints, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
-from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
+from .presence import (
+    MIN_SCAN_CELL_COUNT,
+    MIN_WHOLE_PERSON_HEIGHT,
+    SeveralPersons,
+    TooSparse,
+    find_hair_vertices,
+    find_presence_error,
+    measure_presence,
+    split_in_two,
+)
 from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
 from .thinning import average_points
 
-INWARD = -0.2
+INWARD_CLOTH_COSINE = -0.2
 """Cosine between the normals of cloth and body below which the cloth is seen from inside; folds reach 0."""
 
 STAGE = "body"
 """Name under which progress is reported."""
 
-PULL = 0.1
+CLOTH_PULL_WEIGHT = 0.1
 """Weight of cloth that lies outside the body, beside 1 for skin, in the last stages: about the share of the cloth that
 touches the body. With 0.03 bodies come out thin where all but head and hands is cloth (1.7 mm more error)."""
 
-REFIT = (
-    Stage(6, 0.06, 0.10, True, 15, PULL),
-    Stage(8, 0.05, 0.10, True, 20, PULL),
-    Stage(8, 0.025, 0.06, True, 40, PULL),
-    Stage(10, 0.012, 0.04, True, 60, PULL),
+REFIT_STAGES = (
+    FitStage(6, 0.06, 0.10, True, 15, CLOTH_PULL_WEIGHT),
+    FitStage(8, 0.05, 0.10, True, 20, CLOTH_PULL_WEIGHT),
+    FitStage(8, 0.025, 0.06, True, 40, CLOTH_PULL_WEIGHT),
+    FitStage(10, 0.012, 0.04, True, 60, CLOTH_PULL_WEIGHT),
 )
 """Stages that go on from a fit: from 6 cm, by which a body fitted to the clothes as if bare may be too thick."""
 
-IGNORED = 0.1
-"""Share by which a point still counts that is surely hair, shoe or thing: a head stays below its hair."""
+IGNORED_POINT_WEIGHT = 0.1
+"""Weight of a point that is surely hair, shoe or thing, beside 1 for others. It is above 0, so that a head stays below
+its hair."""
 
 BARE_PARTS = ("head", "left_wrist", "right_wrist", "left_hand", "right_hand")
 """Joints whose part of the surface is seen bare unless somebody says otherwise: face and hands."""
 SHOD_PARTS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
 """Joints whose part of the surface may be shoes."""
 
-CONTACTS = (("spine3", "left_collar", "right_collar"), ("pelvis", "spine1"))
+SUPPORT_JOINTS = (("spine3", "left_collar", "right_collar"), ("pelvis", "spine1"))
 """Joints of what clothes rest on: shoulders and upper back, waist and hips."""
-CONTACT = 0.008
+MAX_CONTACT_OFFSET = 0.008
 """Offset [m] up to which the lowest tenth of cloth rests on the body: its thickness, and a fit's error of 5 mm."""
-CONTACT_ROUNDS = 2
-"""Times that a body which does not reach its clothes is fitted again, each time with a fifth more of them as skin."""
+MAX_CONTACT_REFITS = 2
+"""Largest number of times that a body which does not reach its clothes is fitted again, each time with a fifth more of
+them as skin."""
 
-SLEEVE = 0.06
-"""Distance [m] up to which a forearm's sleeve lies from it."""
+MAX_SLEEVE_DISTANCE = 0.06
+"""Largest distance of a sleeve from the forearm inside it [m]."""
 
-CROWD = 0.15
+SECOND_PERSON_STRAY_SHARE = 0.15
 """Share of the scan's points far from the body above which there may be a second person: the widest skirt had 0.12."""
 
-FAR = 0.04
-"""Distance [m] beyond which what is nearest to a hand or a face is none: a skirt's folds beside the hand."""
+MAX_BARE_SKIN_DISTANCE = 0.04
+"""Largest distance [m] from a hand or a face at which a point belongs to it. Beyond lie the folds of a skirt beside the
+hand."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +90,7 @@ class PersonSettings:
     search: PersonSearch = field(default_factory=PersonSearch)
     surface_count: int = 5000
     fine_count: int = 1800
-    pull: float = PULL
+    pull: float = CLOTH_PULL_WEIGHT
     gap: float = 2.0
     refuses: bool = True
     seed: int = 0
@@ -120,7 +132,7 @@ class PersonFit:
     """
 
     body: Body
-    state: State
+    state: FitState
     skin_rms: float
     bare_residual: float
     coverage: float
@@ -131,7 +143,7 @@ def fit_person(
     points: np.ndarray,
     normals: np.ndarray | None,
     oriented: bool = True,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
     settings: PersonSettings | None = None,
 ) -> PersonFit:
     """Find the wearer of a scan of which nothing is known: as if bare, then below all but head, hands and feet.
@@ -155,31 +167,35 @@ def fit_person(
     height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
     if surface is None or not 0.7 <= height <= 2.8:
         raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")
-    if settings.refuses and surface.total < SPARSE:
+    if settings.refuses and surface.total < MIN_SCAN_CELL_COUNT:
         raise TooSparse()
     found = find_start(template, surface, settings.search, settings.seed, hooks)
     presence = measure_presence(template, surface, found.state)
-    if settings.refuses and presence.stray > CROWD and _is_pair(template, surface, settings, hooks):
+    if (
+        settings.refuses
+        and presence.stray > SECOND_PERSON_STRAY_SHARE
+        and _shows_two_persons(template, surface, settings, hooks)
+    ):
         raise SeveralPersons()
-    problem = refuse(presence, height) if settings.refuses else None
+    problem = find_presence_error(presence, height) if settings.refuses else None
     if problem is not None and not presence.may_be_whole:
         raise problem
-    turned = orient_by(template, surface, found.state)
+    turned = orient_by_body(template, surface, found.state)
     weights = guess_weights(template, turned, found.state)
     hooks.progress(STAGE, 0.6, "fitting the body below the clothes")
     fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
     fit = refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
     # As if bare, hands and feet of small people reach beyond the scan, and pass for unseen.
-    if problem is not None and refuse(measure_presence(template, surface, fit.state), height) is not None:
+    if problem is not None and find_presence_error(measure_presence(template, surface, fit.state), height) is not None:
         raise problem
     return fit
 
 
-def _is_pair(template: Template, surface: OrientedPoints, settings: PersonSettings, hooks: Hooks) -> bool:
+def _shows_two_persons(template: Template, surface: OrientedPoints, settings: PersonSettings, hooks: Hooks) -> bool:
     """Check whether a scan is two persons beside each other: whether each half of the points is a person."""
     second = split_in_two(surface.points)
     for half in (surface.take(~second), surface.take(second)):
-        if np.ptp(half.points[:, 1]) < LOW:
+        if np.ptp(half.points[:, 1]) < MIN_WHOLE_PERSON_HEIGHT:
             return False
         found = find_start(template, half, settings.search, settings.seed, hooks)
         if not measure_presence(template, half, found.state).is_person:
@@ -192,7 +208,7 @@ def refit_person(
     points: np.ndarray,
     normals: np.ndarray,
     weights: PointWeights,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
     settings: PersonSettings | None = None,
 ) -> PersonFit:
     """Fit the body of a person again, going on from the last fit, with what is known of each point.
@@ -206,39 +222,40 @@ def refit_person(
         settings: How to fit, or None for the defaults.
     """
     settings = settings or PersonSettings()
-    outer = find_outer(fit.body, points, normals, weights.cloth)
+    outer = find_outer_points(fit.body, points, normals, weights.cloth)
     points, normals, weights = points[outer], normals[outer], weights.take(outer)
     template = load_template()
     rng = np.random.default_rng(settings.seed)
     drawn = np.sort(rng.choice(len(points), min(settings.surface_count, len(points)), replace=False))
-    surface = weigh_points(points, normals, weights).take(drawn)
+    surface = apply_point_weights(points, normals, weights).take(drawn)
     surface = replace(surface, normals=smooth_normals(points, normals, drawn))
     surface = replace(surface, limb=_find_limbs(template, surface, fit.state))
     subset = spread_subset(template, settings.fine_count, rng)
-    state = _go_through(Fitter(template, subset, surface), fit.state, REFIT, settings, hooks)
-    for _ in range(CONTACT_ROUNDS):
-        touching = require_contact(template, surface, state)
+    state = _run_stages(Fitter(template, subset, surface), fit.state, REFIT_STAGES, settings, hooks)
+    for _ in range(MAX_CONTACT_REFITS):
+        touching = strengthen_contact(template, surface, state)
         if touching is None:
             break
         surface = touching
-        state = _go_through(Fitter(template, subset, surface), state, REFIT[1:], settings, hooks)
+        state = _run_stages(Fitter(template, subset, surface), state, REFIT_STAGES[1:], settings, hooks)
     model, _ = pose_model(template, state)
     rms = _skin_rms(model, template.faces, surface)
     coverage = 1.0 - measure_presence(template, surface, state).unseen
     return replace(fit, body=body_of_state(template, state, rms), state=state, skin_rms=rms, coverage=coverage)
 
 
-def _find_limbs(template: Template, surface: OrientedPoints, state: State) -> np.ndarray:
-    """Find the points that lie on a forearm of a fit, within `SLEEVE`: numbers of `find_forearms`, shape [n]."""
+def _find_limbs(template: Template, surface: OrientedPoints, state: FitState) -> np.ndarray:
+    """Find the points that lie on a forearm of a fit, within `MAX_SLEEVE_DISTANCE`: numbers of `find_forearms`,
+    shape [n]."""
     model, normals = pose_model(template, state)
     _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
-    close = ((surface.points - model[near]) ** 2).sum(axis=1) < SLEEVE**2
+    close = ((surface.points - model[near]) ** 2).sum(axis=1) < MAX_SLEEVE_DISTANCE**2
     return np.where(close, find_forearms(template.weights)[near], 0)
 
 
-def _go_through(
-    fitter: Fitter, state: State, stages: tuple[Stage, ...], settings: PersonSettings, hooks: Hooks
-) -> State:
+def _run_stages(
+    fitter: Fitter, state: FitState, stages: tuple[FitStage, ...], settings: PersonSettings, hooks: Hooks
+) -> FitState:
     """Improve a state by stages; what is free of its shape stays free."""
     for i, stage in enumerate(stages):
         hooks.progress(STAGE, 1.0 - 0.1 * (len(stages) - i), "fitting the body below the clothes")
@@ -247,7 +264,7 @@ def _go_through(
     return state
 
 
-def require_contact(template: Template, surface: OrientedPoints, state: State) -> OrientedPoints | None:
+def strengthen_contact(template: Template, surface: OrientedPoints, state: FitState) -> OrientedPoints | None:
     """Make the cloth over shoulders or hips count more where the body does not reach it, or return None where it does.
 
     Whatever is worn above the waist rests on shoulders and upper back, whatever is below on waist or hips; else it
@@ -260,15 +277,15 @@ def require_contact(template: Template, surface: OrientedPoints, state: State) -
     _, near = tree.query(np.hstack([surface.points, 0.05 * surface.normals]))
     offset = np.einsum("na,na->n", surface.points - model[near], normals[near])
     cloth = np.asarray(surface.cloth, dtype=np.float64).copy()
-    for names in CONTACTS:
+    for names in SUPPORT_JOINTS:
         part = template.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1) > 0.5
         mine = part[near] & (cloth > 0)
-        if mine.sum() >= 50 and np.quantile(offset[mine], 0.1) > CONTACT:
+        if mine.sum() >= 50 and np.quantile(offset[mine], 0.1) > MAX_CONTACT_OFFSET:
             cloth[mine] *= 0.8
     return None if np.array_equal(cloth, surface.cloth) else replace(surface, cloth=cloth)
 
 
-def find_outer(body: Body, points: np.ndarray, normals: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+def find_outer_points(body: Body, points: np.ndarray, normals: np.ndarray, cloth: np.ndarray) -> np.ndarray:
     """Find the points that do not look at the body, bool, shape [n]: all but the inner side of cloth.
 
     A scanner sees into hems and sleeves. What looks inward is paired with the far side of the body, which then seems to
@@ -282,16 +299,16 @@ def find_outer(body: Body, points: np.ndarray, normals: np.ndarray, cloth: np.nd
     """
     _, near = cKDTree(body.vertices).query(points)
     facing = np.einsum("na,na->n", vertex_normals(body.vertices, body.faces)[near], normals)
-    return np.asarray((facing > INWARD) | (np.asarray(cloth) < 0.5))
+    return np.asarray((facing > INWARD_CLOTH_COSINE) | (np.asarray(cloth) < 0.5))
 
 
-def weigh_points(points: np.ndarray, normals: np.ndarray, weights: PointWeights) -> OrientedPoints:
+def apply_point_weights(points: np.ndarray, normals: np.ndarray, weights: PointWeights) -> OrientedPoints:
     """Put points and what is known of them together: those with a predicted depth are moved in by it."""
     cloth = np.asarray(weights.cloth, dtype=np.float64)
     weight = np.ones(len(points))
     spread = None
     if weights.ignore is not None:
-        weight = 1.0 - (1.0 - IGNORED) * weights.ignore
+        weight = 1.0 - (1.0 - IGNORED_POINT_WEIGHT) * weights.ignore
         cloth = np.maximum(cloth, weights.ignore)
     if weights.inside is not None:
         known = np.isfinite(weights.inside)
@@ -301,7 +318,7 @@ def weigh_points(points: np.ndarray, normals: np.ndarray, weights: PointWeights)
     return OrientedPoints(points, normals, cloth, weight, spread)
 
 
-def guess_weights(template: Template, surface: OrientedPoints, state: State) -> PointWeights:
+def guess_weights(template: Template, surface: OrientedPoints, state: FitState) -> PointWeights:
     """Take everything for cloth but face, hands and feet as a fit has them; crown and feet count little.
 
     Hair lies over the crown and the back of the head, shoes over the feet: neither is where the skin is.
@@ -310,13 +327,13 @@ def guess_weights(template: Template, surface: OrientedPoints, state: State) -> 
     _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
     bare = template.weights[:, [JOINTS.index(name) for name in BARE_PARTS]].sum(axis=1)
     shod = template.weights[:, [JOINTS.index(name) for name in SHOD_PARTS]].sum(axis=1)
-    hairy = find_hairy(template)
+    hairy = find_hair_vertices(template)
     cloth = np.where(hairy, 1.0, 1.0 - np.clip(bare + shod, 0.0, 1.0))[near]
-    far = ((surface.points - model[near]) ** 2).sum(axis=1) > FAR**2
+    far = ((surface.points - model[near]) ** 2).sum(axis=1) > MAX_BARE_SKIN_DISTANCE**2
     return PointWeights(np.where(far, 1.0, cloth), np.maximum(0.7 * hairy, 0.7 * (shod > 0.5))[near])
 
 
-def orient_by(template: Template, surface: OrientedPoints, state: State) -> OrientedPoints:
+def orient_by_body(template: Template, surface: OrientedPoints, state: FitState) -> OrientedPoints:
     """Turn normals of unknown sign the way those of the fitted body's nearest vertices point."""
     if surface.oriented:
         return surface

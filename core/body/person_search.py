@@ -10,8 +10,8 @@ import numpy as np
 from ..geometry import vertex_areas
 from ..run.hooks import Hooks
 from .body import JOINTS
-from .fit import Fitter, OrientedPoints, Stage, State
-from .registration import HEADINGS, POSES, STAGE, Start, find_other_fits
+from .fit import FitStage, FitState, Fitter, OrientedPoints
+from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits
 from .skinning import skin
 from .template import Template, articulate, rotations_of, transforms_of
 
@@ -32,10 +32,10 @@ MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 }  # fmt: skip
 """Start poses of people only, beside those of a body's mesh."""
 
-FIRST = (Stage(3, 0.30, 0.15, False, 4),)
-SECOND = (Stage(3, 0.20, 0.15, False, 4), Stage(4, 0.15, 0.15, False, 8))
-THIRD = (Stage(10, 0.10, 0.15, False, 10), Stage(10, 0.06, 0.10, True, 15))
-LAST = (Stage(10, 0.05, 0.10, True, 20),)
+FIRST_STAGES = (FitStage(3, 0.30, 0.15, False, 4),)
+SECOND_STAGES = (FitStage(3, 0.20, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
+THIRD_STAGES = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
+LAST_STAGES = (FitStage(10, 0.05, 0.10, True, 20),)
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class FoundStart:
         margin: By how much the best other fit's misfit is larger, over this one's; infinite where there is none.
     """
 
-    state: State
+    state: FitState
     residual: float
     margin: float
 
@@ -77,28 +77,28 @@ def find_start(
     subset = spread_subset(template, search.fine_count, rng)
     coarse = Fitter(template, subset[: search.coarse_count], few)
     ranked: list[Start] = [(0.0, i, state) for i, state in enumerate(list_starts(template, surface, subset))]
-    for k, stages in enumerate((FIRST, SECOND, THIRD)):
+    for k, stages in enumerate((FIRST_STAGES, SECOND_STAGES, THIRD_STAGES)):
         scale = (0.15, 0.1, 0.05)[k]
         going = []
         for entry in ranked:
             hooks.progress(STAGE, 0.15 * k, "trying headings and poses")
-            going.append(_go_on(coarse, stages, entry, scale))
+            going.append(_run_stages(coarse, stages, entry, scale))
         ranked = sorted(going, key=lambda entry: entry[:2])
         if k < 2:
             ranked = ranked[: search.kept[k]]
     best = ranked[: search.kept[2]]
     fine = Fitter(template, subset, surface)
     finalists = []
-    for entry in best + find_other_fits(template, best, ranked[search.kept[2] :]):
+    for entry in best + find_distinct_fits(template, best, ranked[search.kept[2] :]):
         hooks.progress(STAGE, 0.5, "comparing the best starts")
-        finalists.append(_go_on(fine, LAST, entry, 0.03))
+        finalists.append(_run_stages(fine, LAST_STAGES, entry, 0.03))
     finalists.sort(key=lambda entry: entry[:2])
-    others = find_other_fits(template, finalists[:1], finalists[1:])
+    others = find_distinct_fits(template, finalists[:1], finalists[1:])
     margin = others[0][0] / finalists[0][0] - 1.0 if others else np.inf
     return FoundStart(finalists[0][2], finalists[0][0], float(margin))
 
 
-def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray) -> list[State]:
+def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray) -> list[FitState]:
     """Return every start: each pose at each heading, as tall as the points are high in it, standing where they do."""
     low, high = np.quantile(surface.points[:, 1], (0.002, 0.998))
     centre = 0.5 * (np.quantile(surface.points, 0.02, axis=0) + np.quantile(surface.points, 0.98, axis=0))
@@ -112,14 +112,14 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
         posed = _pose(template, np.zeros(4), rotations_of(vectors), subset)
         height = float(np.clip((high - low) / np.ptp(posed[:, 1]) * usual, 1.4, 2.0))
         shape = (slope * (height - usual) / (slope @ slope))[:4]
-        for h in range(HEADINGS):
+        for h in range(START_HEADING_COUNT):
             turned = vectors.copy()
-            turned[0] = (0.0, 2 * pi * h / HEADINGS, 0.0)
+            turned[0] = (0.0, 2 * pi * h / START_HEADING_COUNT, 0.0)
             rotations = rotations_of(turned)
             posed = _pose(template, shape, rotations, subset)
             shift = centre - 0.5 * (posed.min(axis=0) + posed.max(axis=0))
             shift[[0, 2]] = (surface.points.mean(axis=0) - posed.mean(axis=0))[[0, 2]]
-            starts.append(State(shape, rotations, shift))
+            starts.append(FitState(shape, rotations, shift))
     return starts
 
 
@@ -135,7 +135,7 @@ def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: 
     return skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
 
 
-def _go_on(fitter: Fitter, stages: tuple[Stage, ...], entry: Start, scale: float) -> Start:
+def _run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
     state = entry[2]
     for stage in stages:
         state = fitter.fit(state, stage)

@@ -9,25 +9,25 @@ from scipy.spatial import cKDTree
 
 from ..run.errors import BadInput
 from .body import JOINTS
-from .fit import OrientedPoints, State
+from .fit import FitState, OrientedPoints
 from .registration import NotHuman, pose_model
 from .template import Template
 
-SPARSE = 2500
-"""Cells of 12 mm with a point in them below which a scan is too sparse: 27 mm between points on a person's 1.9 m2, more
-than a cuff's hem."""
-LOW = 1.05
+MIN_SCAN_CELL_COUNT = 2500
+"""Smallest number of cells of 12 mm with a point in them; with fewer a scan is too sparse. It is 27 mm between points
+on a person's 1.9 m2, more than a cuff's hem."""
+MIN_WHOLE_PERSON_HEIGHT = 1.05
 """Height [m] below which a scan is no whole person: a seated one is 1.2 m high, half a standing one 0.8 to 1.0."""
 
-CLOSE = 0.02
+MAX_SCAN_MATCH_DISTANCE = 0.02
 """Distance [m] up to which a point of the body is found in the scan where the normals agree too."""
-ALIKE = 0.7
-"""Cosine of 45 degrees: normals that agree."""
-OVER = (0.0, 0.05, 0.10, 0.15, 0.20, 0.25)
+MIN_SCAN_MATCH_COSINE = 0.7
+"""Smallest cosine between the normals of body and scan at which they agree: 45 degrees."""
+COVER_SEARCH_HEIGHTS = (0.0, 0.05, 0.10, 0.15, 0.20, 0.25)
 """Heights over the skin [m] at which the scan is looked for: a coat or a skirt lies over the body and hides it."""
-STRAY = 0.2
-"""Distance from the body [m] beyond which only a wide skirt, a thing, or somebody else is."""
-UNSEEN = 0.08
+STRAY_POINT_DISTANCE = 0.2
+"""Distance from the body [m] beyond which there is only a wide skirt, a thing or somebody else."""
+MAX_UNSEEN_BODY_SHARE = 0.08
 """Share of the body without anything of the scan over it that a whole person stays below."""
 
 
@@ -38,13 +38,14 @@ class Presence:
     Attributes:
         unseen: Share of the body's vertices that have nothing of the scan on or over them: people 0.00 to 0.03, also in
             coats and wide skirts; left halves of people 0.10 to 0.20, others up to 0.41, chairs 0.09 to 0.24.
-        found: Share of the body's vertices with the scan within `CLOSE` and alike in normal: people 0.53 to 0.82 (in
-            coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
+        found: Share of the body's vertices with the scan within `MAX_SCAN_MATCH_DISTANCE` and alike in normal: people
+            0.53 to 0.82 (in coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
         head: The same of the head, or of the face where that is more: people 0.64 to 0.90, chairs at most 0.10, animals
             0.25, halves without a head 0.
         upper: The same of trunk and arms: people 0.52 to 0.86.
         beside: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
-        stray: Share of the scan further than `STRAY`: people 0.00 to 0.12 (the wide skirt), two persons 0.29 to 0.45.
+        stray: Share of the scan further than `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (the wide skirt), two persons
+            0.29 to 0.45.
     """
 
     unseen: float
@@ -57,12 +58,12 @@ class Presence:
     @property
     def is_person(self) -> bool:
         """Check whether the scan shows a person: all of the body, or its head and upper part over a wide skirt."""
-        return self.unseen < UNSEEN and self._is_like_one
+        return self.unseen < MAX_UNSEEN_BODY_SHARE and self._is_like_one
 
     @property
     def may_be_whole(self) -> bool:
         """Check whether the scan shows a person of whom hardly more is unseen than a fit as if bare may be off."""
-        return self.unseen < 2.0 * UNSEEN and self._is_like_one
+        return self.unseen < 2.0 * MAX_UNSEEN_BODY_SHARE and self._is_like_one
 
     @property
     def _is_like_one(self) -> bool:
@@ -87,12 +88,12 @@ class TooSparse(BadInput):
     code = "scan.too_sparse"
 
 
-def measure_presence(template: Template, surface: OrientedPoints, state: State) -> Presence:
+def measure_presence(template: Template, surface: OrientedPoints, state: FitState) -> Presence:
     """Measure how a fit as if bare and the points it was fitted to cover each other."""
     model, normals = pose_model(template, state)
     tree = cKDTree(surface.points)
     over = np.zeros(len(model), dtype=bool)
-    for height in OVER:
+    for height in COVER_SEARCH_HEIGHTS:
         # The further out the wider is the cone that is looked into: 5 cm at the skin, 12 cm at 25 cm.
         over |= tree.query(model + height * normals)[0] < 0.05 + 0.3 * height
     length = 0.05
@@ -100,10 +101,12 @@ def measure_presence(template: Template, surface: OrientedPoints, state: State) 
     near = tree.query(np.hstack([model, length * normals]))[1] % len(surface.points)
     cosine = np.einsum("na,na->n", surface.normals[near], normals)
     cosine = cosine if surface.oriented else np.abs(cosine)
-    found = (cosine > ALIKE) & (((surface.points[near] - model) ** 2).sum(axis=1) < CLOSE**2)
+    found = (cosine > MIN_SCAN_MATCH_COSINE) & (
+        ((surface.points[near] - model) ** 2).sum(axis=1) < MAX_SCAN_MATCH_DISTANCE**2
+    )
     away = cKDTree(model).query(surface.points)[0]
     head = _weight_of(template, "head") > 0.5
-    face = head & ~find_hairy(template)
+    face = head & ~find_hair_vertices(template)
     legs = _weight_of(template, "hip", "knee", "ankle", "foot") > 0.5
     return Presence(
         unseen=1.0 - float(over.mean()),
@@ -111,11 +114,11 @@ def measure_presence(template: Template, surface: OrientedPoints, state: State) 
         head=max(float(found[head].mean()), float(found[face].mean())),
         upper=float(found[~legs & ~head].mean()),
         beside=float((away > 0.1).mean()),
-        stray=float((away > STRAY).mean()),
+        stray=float((away > STRAY_POINT_DISTANCE).mean()),
     )
 
 
-def find_hairy(template: Template) -> np.ndarray:
+def find_hair_vertices(template: Template) -> np.ndarray:
     """Find the vertices of the head that hair may lie on, shape [n]: all but the face below the brow."""
     joint = template.joints[JOINTS.index("head")]
     # The brow is 7 cm above the head's joint (the top of the neck), the ears are 1 cm before it.
@@ -136,9 +139,9 @@ def split_in_two(points: np.ndarray, rounds: int = 10) -> np.ndarray:
     return np.asarray(second)
 
 
-def refuse(presence: Presence, height: float) -> BadInput | None:
+def find_presence_error(presence: Presence, height: float) -> BadInput | None:
     """Return why a scan of this height [m] is not one whole person, or None; two persons are another question."""
-    if presence.is_person and height >= LOW:
+    if presence.is_person and height >= MIN_WHOLE_PERSON_HEIGHT:
         return None
     if presence.beside < 0.1 and presence.stray < 0.02:
         return ScanPartial()

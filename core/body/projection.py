@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import self_intersections
-from .current import carry_outside
+from .current import advect_outside
 from .exposed import ExposedSurface
 
-ROUNDS = 12
-"""Rounds of pushing: moving a face's corners for its centre may bring a neighbour in again; this settles in 2 to 6."""
+MAX_BODY_PUSH_ITERATIONS = 12
+"""Largest number of iterations that push cloth out of the body. Moving a face's corners for its centre may bring a
+neighbour in again; 2 to 6 iterations settle this."""
 
-EASIER = (0.5, 0.1)
+REDUCED_CLEARANCE_SHARES = (0.5, 0.1)
 """Shares of the clearance that are tried where the whole of it makes cloth cross: in a gap between two parts of the
 body that is narrower than two clearances, layers change places."""
 
@@ -27,7 +28,7 @@ def project_outside(
     however long the way past parts that run into each other.
 
     Where that makes cloth cross itself (nodes of several layers that go to one rim), what is inside is first carried
-    out with the cloth around it (`carry_outside`), and smaller clearances are tried: the first that crosses no more
+    out with the cloth around it (`advect_outside`), and smaller clearances are tried: the first that crosses no more
     than before is taken, else the one that crosses least.
 
     **Deviation**: the thesis moves only nodes with d < 0 and looks at no faces; with edges of 1.5 cm a face between
@@ -40,8 +41,8 @@ def project_outside(
     before, least = (len(self_intersections(each, faces)) for each in (nodes, best))
     if least <= before:
         return best
-    carried = _carry(nodes, faces, skin, clearance)
-    for share in (1.0, *EASIER):
+    carried = _advect(nodes, faces, skin, clearance)
+    for share in (1.0, *REDUCED_CLEARANCE_SHARES):
         tried = _push(carried, skin, faces, share * clearance)
         crossing = len(self_intersections(tried, faces))
         if crossing < least:
@@ -51,7 +52,7 @@ def project_outside(
     return best
 
 
-def raise_to_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, depth: float) -> np.ndarray:
+def limit_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, depth: float) -> np.ndarray:
     """Move what lies deeper in a body than a depth [m] up to it, nodes and faces by their corners; the rest stays.
 
     Args:
@@ -60,10 +61,10 @@ def raise_to_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, d
         skin: The body's exposed skin.
         depth: What may remain [m].
     """
-    for _ in range(ROUNDS):
-        distance, push = ways_out(nodes, skin, -depth)
+    for _ in range(MAX_BODY_PUSH_ITERATIONS):
+        distance, push = exit_displacements(nodes, skin, -depth)
         push[distance >= -depth] = 0.0
-        middle, outward = ways_out(nodes[faces].mean(axis=1), skin, -depth)
+        middle, outward = exit_displacements(nodes[faces].mean(axis=1), skin, -depth)
         low = middle < -depth
         _keep_larger(push, faces[low], outward[low])
         if not push.any():
@@ -72,23 +73,23 @@ def raise_to_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, d
     return nodes
 
 
-def _carry(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, clearance: float) -> np.ndarray:
+def _advect(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, clearance: float) -> np.ndarray:
     """Carry what is inside out by a current as wide as the cloth's mean edge."""
     edge = float(np.linalg.norm(nodes[faces] - nodes[faces[:, [1, 2, 0]]], axis=2).mean())
-    return carry_outside(nodes, faces, skin, edge, clearance=clearance)
+    return advect_outside(nodes, faces, skin, edge, clearance=clearance)
 
 
 def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance: float) -> np.ndarray:
     """Push each node on its own, and each face by its corners."""
     nodes = nodes.copy()
     at_nodes, at_faces = np.arange(len(nodes)), np.arange(len(faces))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_BODY_PUSH_ITERATIONS):
         push = np.zeros_like(nodes)
-        distance, way = ways_out(nodes[at_nodes], skin, clearance)
+        distance, way = exit_displacements(nodes[at_nodes], skin, clearance)
         push[at_nodes] = way
         worst = 0.0
         if len(at_faces):
-            depth, outward = ways_out(nodes[faces[at_faces]].mean(1), skin, 1e-4)
+            depth, outward = exit_displacements(nodes[faces[at_faces]].mean(1), skin, 1e-4)
             inside = depth < 0
             worst = float(-depth.min(initial=0.0))
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
@@ -107,7 +108,7 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
     return nodes
 
 
-def ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
+def exit_displacements(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
 
     What is inside goes to the nearest skin in the open and on along its normal. In a crease that skin ends, and going

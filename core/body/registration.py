@@ -9,21 +9,21 @@ import numpy as np
 
 from ..geometry import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
 from ..run.errors import BadInput
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
-from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
+from .fit import FitStage, FitState, Fitter, OrientedPoints, axis_angles_of
 from .skinning import skin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 from .weight_transfer import transfer_weights
 
-Start = tuple[float, int, State]
+Start = tuple[float, int, FitState]
 """A fit on its way: residual, number of its start, and state."""
 
 STAGE = "body"
 """Name under which progress is reported."""
 
-HEADINGS = 8
-"""Headings tried for every start pose; a fit corrects half the angle between two of them."""
+START_HEADING_COUNT = 8
+"""Number of headings tried for every start pose. A fit corrects half the angle between two of them."""
 
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     "T": {},
@@ -46,7 +46,7 @@ POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 """Start poses as axis-angles [rad] of the joints that differ from the T-pose."""
 
 
-SAME_FIT = 0.1
+MAX_SAME_FIT_DISTANCE = 0.1
 """Distance of two fits' joints (RMS) up to which they are one [m]: those that come to the same end are within 3 cm, a
 person turned about has shoulders and hips 20 to 35 cm from where they are."""
 
@@ -75,9 +75,13 @@ class RegistrationSettings:
     seed: int = 0
 
 
-COARSE = (Stage(5, 0.30, 0.15, False, 4), Stage(4, 0.15, 0.15, False, 8))
-MIDDLE = (Stage(10, 0.10, 0.15, False, 10), Stage(10, 0.06, 0.10, True, 15))
-FINE = (Stage(12, 0.05, 0.10, True, 20), Stage(12, 0.025, 0.06, True, 40), Stage(12, 0.012, 0.04, True, 60))
+COARSE_STAGES = (FitStage(5, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
+MIDDLE_STAGES = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
+FINE_STAGES = (
+    FitStage(12, 0.05, 0.10, True, 20),
+    FitStage(12, 0.025, 0.06, True, 40),
+    FitStage(12, 0.012, 0.04, True, 60),
+)
 """From far and few points to near and many: scale [m] falls, and more of the shape is set free."""
 
 
@@ -92,7 +96,7 @@ def register_body(
     faces: np.ndarray,
     *,
     name: str = "mesh",
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
     settings: RegistrationSettings | None = None,
 ) -> Body:
     """Return a mesh of a person joints, bones and skinning weights by fitting the built-in body to it.
@@ -151,7 +155,7 @@ def _find(
     faces: np.ndarray,
     settings: RegistrationSettings,
     hooks: Hooks,
-) -> State:
+) -> FitState:
     """Let all starts compete and give the best fit."""
     rng = np.random.default_rng(settings.seed)
     surface = _sample(vertices, faces, settings.surface_count, rng)
@@ -164,70 +168,70 @@ def _find(
     for i, start in enumerate(starts):
         hooks.progress(STAGE, 0.5 * i / len(starts), "trying headings and poses")
         state = start
-        for stage in COARSE:
+        for stage in COARSE_STAGES:
             state = coarse.fit(state, stage)
         ranked.append((coarse.residual(state, 0.1, 0.1), i, state))
     ranked.sort(key=lambda entry: entry[:2])
-    ranked = [_continue(coarse, MIDDLE, entry, 0.05) for entry in ranked[: settings.kept[0]]]
+    ranked = [_run_stages(coarse, MIDDLE_STAGES, entry, 0.05) for entry in ranked[: settings.kept[0]]]
     ranked.sort(key=lambda entry: entry[:2])
     fine = Fitter(template, subset, surface)
     finalists = []
     best = ranked[: settings.kept[1]]
-    for entry in best + find_other_fits(template, best, ranked[settings.kept[1] :]):
+    for entry in best + find_distinct_fits(template, best, ranked[settings.kept[1] :]):
         hooks.progress(STAGE, 0.7, "comparing the best starts")
-        finalists.append(_continue(fine, FINE[:1], entry, 0.03))
+        finalists.append(_run_stages(fine, FINE_STAGES[:1], entry, 0.03))
     state = min(finalists, key=lambda entry: entry[:2])[2]
-    for i, stage in enumerate(FINE[1:]):
+    for i, stage in enumerate(FINE_STAGES[1:]):
         hooks.progress(STAGE, 0.9 + 0.05 * i, "fitting shape and pose")
         state = fine.fit(state, stage)
     return state
 
 
-def find_other_fits(template: Template, best: list[Start], rest: list[Start]) -> list[Start]:
+def find_distinct_fits(template: Template, best: list[Start], rest: list[Start]) -> list[Start]:
     """Return the best of each fit among the rest that is another one than those before it."""
     seen, others = [_joints(template, entry[2]) for entry in best], []
     for entry in rest:
         joints = _joints(template, entry[2])
-        if min(float(np.sqrt(((joints - other) ** 2).sum(axis=1).mean())) for other in seen) > SAME_FIT:
+        if min(float(np.sqrt(((joints - other) ** 2).sum(axis=1).mean())) for other in seen) > MAX_SAME_FIT_DISTANCE:
             seen.append(joints)
             others.append(entry)
     return others
 
 
-def _joints(template: Template, state: State) -> np.ndarray:
+def _joints(template: Template, state: FitState) -> np.ndarray:
     """Return the posed joints of a fit [m], shape [24, 3]."""
     _, joints = template.shaped(state.shape)
     return articulate(state.rotations, joints, state.translation)[1]
 
 
-def _continue(fitter: Fitter, stages: tuple[Stage, ...], entry: Start, scale: float) -> Start:
+def _run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
     state = entry[2]
     for stage in stages:
         state = fitter.fit(state, stage)
     return fitter.residual(state, scale, scale), entry[1], state
 
 
-def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[State]:
+def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[FitState]:
     """Return every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
     centre = surface.points.mean(axis=0)
     # The area says the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
     factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
     height = float(np.clip(factor * np.ptp(template.vertices[:, 1]), 1.4, 2.0))
     slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
-    shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[: COARSE[0].shape_count]
+    shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[: COARSE_STAGES[0].shape_count]
     rest, joints = template.shaped(shape)
     starts = []
     for angles in POSES.values():
         vectors = np.zeros((24, 3))
         for joint, vector in angles.items():
             vectors[JOINTS.index(joint)] = vector
-        for h in range(HEADINGS):
+        for h in range(START_HEADING_COUNT):
             turned = vectors.copy()
-            turned[0] = (0.0, 2 * pi * h / HEADINGS, 0.0)
+            turned[0] = (0.0, 2 * pi * h / START_HEADING_COUNT, 0.0)
             rotations = rotations_of(turned)
             world, posed = articulate(rotations, joints, np.zeros(3))
             placed = skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
-            starts.append(State(shape, rotations, centre - placed.mean(axis=0)))
+            starts.append(FitState(shape, rotations, centre - placed.mean(axis=0)))
     return starts
 
 
@@ -260,7 +264,9 @@ def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other
     return float(np.sqrt((distance**2).mean()))
 
 
-def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float) -> Body:
+def _body(
+    template: Template, state: FitState, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float
+) -> Body:
     """Put the given mesh and the fitted model together; weights come from the model's nearest skin."""
     rest, joints = template.shaped(state.shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
@@ -284,7 +290,7 @@ def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndar
         heading=rotations_of(np.array([0.0, -yaw, 0.0])),
         parameters={
             "shape": state.shape,
-            "pose": vectors_of(state.rotations),
+            "pose": axis_angles_of(state.rotations),
             "translation": state.translation + floor,
         },
         source=source,
@@ -292,7 +298,7 @@ def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndar
     )
 
 
-def pose_model(template: Template, state: State) -> tuple[np.ndarray, np.ndarray]:
+def pose_model(template: Template, state: FitState) -> tuple[np.ndarray, np.ndarray]:
     """Return the fitted model's vertices [m] and unit normals, shape [n, 3] each."""
     rest, joints = template.shaped(state.shape)
     world, posed = articulate(state.rotations, joints, state.translation)
@@ -300,6 +306,6 @@ def pose_model(template: Template, state: State) -> tuple[np.ndarray, np.ndarray
     return model, vertex_normals(model, template.faces)
 
 
-def body_of_state(template: Template, state: State, rms: float, name: str = "scan") -> Body:
+def body_of_state(template: Template, state: FitState, rms: float, name: str = "scan") -> Body:
     """Return the fitted model itself as a body; `rms` is the distance of the skin to it [m]."""
     return _body(template, state, pose_model(template, state)[0], template.faces, f"scan:{name}", rms)

@@ -8,8 +8,8 @@ import numpy as np
 
 from .body import Body
 from .builtin import named_pose, pose_template
-from .girths import Tape
-from .measured import Wanted, shape_near
+from .girths import TapeMeasure
+from .measured import TargetMeasures, nearest_shape
 from .registration import register_body
 from .template import Template, load_template
 
@@ -34,9 +34,9 @@ def resize_body(body: Body, growth: Mapping[str, float], ratio: float = 1.0, pos
     shape = np.zeros(template.shape_count)
     own = body.parameters["shape"]
     shape[: len(own)] = own
-    tape, tall = Tape.of(body), float(np.ptp(body.rest_vertices[:, 1]))
+    tape, tall = TapeMeasure.of(body), float(np.ptp(body.rest_vertices[:, 1]))
     girths = {name: tape.measure(name).value + more for name, more in growth.items()}
-    near = shape_near(template, shape, Wanted(_find_gender(template, shape), ratio * tall, None, girths))
+    near = nearest_shape(template, shape, TargetMeasures(_find_gender(template, shape), ratio * tall, None, girths))
     return pose_template(template, near, named_pose(pose), "resized")
 
 

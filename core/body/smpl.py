@@ -16,15 +16,16 @@ import numpy as np
 
 from ..run.errors import BadInput
 from ..run.npy import read_array
-from .body import PARENTS, Body
+from .body import JOINT_PARENTS, Body
 from .skinning import skin
 from .template import articulate, rotations_of, transforms_of
 
-NEEDED = ("v_template", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table", "f")
-GIVEN = ("betas", "pose", "trans")
-LARGEST = 50_000
-"""Most vertices: SMPL has 6890; more than this is no such body, and its blend shapes would not fit into memory."""
-HEIGHTS = (0.8, 2.6)
+REQUIRED_ARRAYS = ("v_template", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table", "f")
+PERSON_ARRAYS = ("betas", "pose", "trans")
+MAX_SMPL_VERTEX_COUNT = 50_000
+"""Largest number of vertices. SMPL has 6890; more than this is no such body, and its blend shapes would not fit into
+memory."""
+SMPL_HEIGHT_RANGE = (0.8, 2.6)
 """Height of a standing or sitting person [m]; others are in another unit or axis."""
 
 
@@ -68,7 +69,7 @@ def load_smpl(path: Path) -> Body:
     transforms = transforms_of(world, posed, joints)
     weights, faces = data["weights"], data["f"].astype(np.int64)
     vertices = skin(bent, weights, transforms)
-    if not HEIGHTS[0] <= float(np.ptp(rest[:, 1])) <= HEIGHTS[1]:
+    if not SMPL_HEIGHT_RANGE[0] <= float(np.ptp(rest[:, 1])) <= SMPL_HEIGHT_RANGE[1]:
         raise SmplBad(f"The body in {Path(path).name} is {np.ptp(rest[:, 1]):.2f} m high; give it in metres, y up.")
     front = world[0] @ np.array([0.0, 0.0, 1.0])
     yaw = np.arctan2(front[0], front[2])
@@ -94,11 +95,11 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(path) as archive:
             names = {name.removesuffix(".npy") for name in archive.namelist()}
-            missing = [name for name in NEEDED if name not in names]
+            missing = [name for name in REQUIRED_ARRAYS if name not in names]
             if missing:
                 raise SmplBad(f"{path.name} lacks {', '.join(missing)}. {SmplBad().message}")
             found = {}
-            for name in (*NEEDED, *(name for name in GIVEN if name in names)):
+            for name in (*REQUIRED_ARRAYS, *(name for name in PERSON_ARRAYS if name in names)):
                 with archive.open(f"{name}.npy") as entry:
                     found[name] = _read_array(entry, name, path.name)
     except SmplBad:
@@ -114,7 +115,7 @@ def _read_array(file: IO[bytes], name: str, of: str) -> np.ndarray:
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
         if kind.hasobject or kind.kind not in "iuf":
             raise SmplBad(f"{of}: {name} holds {kind}, not numbers (a sparse J_regressor must be saved dense).")
-        if int(np.prod(shape, dtype=object)) > LARGEST * 3 * 400:
+        if int(np.prod(shape, dtype=object)) > MAX_SMPL_VERTEX_COUNT * 3 * 400:
             raise SmplBad(f"{of}: {name} has the shape {shape}, too large for a body.")
 
     return np.ascontiguousarray(read_array(file, judge), dtype=np.float64)
@@ -125,7 +126,7 @@ def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     found.setdefault("betas", np.zeros(0))
     found.setdefault("pose", np.zeros(72))
     found.setdefault("trans", np.zeros(3))
-    for key in GIVEN:
+    for key in PERSON_ARRAYS:
         found[key] = found[key].ravel()
     shapes = {
         "v_template": (count, 3), "posedirs": (count, 3, 207), "J_regressor": (24, count), "weights": (count, 24),
@@ -139,9 +140,13 @@ def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
         raise SmplBad(f"{name}: shapedirs {directions.shape} do not go with betas {found['betas'].shape}.")
     if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces) or faces.min() < 0 or faces.max() >= count:
         raise SmplBad(f"{name}: f are no faces of {count} vertices. {SmplBad().message}")
-    if not 100 <= count <= LARGEST or not np.isfinite(directions).all() or not np.isfinite(found["betas"]).all():
+    if (
+        not 100 <= count <= MAX_SMPL_VERTEX_COUNT
+        or not np.isfinite(directions).all()
+        or not np.isfinite(found["betas"]).all()
+    ):
         raise SmplBad(f"{name}: {count} vertices, or values that are no numbers. {SmplBad().message}")
-    if not np.array_equal(found["kintree_table"][0, 1:].astype(np.int64), PARENTS[1:]):
+    if not np.array_equal(found["kintree_table"][0, 1:].astype(np.int64), JOINT_PARENTS[1:]):
         raise SmplBad(f"{name}: kintree_table is not SMPL's 24 joints. {SmplBad().message}")
     total = found["weights"].sum(axis=1, keepdims=True)
     if (found["weights"] < -1e-6).any() or np.abs(total - 1.0).max() > 1e-2:

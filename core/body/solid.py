@@ -6,12 +6,12 @@ import numpy as np
 
 from ..geometry import signed_volume
 
-INSIDE = 0.5
-"""Winding number above which a point is inside; holes and parts that overlap do no more than bend it near them."""
+INSIDE_WINDING_NUMBER = 0.5
+"""Winding number above which a point is inside. Holes and parts that overlap change it near them only."""
 
-LIFT = 5e-4
-"""How far above the skin there must be air for it to be in the open [m]: the least distance that cloth keeps. Nearer
-parts leave it no room."""
+EXPOSURE_TEST_OFFSET = 5e-4
+"""Height above the skin at which a point must be outside for the skin to be exposed [m]: the least distance that cloth
+keeps. Nearer parts leave it no room."""
 
 
 class Solid:
@@ -36,8 +36,8 @@ class Solid:
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Return which points [m], shape [n, 3], are inside, shape [n]."""
         wound = self._winding.winding_number(np.ascontiguousarray(points, dtype=np.float64))
-        return np.asarray(wound).reshape(-1) > INSIDE
+        return np.asarray(wound).reshape(-1) > INSIDE_WINDING_NUMBER
 
     def exposed(self, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
         """Find which points of the skin [m], with unit normals, shapes [n, 3], no other part swallows, shape [n]."""
-        return ~self.contains(points + LIFT * normals)
+        return ~self.contains(points + EXPOSURE_TEST_OFFSET * normals)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .body import PARENTS
+from .body import JOINT_PARENTS
 
 ASSET = Path(__file__).parent / "assets" / "builtin.npz"
 
@@ -92,7 +92,7 @@ def articulate(rotations: np.ndarray, joints: np.ndarray, translation: np.ndarra
         World rotations [24, 3, 3] and posed joints [m], [24, 3].
     """
     world, posed = np.zeros((24, 3, 3)), np.zeros((24, 3))
-    for j, parent in enumerate(PARENTS):
+    for j, parent in enumerate(JOINT_PARENTS):
         if parent < 0:
             world[j], posed[j] = rotations[j], joints[j] + translation
         else:

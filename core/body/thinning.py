@@ -9,10 +9,10 @@ import numpy as np
 from ..geometry.point_normals import estimate_normals, smooth_normals
 from .fit import OrientedPoints
 
-CELL = 0.012
+THINNING_CELL_SIZE = 0.012
 """Edge of the cells [m] that points are averaged in: finer than the fit's points lie apart (2 cm)."""
-PLANE = 16
-"""Averaged points that a normal is taken from: a disk of 2.5 cm radius."""
+THINNED_NEIGHBOUR_COUNT = 16
+"""Number of averaged points that a normal is estimated from: a disk of 2.5 cm radius."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def average_points(
     if not kept.any():
         return None
     points = points[kept]
-    cell = np.floor((points - points.min(axis=0)) / CELL).astype(np.int64)
+    cell = np.floor((points - points.min(axis=0)) / THINNING_CELL_SIZE).astype(np.int64)
     shape = cell.max(axis=0) + 1
     _, group, number = np.unique(
         (cell[:, 0] * shape[1] + cell[:, 1]) * shape[2] + cell[:, 2], return_inverse=True, return_counts=True
@@ -58,7 +58,7 @@ def average_points(
     centres = np.stack([np.bincount(group, points[:, a]) for a in range(3)], axis=1) / number[:, None]
     drawn = np.random.default_rng(seed).permutation(len(centres))[:count]
     if normals is None or not oriented:
-        found = estimate_normals(centres, drawn, PLANE)
+        found = estimate_normals(centres, drawn, THINNED_NEIGHBOUR_COUNT)
     else:
         sums = np.stack([np.bincount(group, column) for column in normals[kept].T], axis=1)
         found = smooth_normals(centres, sums, drawn)

@@ -5,31 +5,39 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import move_towards, self_intersections, untangle
-from ..geometry.untangling import STEP
+from ..geometry.untangling import UNTANGLING_STEP_LENGTH
 from .exposed import ExposedSurface, penetration_depth
-from .projection import project_outside, raise_to_depth
+from .projection import limit_penetration, project_outside
 
-TURNS = 4
-"""Times that cloth is taken out of itself: out of the body again it may cross anew, in a crease; two did so far."""
+MAX_BODY_UNTANGLE_ITERATIONS = 4
+"""Largest number of times that cloth is taken out of itself. When it is then moved out of the body it may cross itself
+anew, in a crease; two iterations were enough so far."""
 
-SHARINGS = 12
-"""Times that layers in a gap are pulled apart and raised in turns: trousers between thighs that touch took four."""
+MAX_GAP_SEPARATION_ITERATIONS = 12
+"""Largest number of times that layers in a gap between parts of the body are pulled apart and raised in turn. Trousers
+between thighs that touch took four."""
 
-FINE_STEP = 5e-5
-"""Step of untangling there [m]: layers end as far apart at most."""
+GAP_UNTANGLE_STEP = 5e-5
+"""Step of untangling in such a gap [m]. Layers end as far apart at most."""
 
-LEFT_ROOM = 0.9
-"""Depth to which cloth is raised there by the greatest allowed: some is left for the layers' way apart."""
+RAISED_DEPTH_SHARE = 0.9
+"""Share of the greatest allowed depth to which cloth in such a gap is raised. The rest is left for the layers' way
+apart."""
 
-ALLOWED = 5e-4
+TOLERATED_BODY_DEPTH = 5e-4
 """Depth in the body that is left as it is [m]: half of what a result may have."""
 
-DEEPEST = 1e-3
-"""Depth to which cloth that came no deeper is left where that is what takes it apart [m]: what a result may have."""
+MAX_UNTANGLED_DEPTH = 1e-3
+"""Largest depth in the body at which cloth that came no deeper is left where that takes it apart [m]: what a result may
+have."""
 
 
 def untangle_outside(
-    nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, allowed: float = ALLOWED, limit: float = DEEPEST
+    nodes: np.ndarray,
+    skin: ExposedSurface,
+    faces: np.ndarray,
+    allowed: float = TOLERATED_BODY_DEPTH,
+    limit: float = MAX_UNTANGLED_DEPTH,
 ) -> np.ndarray:
     """Take cloth that crosses itself out of itself, and out of the body again where that led into it.
 
@@ -51,8 +59,10 @@ def untangle_outside(
     if not least:
         return nodes
     deepest, moved = max(limit, penetration_depth(nodes, faces, skin)), nodes
-    for turn in range(TURNS):
-        moved = untangle(moved, faces, (1 + turn) * STEP)  # further apart, lest they meet on the way out of the body
+    for turn in range(MAX_BODY_UNTANGLE_ITERATIONS):
+        moved = untangle(
+            moved, faces, (1 + turn) * UNTANGLING_STEP_LENGTH
+        )  # further apart, lest they meet on the way out of the body
         if penetration_depth(moved, faces, skin) > allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
@@ -61,13 +71,13 @@ def untangle_outside(
         if not crossed:
             break
     if least:
-        best, least = share_room(best, faces, skin, deepest)
+        best, least = separate_layers_in_gap(best, faces, skin, deepest)
     if least:
         return best
-    return _go_back(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
+    return _restore_positions(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
 
 
-def _go_back(
+def _restore_positions(
     apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
 ) -> np.ndarray:
     """Return cloth that was taken apart as near to where it was before as its layers and the body let it.
@@ -80,7 +90,7 @@ def _go_back(
         limit: Depth in the body beyond which a way back is not taken [m].
     """
     goal = before.copy()
-    for _ in range(TURNS):
+    for _ in range(MAX_BODY_UNTANGLE_ITERATIONS):
         closer = move_towards(apart, goal, faces)
         moved = (closer != apart).any(axis=1)
         at_nodes, at_faces = np.flatnonzero(moved), faces[moved[faces].any(axis=1)]
@@ -93,7 +103,9 @@ def _go_back(
     return apart
 
 
-def share_room(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float) -> tuple[np.ndarray, int]:
+def separate_layers_in_gap(
+    nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
+) -> tuple[np.ndarray, int]:
     """Return cloth that crosses itself where parts of a body leave it less room than it needs, and what still crosses.
 
     Pulled apart one layer goes deeper than it may, raised again it crosses the other: in turns both come to share what
@@ -109,10 +121,10 @@ def share_room(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit
         Positions no deeper than the limit, the given ones where none of these cross less; and how many faces cross.
     """
     best, least = nodes, len(self_intersections(nodes, faces))
-    for _ in range(SHARINGS):
-        nodes = untangle(nodes, faces, FINE_STEP)
+    for _ in range(MAX_GAP_SEPARATION_ITERATIONS):
+        nodes = untangle(nodes, faces, GAP_UNTANGLE_STEP)
         if penetration_depth(nodes, faces, skin) > limit:
-            nodes = raise_to_depth(nodes, faces, skin, LEFT_ROOM * limit)
+            nodes = limit_penetration(nodes, faces, skin, RAISED_DEPTH_SHARE * limit)
         crossed = len(self_intersections(nodes, faces))
         if crossed < least and penetration_depth(nodes, faces, skin) <= limit:
             best, least = nodes, crossed

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..geometry import HalfEdges, TriangleSurface, adjacency_matrix, factor_symmetric, vertex_normals
 
-AGREEING = 0.5
+SAME_PART_COSINE = 0.5
 """Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs
 that touch lie nearer to each other than a fitted model does to its mesh (3 mm): there the nearest skin is often the
 other thigh's, with a normal the other way round, and such a vertex stays behind with that leg in every step."""
@@ -33,7 +33,7 @@ def transfer_weights(
     taken /= taken.sum(axis=1, keepdims=True)
     outward = np.einsum("nk,nkd->nd", found.barycentric, vertex_normals(model, model_faces)[corners])
     cosine = (vertex_normals(vertices, faces) * outward).sum(axis=1) / np.linalg.norm(outward, axis=1)
-    return _fill(taken, ~(cosine >= AGREEING), faces)
+    return _fill(taken, ~(cosine >= SAME_PART_COSINE), faces)
 
 
 def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndarray:

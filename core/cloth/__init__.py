@@ -9,46 +9,53 @@ from .fabric import Fabric, FabricEstimate
 from .fabric_check import FabricNameBad, FabricOutOfRange, FabricSourceBad, check_fabric
 from .fabric_file import FabricFileBad, FabricUnitBad, read_fabrics, write_fabrics
 from .fabrics import DEFAULT_FABRIC, FabricUnknown, get_fabric, load_fabrics
-from .locking import soften
+from .locking import reduce_membrane_stiffness
 from .outcome import Outcome
-from .settings import GRAVITY, RESTING, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
+from .settings import (
+    MAX_REST_RESIDUAL,
+    STANDARD_GRAVITY,
+    ContactSettings,
+    SelfContactSettings,
+    SettingsBad,
+    SolveSettings,
+)
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
     from .block_pattern import BlockPattern
     from .collision.self_contact import SelfContact
     from .contact import contact_forces
-    from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
-    from .dynamics import State, move_on, settle
+    from .derivative import Derivative, FactoredEquilibrium, ImplicitDerivative, Response, linearise_at
+    from .dynamics import ClothState, continue_time_steps, take_time_steps
     from .energy import Energy, Inertia
     from .friction import Friction, lag_friction
-    from .layers import Layer, lay_over
-    from .linearised import Linearised
+    from .layers import Layer, stack_garments
+    from .linearised import LinearisedSteps
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .pins import Pins, PinsBad
     from .rest import NotAtRest
     from .scene import Scene, SteadyRotation
-    from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
+    from .sensitivity import FABRIC_PARAMETERS, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
-    from .statics import Drape, NodesBad, Stop, equilibrium
-    from .steps import InMotion
+    from .statics import Drape, NodesBad, StopCallback, equilibrium
+    from .steps import ClothTrajectory
     from .topology import Topology, TopologyBad
-    from .unrolled import Unrolled
+    from .unrolled import UnrolledSteps
 
 _LAZY = {
-    "AtRest": "derivative",
+    "FactoredEquilibrium": "derivative",
     "BendingFriction": "bending_friction",
     "BlockPattern": "block_pattern",
     "Derivative": "derivative",
     "Drape": "statics",
     "Energy": "energy",
-    "FABRIC": "sensitivity",
+    "FABRIC_PARAMETERS": "sensitivity",
     "Friction": "friction",
-    "Implicit": "derivative",
-    "InMotion": "steps",
+    "ImplicitDerivative": "derivative",
+    "ClothTrajectory": "steps",
     "Inertia": "energy",
     "Layer": "layers",
-    "Linearised": "linearised",
+    "LinearisedSteps": "linearised",
     "NodesBad": "statics",
     "NotAtRest": "rest",
     "Parameters": "parameters",
@@ -59,38 +66,39 @@ _LAZY = {
     "SelfContact": "collision.self_contact",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
-    "State": "dynamics",
+    "ClothState": "dynamics",
     "SteadyRotation": "scene",
-    "Stop": "statics",
+    "StopCallback": "statics",
     "SuperLU": "solver",
     "Topology": "topology",
     "TopologyBad": "topology",
-    "Unrolled": "unrolled",
+    "UnrolledSteps": "unrolled",
     "contact_forces": "contact",
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "lag_friction": "friction",
-    "lay_over": "layers",
+    "stack_garments": "layers",
     "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
     "map_rest": "parameters",
-    "move_on": "dynamics",
+    "continue_time_steps": "dynamics",
     "pull_forces": "sensitivity",
     "push_forces": "sensitivity",
-    "settle": "dynamics",
+    "take_time_steps": "dynamics",
     "stretch_edge": "parameters",
 }
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
 
 __all__ = [
     "DEFAULT_FABRIC",
-    "FABRIC",
-    "GRAVITY",
-    "RESTING",
-    "AtRest",
+    "FABRIC_PARAMETERS",
+    "MAX_REST_RESIDUAL",
+    "STANDARD_GRAVITY",
     "BendingFriction",
     "BlockPattern",
+    "ClothState",
+    "ClothTrajectory",
     "ContactSettings",
     "Derivative",
     "Drape",
@@ -103,12 +111,12 @@ __all__ = [
     "FabricSourceBad",
     "FabricUnitBad",
     "FabricUnknown",
+    "FactoredEquilibrium",
     "Friction",
-    "Implicit",
-    "InMotion",
+    "ImplicitDerivative",
     "Inertia",
     "Layer",
-    "Linearised",
+    "LinearisedSteps",
     "NodesBad",
     "NotAtRest",
     "Outcome",
@@ -123,32 +131,31 @@ __all__ = [
     "SettingsBad",
     "SolveSettings",
     "Solver",
-    "State",
     "SteadyRotation",
-    "Stop",
+    "StopCallback",
     "SuperLU",
     "Topology",
     "TopologyBad",
-    "Unrolled",
+    "UnrolledSteps",
     "check_fabric",
     "contact_forces",
+    "continue_time_steps",
     "equilibrium",
     "fabric_forces",
     "get_fabric",
     "lag_friction",
-    "lay_over",
     "linearise_at",
     "list_gathers",
     "load_fabrics",
     "make_solver",
     "map_rest",
-    "move_on",
     "pull_forces",
     "push_forces",
     "read_fabrics",
-    "settle",
-    "soften",
+    "reduce_membrane_stiffness",
+    "stack_garments",
     "stretch_edge",
+    "take_time_steps",
     "write_fabrics",
 ]
 

@@ -89,15 +89,15 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
                 n += 1
         if exact:
             edge = (e, squared, length)
-            _curve_triangle(edge, (p, n1, 1.0, m1, t1), slope[2], first, (2, 5, 7), curve)
-            _curve_triangle(edge, (q, n2, -1.0, m2, t2), slope[3], first, (3, 6, 9), curve)
+            _add_triangle_hessian(edge, (p, n1, 1.0, m1, t1), slope[2], first, (2, 5, 7), curve)
+            _add_triangle_hessian(edge, (q, n2, -1.0, m2, t2), slope[3], first, (3, 6, 9), curve)
         for n in range(10):
             add_block(blocks, slots[h, n], curve[n])
     return energy
 
 
 @njit(cache=True)
-def _curve_triangle(edge, triangle, apex, first, slots, curve):  # type: ignore[no-untyped-def]
+def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: ignore[no-untyped-def]
     """Add `first` times one triangle's share of the Hessian of theta.
 
     The apex gradient G = -|e| n / m, n = sign e x p, m = n.n, depends on this triangle alone; the edge's ends carry

@@ -9,17 +9,17 @@ import numpy as np
 
 from .topology import Topology
 
-MOMENT = 1.5e-4
+BENDING_FRICTION_MOMENT = 1.5e-4
 """Moment per length that yarns' friction holds [N m/m]. Half of the width 2HB of the loop that Kawabata's bending
 tester draws, 0.03 gf cm/cm; assumed: light apparel cloth is usually reported at 0.02 to 0.1."""
 
-SLIP = 0.02
+HINGE_SLIP_ANGLE = 0.02
 """Turn of a hinge at which the friction is fully mobilised [rad]; below it is a spring, so that cloth at rest does not
 creep. On edges of 2 cm it is a fold of 1 m radius: nothing that can be seen."""
 
-HELD = 2.0
-"""Slips of turn up to which a hinge is held; beyond, the fold follows. 0.89 of the moment is mobilised there: the
-smooth law never comes to all of it."""
+MAX_HELD_SLIP_RATIO = 2.0
+"""Largest turn of a hinge at which its fold stays [slip angles]. Beyond it the fold follows. 0.89 of the moment is
+mobilised there; the smooth law never comes to all of it."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,10 @@ class BendingFriction:
 
     angles: np.ndarray
     moments: np.ndarray
-    slip: float = SLIP
+    slip: float = HINGE_SLIP_ANGLE
 
     @classmethod
-    def at(cls, topology: Topology, nodes: np.ndarray, moment: float = MOMENT) -> BendingFriction:
+    def at(cls, topology: Topology, nodes: np.ndarray, moment: float = BENDING_FRICTION_MOMENT) -> BendingFriction:
         """Compute the friction, of a moment per length [N m/m], in the folds of nodes [m], shape [node_count, 3]."""
         lengths = np.linalg.norm(topology.hinges.edges(topology.rest), axis=-1).mean(axis=0)
         return cls(measure_angles(topology, nodes), moment * lengths)
@@ -56,11 +56,11 @@ class BendingFriction:
     def slide(self, angles: np.ndarray) -> np.ndarray:
         """Return the folds that hold [rad], shape [hinge_count], once hinges are at `angles` [rad].
 
-        Those bent by more than `HELD` slips follow, as the loop of a bending tester says: what bends cloth back and
-        forth spends 2 M |e| on each radian, and none of it comes back.
+        Those bent by more than `MAX_HELD_SLIP_RATIO` slips follow, as the loop of a bending tester says: what bends
+        cloth back and forth spends 2 M |e| on each radian, and none of it comes back.
         """
         bent = np.remainder(angles - self.angles + np.pi, 2.0 * np.pi) - np.pi
-        limit = HELD * self.slip
+        limit = MAX_HELD_SLIP_RATIO * self.slip
         return np.asarray(angles - np.clip(bent, -limit, limit))
 
 
@@ -75,7 +75,7 @@ class FoldFriction(NamedTuple):
     def of(cls, topology: Topology, friction: BendingFriction | None = None) -> FoldFriction:
         """Return the friction in the hinges of a mesh, or none."""
         if friction is None:
-            return cls(topology.hinges.angles, np.zeros(len(topology.hinges.nodes)), SLIP)
+            return cls(topology.hinges.angles, np.zeros(len(topology.hinges.nodes)), HINGE_SLIP_ANGLE)
         return cls(friction.angles, friction.moments, float(friction.slip))
 
     def among(self, hinges: slice) -> FoldFriction:

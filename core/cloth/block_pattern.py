@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-ABSENT = -(2**62)
+ABSENT_BLOCK_SLOT = -(2**62)
 """Slot of a block for which a pattern has no place."""
 
 
@@ -96,7 +96,8 @@ class BlockPattern:
     def find_slots(self, elements: np.ndarray) -> np.ndarray:
         """Return the block that each of the upper blocks of elements [count, k] adds to, as `of` does.
 
-        All blocks of an element for which the pattern has no place are `ABSENT`. Shape [count, k (k + 1) / 2].
+        All blocks of an element for which the pattern has no place are `ABSENT_BLOCK_SLOT`. Shape
+        [count, k (k + 1) / 2].
         """
         return np.asarray(_find_slots(np.ascontiguousarray(elements), self.node_count, self._keys))
 
@@ -150,7 +151,7 @@ def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
 def _find_slots(elements, node_count, keys):  # type: ignore[no-untyped-def]
     """Return the slots of elements by the ascending keys of all blocks; see `BlockPattern.find_slots`."""
     corners = elements.shape[1]
-    slots = np.full((len(elements), corners * (corners + 1) // 2), ABSENT, np.int64)
+    slots = np.full((len(elements), corners * (corners + 1) // 2), ABSENT_BLOCK_SLOT, np.int64)
     for n in range(len(elements)):
         b = 0
         for i in range(corners):
@@ -164,5 +165,5 @@ def _find_slots(elements, node_count, keys):  # type: ignore[no-untyped-def]
                 slots[n, b] = ~slot if elements[n, i] > elements[n, j] else slot
                 b += 1
         if b < 0:
-            slots[n] = ABSENT
+            slots[n] = ABSENT_BLOCK_SLOT
     return slots

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .collision.advance import free_share
+from .collision.advance import collision_free_share
 from .energy import Energy
 
-ROUNDS = 6
-"""Rounds in which what meets is held back: holding one part back brings it nearer to the next."""
+MAX_HOLD_BACK_ITERATIONS = 6
+"""Largest number of iterations in which what meets is held back. Holding one part back brings it nearer to the next."""
 
-RING = 0.25
-"""How much more of the way a node may go than its neighbour: cloth around what is held back is spread over four
+MAX_EDGE_ADVANCE_SHARE = 0.25
+"""Share of its way that a node may go more than its neighbour. Cloth around what is held back so spreads over four
 edges."""
 
 
-def carry_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> tuple[Energy, np.ndarray]:
+def move_collision_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> tuple[Energy, np.ndarray]:
     """Return places on the straight ways from nodes to goals [m], [node_count, 3], on which no two parts have met.
 
     Where cloth would meet (a sleeve that is taken against the trunk), only what meets stops short, and its neighbours
@@ -27,29 +27,29 @@ def carry_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> tuple[Ene
         return energy, goal
     way, share = goal - nodes, np.ones(len(nodes))
     sides = energy.scene.self_contact.edges
-    for turn in range(ROUNDS + 1):
+    for turn in range(MAX_HOLD_BACK_ITERATIONS + 1):
         step = share[:, None] * way
         energy, free = energy.free_share(nodes, step)
-        if free == 1.0 or turn == ROUNDS:
+        if free == 1.0 or turn == MAX_HOLD_BACK_ITERATIONS:
             break
         assert energy.near is not None
         pairs = energy.near.pairs
-        found = _shares(nodes, step, pairs)
+        found = _find_pair_shares(nodes, step, pairs)
         met = found < 1.0
         np.minimum.at(share, pairs.nodes[met], (share[pairs.nodes[met]].max(axis=1) * found[met])[:, None])
-        for _ in range(int(1.0 / RING)):
+        for _ in range(int(1.0 / MAX_EDGE_ADVANCE_SHARE)):
             low = share.copy()
             for one, other in (sides.T, sides.T[::-1]):
-                np.minimum.at(low, one, share[other] + RING)
+                np.minimum.at(low, one, share[other] + MAX_EDGE_ADVANCE_SHARE)
             share = low
     return energy, goal if free == 1.0 and (share == 1.0).all() else nodes + free * step
 
 
 @njit(cache=True)
-def _shares(x, step, pairs):  # type: ignore[no-untyped-def]
+def _find_pair_shares(x, step, pairs):  # type: ignore[no-untyped-def]
     """Return the largest share of a step [m] that each pair may go, 0 to 1, shape [pair_count]."""
     kinds, nodes, sizes = pairs
     found = np.ones(len(kinds))
     for n in range(len(kinds)):
-        found[n] = free_share(x, step, (kinds[n : n + 1], nodes[n : n + 1], sizes[n : n + 1]))
+        found[n] = collision_free_share(x, step, (kinds[n : n + 1], nodes[n : n + 1], sizes[n : n + 1]))
     return found

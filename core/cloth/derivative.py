@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .collision.coupling import couple
-from .collision.rubbing import Rubbing
+from .collision.coupling import extend_sparsity
+from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import Friction, lag_friction
@@ -44,7 +44,7 @@ class Derivative(Protocol):
 
 
 @dataclass(frozen=True)
-class Implicit:
+class ImplicitDerivative:
     """Differentiate the quasi-static equilibrium g(x*; p) = dE/dx = 0.
 
         dx*/dp = -K^-1 dg/dp,    dL/dp = -lambda . dg/dp  with  K lambda = dL/dx
@@ -74,8 +74,8 @@ class Implicit:
         *,
         friction: Friction | None = None,
         inertia: Inertia | None = None,
-        rubbing: Rubbing | None = None,
-    ) -> AtRest:
+        rubbing: ClothFriction | None = None,
+    ) -> FactoredEquilibrium:
         """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given,
         on the body and, `rubbing`, on itself.
 
@@ -88,18 +88,18 @@ class Implicit:
         solver = solver or make_solver(scene.topology.pattern)
         nodes = place_pinned(scene, nodes)
         while True:
-            energy, solver = couple(energy, solver, nodes, missing=0.0)
+            energy, solver = extend_sparsity(energy, solver, nodes, missing=0.0)
             nodes = find_rest(energy, nodes, solver, self.tolerance, self.max_iterations)
             energy, complete = energy.watch(nodes), solver
-            energy, solver = couple(energy, solver, nodes, missing=0.0)
+            energy, solver = extend_sparsity(energy, solver, nodes, missing=0.0)
             if solver is complete:
                 break
         blocks = energy.hessian(nodes)[2]
-        return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
+        return FactoredEquilibrium(energy, nodes, blocks, factor(energy, blocks, solver))
 
 
 @dataclass(frozen=True)
-class AtRest:
+class FactoredEquilibrium:
     """Keep an equilibrium with its factored Hessian.
 
     Attributes:
@@ -145,17 +145,17 @@ class AtRest:
         return -self.solver.solve(forces.reshape(forces.shape[0] * 3, -1)).reshape(forces.shape)
 
 
-def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> AtRest:
+def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> FactoredEquilibrium:
     """Take the derivative where a drape stopped, at nodes and anchors [m], shape [node_count, 3], without settling it.
 
     As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
     not quite, what a loss is pulled back to is still a direction of descent.
     """
-    energy, solver = couple(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
+    energy, solver = extend_sparsity(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
     energy = energy.lag_rubbing(nodes)
     blocks = energy.hessian(nodes)[2]
     factor_regularised(energy, solver, nodes, blocks, 1.0)
-    return AtRest(energy, nodes, blocks, solver)
+    return FactoredEquilibrium(energy, nodes, blocks, solver)
 
 
 def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:

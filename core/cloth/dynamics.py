@@ -6,21 +6,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .collision.advance import LEAST
-from .collision.coupling import couple
-from .collision.rubbing import Rubbing
+from .collision.advance import MIN_PAIR_REACH_SHARE
+from .collision.coupling import extend_sparsity
+from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
 from .pins import move_pins
-from .quasi_newton import descend, step_held
+from .quasi_newton import descend, step_with_frozen_pairs
 from .scene import Scene
 from .settings import SolveSettings
 from .solver import Solver
 
 
 @dataclass(frozen=True)
-class State:
+class ClothState:
     """Describe cloth in motion.
 
     Attributes:
@@ -35,11 +35,11 @@ class State:
     nodes: np.ndarray
     velocities: np.ndarray
     anchors: np.ndarray
-    rubbing: Rubbing | None = None
+    rubbing: ClothFriction | None = None
     folds: np.ndarray | None = None
 
 
-def settle(
+def take_time_steps(
     scene: Scene,
     nodes: np.ndarray,
     velocities: np.ndarray | None = None,
@@ -49,23 +49,24 @@ def settle(
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
-) -> State:
-    """Take `steps` implicit Euler steps of `dt` [s] from nodes [m], shape [node_count, 3]; see `move_on`."""
+) -> ClothState:
+    """Take `steps` implicit Euler steps of `dt` [s] from nodes [m], shape [node_count, 3]; see
+    `continue_time_steps`."""
     nodes = np.array(nodes, dtype=np.float64)
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
-    state = State(nodes, velocities, nodes.copy() if anchors is None else anchors)
-    return move_on(scene, state, steps=steps, dt=dt, solver=solver, settings=settings)
+    state = ClothState(nodes, velocities, nodes.copy() if anchors is None else anchors)
+    return continue_time_steps(scene, state, steps=steps, dt=dt, solver=solver, settings=settings)
 
 
-def move_on(
+def continue_time_steps(
     scene: Scene,
-    state: State,
+    state: ClothState,
     *,
     steps: int = 20,
     dt: float = 0.05,
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
-) -> State:
+) -> ClothState:
     """Take `steps` implicit Euler steps of `dt` [s] from a state.
 
     x+ = argmin E(x) + |x - x0 - damping dt v0|_M^2 / (2 dt^2),  v+ = (x+ - x0) / dt (thesis eq. 3.2, solved to
@@ -81,10 +82,10 @@ def move_on(
         if energy.push is not None or n == 0:
             energy = energy.pull_apart(nodes)
         energy = energy.lag_rubbing(nodes, state.rubbing)
-        energy, free = energy.free_share(nodes, pinned - nodes, LEAST)
+        energy, free = energy.free_share(nodes, pinned - nodes, MIN_PAIR_REACH_SHARE)
         pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         energy, solver, end = _step(energy, solver, pinned, settings)
-        state = State(end, (end - nodes) / dt, end if friction is None else friction.slide(end), energy.rubbing)
+        state = ClothState(end, (end - nodes) / dt, end if friction is None else friction.slide(end), energy.rubbing)
     return state
 
 
@@ -112,14 +113,14 @@ def _iterate(
 ) -> tuple[Energy, Solver | None]:
     """Take `most` Newton iterations from the last place of a path [m], [node_count, 3] each, and add theirs to it."""
     for _ in range(most):
-        energy, solver = couple(energy, solver, path[-1])
+        energy, solver = extend_sparsity(energy, solver, path[-1])
         start, gradient, blocks = energy.hessian(path[-1], False)
         if factor_regularised(energy, solver, path[-1], blocks, 0.0) < 0:
             break
         if looks_back:
             leg = descend(energy, solver, path[-1], start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
         else:
-            leg = step_held(energy, solver, path[-1], start, gradient, settings.max_step)
+            leg = step_with_frozen_pairs(energy, solver, path[-1], start, gradient, settings.max_step)
         energy = leg.energy
         path.append(leg.nodes)
         if leg.motion < settings.still:

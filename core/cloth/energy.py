@@ -9,23 +9,23 @@ import numpy as np
 from .bending import bending
 from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
-from .collision.barrier import barrier, find_shut
-from .collision.look_back import look_back
-from .collision.near import Near, find_near
-from .collision.rubbing import Rubbing, lag_rubbing, rub
-from .collision.untangle import pull_apart
+from .collision.barrier import barrier, find_coincident_nodes
+from .collision.look_back import verify_pairs_on_path
+from .collision.near import NearPairs, find_near_pairs
+from .collision.rubbing import ClothFriction, cloth_friction, lag_cloth_friction
+from .collision.untangle import contract_crossings
 from .contact import NO_BLOCKS, Forces, NodeElements, add_contact
 from .friction import Friction, friction
-from .loads import loads, longest
-from .membrane import foresee_stress, membrane
-from .scene import LEVEL, Scene
+from .loads import largest_length, loads
+from .membrane import membrane, predict_stress
+from .scene import HORIZONTAL_AXIS_MASK, Scene
 
 NO_STRESS = np.zeros((0, 3))
 """Tells `membrane` to take the stress from the positions."""
 
 
-NOWHERE = np.zeros((0, 3))
-"""Target of inertia where there is none."""
+NO_INERTIA_TARGET = np.zeros((0, 3))
+"""Target positions of inertia where there is none [m], shape [0, 3]."""
 
 NO_SLOTS = np.zeros((0, 10), dtype=np.int64)
 """Where a kernel of pairs is not asked for Hessian blocks."""
@@ -65,9 +65,9 @@ class Energy:
     scene: Scene
     friction: Friction | None = None
     inertia: Inertia | None = None
-    rubbing: Rubbing | None = None
+    rubbing: ClothFriction | None = None
     push: np.ndarray | None = None
-    near: Near | None = None
+    near: NearPairs | None = None
 
     def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
         """Return the same energy that knows which pairs of cloth may touch at nodes [m] and on the way to `end` [m]."""
@@ -76,11 +76,11 @@ class Energy:
             return self
         if near is not None and near.covers(nodes) and (end is None or near.covers(end)):
             return self
-        if end is not None and longest(end - nodes) <= cloth.margin:
+        if end is not None and largest_length(end - nodes) <= cloth.margin:
             end = None
         if near is not None and end is None:
-            return replace(self, near=look_back(cloth, nodes[None], near)[0])
-        return replace(self, near=find_near(cloth, nodes, end))
+            return replace(self, near=verify_pairs_on_path(cloth, nodes[None], near)[0])
+        return replace(self, near=find_near_pairs(cloth, nodes, end))
 
     def free_share(self, nodes: np.ndarray, step: np.ndarray, least: float = 0.0) -> tuple[Energy, float]:
         """Return the largest share, 0 to 1, of a step [m] from nodes [m] on which no two parts of the cloth meet.
@@ -97,7 +97,7 @@ class Energy:
     def hold(self, nodes: np.ndarray) -> Energy:
         """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere.
 
-        It is right for as long as nothing else comes within reach, which `look_back` tells.
+        It is right for as long as nothing else comes within reach, which `verify_pairs_on_path` tells.
         """
         watching = self.watch(nodes)
         return self if watching.near is None else replace(watching, near=replace(watching.near, held=True))
@@ -110,12 +110,12 @@ class Energy:
         """
         if self.scene.self_contact is None or self.near is None:
             return self, len(path) - 1
-        near, good = look_back(self.scene.self_contact, path, self.near)
+        near, good = verify_pairs_on_path(self.scene.self_contact, path, self.near)
         return replace(self, near=near), good
 
     def pull_apart(self, nodes: np.ndarray) -> Energy:
         """Return the same energy whose contact waits where faces cross at nodes [m], pushed so that they part."""
-        scene, push = pull_apart(self.scene, nodes)
+        scene, push = contract_crossings(self.scene, nodes)
         return replace(self, scene=scene, push=push, near=self.near if scene is self.scene else None)
 
     def let_shut(self, nodes: np.ndarray) -> Energy:
@@ -124,13 +124,13 @@ class Energy:
         cloth, near = watching.scene.self_contact, watching.near
         if cloth is None or near is None:
             return self
-        shut = find_shut(nodes, near.pairs)
+        shut = find_coincident_nodes(nodes, near.pairs)
         if not len(shut):
             return watching
         waiting = cloth.wait(np.flatnonzero(cloth.crossed | np.isin(cloth.faces, shut).any(axis=1)))
         return replace(watching, scene=replace(watching.scene, self_contact=waiting), near=None)
 
-    def lag_rubbing(self, nodes: np.ndarray, before: Rubbing | None = None) -> Energy:
+    def lag_rubbing(self, nodes: np.ndarray, before: ClothFriction | None = None) -> Energy:
         """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].
 
         `before` is the friction until then: what was in touch stays drawn.
@@ -138,7 +138,7 @@ class Energy:
         watching = self.watch(nodes)
         if self.scene.self_contact is None or watching.near is None:
             return self
-        return replace(watching, rubbing=lag_rubbing(self.scene.self_contact, watching.near, nodes, before))
+        return replace(watching, rubbing=lag_cloth_friction(self.scene.self_contact, watching.near, nodes, before))
 
     def value(self, nodes: np.ndarray) -> float:
         """Return the energy [J] at nodes [m], shape [node_count, 3]."""
@@ -157,7 +157,7 @@ class Energy:
 
         `exact` False gives a positive semi-definite approximation: for states far from equilibrium. Pairs of cloth in
         touch for which the matrix has no place count by diagonal blocks: `couple` makes room for them. `stress` [N/m],
-        shape [face_count, 3], is taken for the membrane's in its geometric part: `foresee_stress` says why.
+        shape [face_count, 3], is taken for the membrane's in its geometric part: `predict_stress` says why.
         """
         energy, gradient, blocks = self._evaluate(nodes, 2, exact, NO_STRESS if stress is None else stress)
         gradient[self.scene.fixed] = 0.0
@@ -171,7 +171,7 @@ class Energy:
         topology, found = self.scene.topology, []
         for layer in self.scene.garments:
             faces, shape, _, _ = layer.membrane_of(topology)
-            found.append(foresee_stress(nodes, step, faces, shape, layer.stiffness))
+            found.append(predict_stress(nodes, step, faces, shape, layer.stiffness))
         return np.concatenate(found)
 
     def _evaluate(
@@ -216,12 +216,12 @@ class Energy:
             energy += barrier(nodes, pairs, stiffness, places, order, exact, found)
         if self.rubbing is not None:
             slots = pattern.find_slots(self.rubbing.keys[:, 1:]) if order == 2 else NO_SLOTS
-            energy += rub(nodes, self.rubbing.elements, (slots, pattern.diagonal), order, found)
+            energy += cloth_friction(nodes, self.rubbing.elements, (slots, pattern.diagonal), order, found)
         return energy
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
         """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""
-        scene, tied = self.scene, (NOWHERE, 0.0) if self.inertia is None else self.inertia.as_taken
+        scene, tied = self.scene, (NO_INERTIA_TARGET, 0.0) if self.inertia is None else self.inertia.as_taken
         masses, diagonal = scene.masses, scene.topology.pattern.diagonal
         found = Derivatives(gradient, blocks)
         energy = float(loads(nodes, masses, np.asarray(scene.gravity, dtype=float), tied, order, diagonal, found))
@@ -229,11 +229,11 @@ class Energy:
             energy -= float((self.push * nodes).sum())
             gradient -= self.push
         if scene.rotation is not None:
-            outward = LEVEL * (nodes - np.asarray(scene.rotation.centre))
+            outward = HORIZONTAL_AXIS_MASK * (nodes - np.asarray(scene.rotation.centre))
             energy -= 0.5 * scene.rotation.rate**2 * float(masses @ (outward**2).sum(1))
             gradient -= scene.rotation.rate**2 * masses[:, None] * outward
             if order == 2 and exact:
-                blocks[diagonal] -= scene.rotation.rate**2 * masses[:, None, None] * np.diag(LEVEL)
+                blocks[diagonal] -= scene.rotation.rate**2 * masses[:, None, None] * np.diag(HORIZONTAL_AXIS_MASK)
         if scene.pins is not None and scene.pins.stiffness is not None:
             held, weights = scene.pins.nodes, scene.pins.stiffness * np.array(scene.pins.directions)
             away = nodes[held] - scene.pins.points

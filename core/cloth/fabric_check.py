@@ -9,25 +9,28 @@ from functools import cache
 from ..run.errors import BadInput
 from .fabric import Fabric
 from .fabrics import PARAMETERS, load_fabrics
-from .settings import GRAVITY
+from .settings import STANDARD_GRAVITY
 
 NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
 ORIGINS = ("measured", "derived", "assumed")
 """What a source begins with."""
 
-SHORTEST, LONGEST = 10, 1000
-"""Letters of a source after its origin: fewer name no place, more are no reference."""
+MIN_SOURCE_LENGTH, MAX_SOURCE_LENGTH = 10, 1000
+"""Smallest and largest length of a source after its origin [characters]: fewer name no place, more are no reference."""
 
-LONGEST_TITLE = 255
-BEYOND = 10.0
-"""How far beyond the library's softest and stiffest, lightest and heaviest fabric another may be, as a factor: room for
-felt and gauze, while a slip of a unit (g for kg, mm for m, uN for N) is a factor of 1000 or more and is found."""
+MAX_FABRIC_TITLE_LENGTH = 255
+"""Largest length of a fabric's title [characters]."""
+FABRIC_RANGE_FACTOR = 10.0
+"""Factor by which another fabric may lie beyond the library's softest and stiffest, lightest and heaviest one. It
+leaves room for felt and gauze, while a slip of a unit (g for kg, mm for m, uN for N) is a factor of 1000 or more and is
+found."""
 
-FRICTION = (0.0, 2.0)
-"""Coulomb coefficients: cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
+FRICTION_COEFFICIENT_RANGE = (0.0, 2.0)
+"""Range of Coulomb coefficients. Cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
 
-STRETCH = 0.2
-"""Stretch under the weight of a metre of itself at most: beyond, a membrane that is linear in strain is no model."""
+MAX_SELF_WEIGHT_STRAIN = 0.2
+"""Largest strain of cloth under the weight of a metre of itself. Beyond it a membrane that is linear in strain is no
+model."""
 
 
 class FabricNameBad(BadInput):
@@ -50,9 +53,12 @@ class FabricOutOfRange(BadInput):
 
 @cache
 def find_ranges() -> dict[str, tuple[float, float]]:
-    """Return the lowest and the highest value of each parameter in SI units, as `BEYOND` and `FRICTION` say."""
+    """Return the lowest and the highest value of each parameter in SI units, as `FABRIC_RANGE_FACTOR` and
+    `FRICTION_COEFFICIENT_RANGE` say."""
     found = {name: [getattr(fabric, name) for fabric in load_fabrics()] for name in PARAMETERS}
-    return {name: (min(row) / BEYOND, max(row) * BEYOND) for name, row in found.items()} | {"friction": FRICTION}
+    return {name: (min(row) / FABRIC_RANGE_FACTOR, max(row) * FABRIC_RANGE_FACTOR) for name, row in found.items()} | {
+        "friction": FRICTION_COEFFICIENT_RANGE
+    }
 
 
 def check_fabric(fabric: Fabric) -> Fabric:
@@ -64,7 +70,7 @@ def check_fabric(fabric: Fabric) -> Fabric:
         FabricOutOfRange: where a number is outside its range, or the membrane is not positive definite.
     """
     title = fabric.title
-    if not NAME.fullmatch(fabric.name) or len(title) > LONGEST_TITLE or not title.isprintable():
+    if not NAME.fullmatch(fabric.name) or len(title) > MAX_FABRIC_TITLE_LENGTH or not title.isprintable():
         raise FabricNameBad()
     if title and not title[0].isalnum():  # a spreadsheet takes '=1+1' for a formula
         raise FabricNameBad(f"the title of '{fabric.name}' does not begin with a letter or a digit.")
@@ -77,7 +83,7 @@ def _check_sources(fabric: Fabric) -> None:
     sources = dict(fabric.sources)
     for name in PARAMETERS:
         origin, _, told = sources.get(name, "").partition(":")
-        is_told = SHORTEST <= len(told.strip()) and len(told) <= LONGEST and told.isprintable()
+        is_told = MIN_SOURCE_LENGTH <= len(told.strip()) and len(told) <= MAX_SOURCE_LENGTH and told.isprintable()
         if origin not in ORIGINS or not is_told:
             raise FabricSourceBad(f"{name} of '{fabric.name}' has no source. {FabricSourceBad().message}")
     if len(fabric.sources) != len(PARAMETERS) or set(sources) != set(PARAMETERS):
@@ -93,9 +99,9 @@ def _check_numbers(fabric: Fabric) -> None:
             )
     if fabric.H01**2 >= fabric.H00 * fabric.H11:
         raise FabricOutOfRange(f"'{fabric.name}' gains energy by stretching: H01^2 must be below H00 H11.")
-    stretch = fabric.density * -GRAVITY[1] / min(fabric.H00, fabric.H11)
-    if stretch > STRETCH:
+    stretch = fabric.density * -STANDARD_GRAVITY[1] / min(fabric.H00, fabric.H11)
+    if stretch > MAX_SELF_WEIGHT_STRAIN:
         raise FabricOutOfRange(
-            f"a metre of '{fabric.name}' stretches by {stretch:.0%} under its own weight, more than {STRETCH:.0%}; "
-            "check density, H00 and H11."
+            f"a metre of '{fabric.name}' stretches by {stretch:.0%} under its own weight, "
+            f"more than {MAX_SELF_WEIGHT_STRAIN:.0%}; check density, H00 and H11."
         )

@@ -16,8 +16,8 @@ from .fabric import Fabric
 from .fabric_check import check_fabric
 from .fabrics import PARAMETERS
 
-LARGEST = 1_048_576
-"""Bytes of such a file at most: a thousand fabrics with short sources."""
+MAX_FABRIC_FILE_BYTES = 1_048_576
+"""Largest size of a file of fabrics [bytes]: a thousand fabrics with short sources."""
 
 UNITS = {
     "density": {"kg/m2": 1.0, "g/m2": 1e-3},
@@ -60,11 +60,11 @@ def read_fabrics(path: Path) -> list[Fabric]:
     """
     try:
         with path.open("rb") as stream:
-            content = stream.read(LARGEST + 1)
+            content = stream.read(MAX_FABRIC_FILE_BYTES + 1)
         text = content.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise FabricFileBad(f"'{path.name}' cannot be read as text. {FabricFileBad().message}") from error
-    if len(content) > LARGEST:
+    if len(content) > MAX_FABRIC_FILE_BYTES:
         raise FabricFileBad(f"'{path.name}' is too large. {FabricFileBad().message}")
     rows = _read_json(text) if text.lstrip().startswith("{") else _read_csv(text)
     found: dict[str, dict[str, Row]] = {}

@@ -7,7 +7,7 @@ import numpy as np
 from .energy import Energy
 from .solver import Solver
 
-_RETREAT = 0.6
+_EXACT_SHARE_DECAY_FACTOR = 0.6
 """Factor on the exact share after each indefinite matrix; below a tenth the PSD form alone is taken."""
 
 
@@ -23,7 +23,7 @@ def factor_regularised(energy: Energy, solver: Solver, nodes: np.ndarray, blocks
     if share >= 1.0:
         if solver.factor(topology.assemble(blocks, fixed)) and solver.is_positive_definite():
             return 1.0
-        share = _RETREAT
+        share = _EXACT_SHARE_DECAY_FACTOR
     psd = energy.hessian(nodes, False)[2] if share > 0 else blocks
     shift = scene.mean_weight
     psd[topology.pattern.diagonal] += shift * np.eye(3)
@@ -32,7 +32,7 @@ def factor_regularised(energy: Energy, solver: Solver, nodes: np.ndarray, blocks
         if solver.factor(topology.assemble(mixed, fixed)) and solver.is_positive_definite():
             return share
         if share > 0:
-            share = share * _RETREAT if share > 0.1 else 0.0
+            share = share * _EXACT_SHARE_DECAY_FACTOR if share > 0.1 else 0.0
         elif shift > 1e12 * scene.mean_weight:
             return -1.0
         else:

@@ -8,10 +8,10 @@ import torch
 from .bending_friction import FoldFriction
 from .energy import Energy
 
-Pulled = tuple[np.ndarray, np.ndarray, np.ndarray]
+FormGradient = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndarray) -> tuple[float, Pulled]:
+def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndarray) -> tuple[float, FormGradient]:
     """Return q = one . P(x; p) other, P the PSD Hessian, and its derivative by x, by rest triangles and `FABRIC`.
 
     It is thesis eq. 2.30, dM / dx contracted with the adjoint and the solution: third derivatives of the energy, by

@@ -41,7 +41,7 @@ class Layer:
         return HingeElements(*(part[self.hinges] for part in topology.hinge_elements))
 
 
-def lay_over(topologies: Sequence[Topology], fabrics: Sequence[Fabric]) -> tuple[Topology, tuple[Layer, ...]]:
+def stack_garments(topologies: Sequence[Topology], fabrics: Sequence[Fabric]) -> tuple[Topology, tuple[Layer, ...]]:
     """Return the mesh of several garments, one after the other, and which part of it is which garment.
 
     Args:

@@ -12,13 +12,13 @@ from .sensitivity import Sensitivity, pull_forces
 from .solver import Solver
 from .steps import TimeSteps
 
-NEAR = 1e-7
+HESSIAN_DIFFERENCE_STEP = 1e-7
 """Largest motion of a node for a difference of Hessians [m]: forces change over millimetres (contact's thickness), so
 its error is a billionth, and round-off's a ten-billionth."""
 
 
 @dataclass(frozen=True)
-class Linearised(TimeSteps):
+class LinearisedSteps(TimeSteps):
     """Differentiate linearised implicit Euler steps one by one, backwards in time: the thesis' way to the letter.
 
         A_t (x_t - x_{t-1}) = -g_t(x_{t-1}),    A_t = M / dt^2 + K(x_{t-1}),    g_t the gradient of `Unrolled`'s step
@@ -55,7 +55,7 @@ class Linearised(TimeSteps):
         else:
             by_nodes, by_rest, by_fabric = pull_form(step, placed, weights, end - placed)[1]
         rest, fabric = pull_forces(step, placed, weights)
-        back, held = bar - _turn(step, placed, weights) - by_nodes, np.zeros((0, 3))
+        back, held = bar - _hessian_product(step, placed, weights) - by_nodes, np.zeros((0, 3))
         if pins is not None and pins.stiffness is not None:
             held = pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
         elif pins is not None:
@@ -72,7 +72,7 @@ def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.n
     raise NotAtRest("a step's matrix cannot be factored: take shorter steps.")
 
 
-def _turn(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def _hessian_product(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Multiply the exact Hessian at nodes [m] with weights, shape [node_count, 3]; fixed nodes' rows are whole."""
     free = np.zeros(len(nodes), dtype=bool)
     topology = step.scene.topology
@@ -83,12 +83,13 @@ def _turn(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along the way.
 
-    H is the derivative of g, so the order may be exchanged; the outer derivative is a central difference over `NEAR`.
+    H is the derivative of g, so the order may be exchanged; the outer derivative is a central difference over
+    `HESSIAN_DIFFERENCE_STEP`.
     """
     length = float(np.sqrt((way**2).sum(1).max()))
     if length == 0.0:
         return tuple(np.zeros_like(part) for part in (nodes, *pull_forces(step, nodes, weights)))
-    share = NEAR / length
+    share = HESSIAN_DIFFERENCE_STEP / length
     ends = [nodes + s * share * way for s in (1.0, -1.0)]
-    found = [(_turn(step, end, weights), *pull_forces(step, end, weights)) for end in ends]
+    found = [(_hessian_product(step, end, weights), *pull_forces(step, end, weights)) for end in ends]
     return tuple((ahead - behind) / (2.0 * share) for ahead, behind in zip(*found, strict=True))

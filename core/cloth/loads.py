@@ -36,7 +36,7 @@ def loads(x, masses, gravity, inertia, order, diagonal, derivatives):  # type: i
 
 
 @njit(cache=True)
-def longest(vectors):  # type: ignore[no-untyped-def]
+def largest_length(vectors):  # type: ignore[no-untyped-def]
     """Return the length of the longest of some vectors, shape [n, 3]; no number where one of them is none."""
     most = 0.0
     for v in range(vectors.shape[0]):

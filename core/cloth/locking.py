@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .fabric import Fabric
-from .settings import GRAVITY
+from .settings import STANDARD_GRAVITY
 
-SAG = 0.01
-"""Stretch of a metre of cloth under its own weight that a drape on a coarse mesh may have: half of it on average, less
-than the 1 to 3 % by which scanned cloth is stretched, and paid back by folds that can form (`soften`)."""
+MAX_COARSE_MESH_STRAIN = 0.01
+"""Largest strain of a metre of cloth under its own weight in a drape on a coarse mesh. It is half of that on average,
+less than the 1 to 3 % by which scanned cloth is stretched; in return folds can form (`reduce_membrane_stiffness`)."""
 
 
-def soften(fabric: Fabric) -> Fabric:
+def reduce_membrane_stiffness(fabric: Fabric) -> Fabric:
     """Return the fabric with a membrane so soft that linear triangles of 2 cm can still fold.
 
         H' = s H,    s = min(1, density g 1 m / (SAG max(H00, H11)))
@@ -26,8 +26,8 @@ def soften(fabric: Fabric) -> Fabric:
 
     **Deviation**: the thesis takes the fabric's own membrane.
     """
-    weight = -GRAVITY[1]
-    share = min(1.0, fabric.density * weight / (SAG * max(fabric.H00, fabric.H11)))
+    weight = -STANDARD_GRAVITY[1]
+    share = min(1.0, fabric.density * weight / (MAX_COARSE_MESH_STRAIN * max(fabric.H00, fabric.H11)))
     return replace(
         fabric, H00=share * fabric.H00, H01=share * fabric.H01, H11=share * fabric.H11, H22=share * fabric.H22
     )

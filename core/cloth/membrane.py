@@ -20,12 +20,12 @@ def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore
     [m2]; `H` = (H00, H01, H11, H22) [N/m], with sigma = H eps and e01 the tensor shear, so that sigma2 = H22 e01 is
     conjugate to e01. Source: eq. 3.3.
     The PSD form (`exact` False) keeps the material part and the positive part of the 2x2 stress in the geometric part.
-    `stress` [face_count, 3], where it is not empty, takes sigma's place in the geometric part (`foresee_stress`).
+    `stress` [face_count, 3], where it is not empty, takes sigma's place in the geometric part (`predict_stress`).
     """
     faces, shape, areas, slots = elements
     gradient, blocks = derivatives
     energy = 0.0
-    gram = _work()
+    gram = _make_scratch()
     fu, fv, block = gram[0], gram[1], gram[2:5]
     for f in range(faces.shape[0]):
         for d in range(3):
@@ -79,7 +79,7 @@ def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore
 
 
 @njit(cache=True)
-def foresee_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
+def predict_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
     """Return the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it.
 
     sigma = H (eps(x) + D eps(x)[step]): without the square of the step, by which a straight way along a fold stretches.
@@ -108,7 +108,7 @@ def foresee_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _work():  # type: ignore[no-untyped-def]
+def _make_scratch():  # type: ignore[no-untyped-def]
     """Return the kernel's scratch rows, made once per call."""
     return np.zeros((5, 3))
 

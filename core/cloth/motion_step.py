@@ -8,10 +8,10 @@ import numpy as np
 
 from ..body import SignedDistance
 from .bending_friction import measure_angles
-from .carry_step import carry_free
-from .collision.coupling import couple
+from .carry_step import move_collision_free
+from .collision.coupling import extend_sparsity
 from .collision.self_contact import SelfContact
-from .dynamics import State
+from .dynamics import ClothState
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -66,7 +66,7 @@ class StepSettings:
 
 
 @dataclass(frozen=True)
-class Layout:
+class SolverLayout:
     """Describe a scene with a matrix laid out for the pairs of cloth that touched so far.
 
     Attributes:
@@ -79,19 +79,19 @@ class Layout:
     solver: Solver
 
     @classmethod
-    def of(cls, scene: Scene) -> Layout:
+    def of(cls, scene: Scene) -> SolverLayout:
         """Return a scene's own layout."""
         return cls(Energy(scene), make_solver(scene.topology.pattern, single=True))
 
-    def at(self, pins: Pins | None, contact: SelfContact | None) -> Layout:
+    def at(self, pins: Pins | None, contact: SelfContact | None) -> SolverLayout:
         """Return the layout with the pins and the self-contact of a step."""
         scene = replace(self.energy.scene, pins=pins, self_contact=contact)
         near = self.energy.near if contact is self.energy.scene.self_contact else None
-        return Layout(replace(self.energy, scene=scene, near=near), self.solver)
+        return SolverLayout(replace(self.energy, scene=scene, near=near), self.solver)
 
 
 @dataclass(frozen=True)
-class Step:
+class StepResult:
     """Describe a step that was taken.
 
     Attributes:
@@ -102,21 +102,21 @@ class Step:
         layout: For the next step.
     """
 
-    state: State
+    state: ClothState
     converged: bool
     residual: float
     factors: int
-    layout: Layout
+    layout: SolverLayout
 
 
 def step_in_motion(
-    layout: Layout,
-    before: State,
-    carried: State,
+    layout: SolverLayout,
+    before: ClothState,
+    carried: ClothState,
     body: SignedDistance | None,
     dt: float,
     settings: StepSettings = StepSettings(),
-) -> Step:
+) -> StepResult:
     """Take an implicit Euler step of `dt` [s] against air drag, on a body that has moved.
 
         m (v+ - v) / dt = -dE(x+) - c m (v+ - w),   v+ = (x+ - x) / dt
@@ -145,10 +145,10 @@ def step_in_motion(
         held = replace(held, angles=before.folds)
         energy = replace(energy, scene=replace(energy.scene, bending_friction=held))
     energy = energy.let_shut(before.nodes)
-    energy, nodes = carry_free(energy, before.nodes, carried.nodes)
+    energy, nodes = move_collision_free(energy, before.nodes, carried.nodes)
     planes, motion, cut, factors, sound = TangentPlanes.none(len(nodes)), np.inf, False, 0, before.nodes
     while True:
-        energy, solver = couple(energy, solver, nodes)
+        energy, solver = extend_sparsity(energy, solver, nodes)
         if factors < settings.renewals:
             if body is not None:
                 planes = planes.renewed(nodes, body, settings.reach)
@@ -173,6 +173,10 @@ def step_in_motion(
     anchors = nodes if energy.friction is None else energy.friction.slide(nodes)
     folds = None if held is None else held.slide(measure_angles(energy.scene.topology, nodes))
     bare = replace(energy, scene=replace(energy.scene, body=None), friction=None, inertia=None)
-    return Step(
-        State(nodes, velocities, anchors, folds=folds), bool(converged), residual, factors, Layout(bare, solver)
+    return StepResult(
+        ClothState(nodes, velocities, anchors, folds=folds),
+        bool(converged),
+        residual,
+        factors,
+        SolverLayout(bare, solver),
     )

@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, hstack
 
 from ..garment import ControlMap, EdgeRef, Garment, Pattern, Symmetry, edge_length
 from .scene import Scene
-from .sensitivity import FABRIC, Sensitivity
+from .sensitivity import FABRIC_PARAMETERS, Sensitivity
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Parameters:
 
     Attributes:
         shape: Rest corners [m] by shape parameter [m], shape [6 face_count, shape_count].
-        fabric: Names out of `FABRIC`.
+        fabric: Names out of `FABRIC_PARAMETERS`.
     """
 
     shape: csr_matrix
@@ -67,18 +67,19 @@ class Parameters:
         return replace(scene, topology=topology, fabric=replace(scene.fabric, **scaled))
 
     def rates(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC`, shape [6, count]."""
+        """Return the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC_PARAMETERS`,
+        shape [6, count]."""
         first = self.shape.shape[1]
         rest = np.zeros((self.shape.shape[0], self.count))
         rest[:, :first] = self.shape.toarray()
-        fabric = np.zeros((len(FABRIC), self.count))
+        fabric = np.zeros((len(FABRIC_PARAMETERS), self.count))
         for n, name in enumerate(self.fabric):
-            fabric[FABRIC.index(name), first + n] = getattr(scene.fabric, name)
+            fabric[FABRIC_PARAMETERS.index(name), first + n] = getattr(scene.fabric, name)
         return rest.reshape(*scene.topology.rest.corners.shape, self.count), fabric
 
     def pull(self, scene: Scene, sensitivity: Sensitivity) -> np.ndarray:
         """Compute a number's derivative by the parameters, shape [count]."""
-        scales = [getattr(scene.fabric, n) * sensitivity.fabric[FABRIC.index(n)] for n in self.fabric]
+        scales = [getattr(scene.fabric, n) * sensitivity.fabric[FABRIC_PARAMETERS.index(n)] for n in self.fabric]
         return np.concatenate([self.shape.T @ sensitivity.rest.ravel(), scales])
 
 

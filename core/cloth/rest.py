@@ -9,35 +9,38 @@ import numpy as np
 from ..run.errors import GarmentqError
 from .energy import Energy
 from .factorisation import factor_regularised
-from .quasi_newton import ARMIJO, descend
+from .quasi_newton import ARMIJO_DECREASE_SHARE, descend
 from .settings import SolveSettings
 from .solver import Solver
 
-_ROUND_OFF = 1e-6
-"""Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
+_ROUND_OFF_RESIDUAL = 1e-6
+"""Residual [node weights] under which a Newton step that no longer helps has met round-off and not an obstacle."""
 
-_AS_GOOD = 3.0
+_ROUND_OFF_SCATTER_RATIO = 3.0
 """Factor between residuals that are both round-off: from one evaluation to the next they scatter by about 2."""
 
-_BLIND = 1e-9
+_MIN_RELATIVE_DECREASE = 1e-9
 """Predicted decrease, relative to the energy, under which the energy's round-off hides whether a step helps."""
 
-_CLIMB = 10.0
-"""Predicted decreases by which a step may raise the energy, once: the stretch that the next one takes out. It was at
-most 5 where the next one did, 6 to 500 where it led astray; 3 and 30 cost the same."""
+_MAX_ENERGY_RISE_RATIO = 10.0
+"""Largest rise of the energy that a step may make, once [predicted decreases]: the stretch that the next step takes
+out. It was at most 5 where the next one did, 6 to 500 where it led astray; 3 and 30 cost the same."""
 
-_NEAR = 1.0
-"""Residual under which the exact Hessian is tried again after legs with the PSD form; 0.3 and 5 cost the same."""
+_NEWTON_RETRY_RESIDUAL = 1.0
+"""Residual [node weights] under which the exact Hessian is tried again after runs with the PSD form; 0.3 and 5 cost the
+same."""
 
-_CALM = 0.05
-"""Residual under which one factor serves several steps and legs may stop: nothing buckles any more; 0.02 and 0.2 cost
-the same."""
+_FACTOR_REUSE_RESIDUAL = 0.05
+"""Residual [node weights] under which one factor serves several steps and runs may stop: nothing buckles any more; 0.02
+and 0.2 cost the same."""
 
-_LEG = 16
-"""Steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took 14 (means over eight changes)."""
+_LBFGS_STEPS_PER_FACTOR = 16
+"""Largest number of steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took 14 (means over eight
+changes)."""
 
-_CHORDS, _CONTRACTION = 4, 0.3
-"""Steps with an old exact factor, and what each has to make of the residual: three of them cost half a factor."""
+_MAX_CHORD_STEPS, _MAX_CHORD_RESIDUAL_SHARE = 4, 0.3
+"""Largest number of steps with an old exact factor, and the largest share of the residual that each may leave: three of
+them cost half a factor."""
 
 
 class NotAtRest(GarmentqError):
@@ -65,8 +68,8 @@ class _Point:
 def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
     """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them.
 
-    Newton with the exact Hessian for as long as it leads there (`_press_on`). Where it does not, for the cloth buckles
-    on the way, a leg of quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
+    Newton with the exact Hessian for as long as it leads there (`_take_newton_steps`). Where it does not, for the cloth
+    buckles on the way, a leg of quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
 
     Args:
         energy: What is minimised.
@@ -80,24 +83,24 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
     """
     here, done = _Point.at(energy, nodes), 0
     while True:
-        here, arrived, factors = _press_on(energy, here, solver, tolerance, max_factors - done)
+        here, arrived, factors = _take_newton_steps(energy, here, solver, tolerance, max_factors - done)
         done += factors
         if arrived:
             return here.nodes
         # at a saddle, where the residual is small and Newton does not help, a leg must not stop at once
-        stop, near = (_CALM if here.residual > _CALM else 0.0), False
+        stop, near = (_FACTOR_REUSE_RESIDUAL if here.residual > _FACTOR_REUSE_RESIDUAL else 0.0), False
         while not near:
             start, gradient, blocks = energy.hessian(here.nodes, False)
             if done >= max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
-                raise _left(here)
-            leg = descend(energy, solver, here.nodes, start, gradient, steps=_LEG, residual=stop)
+                raise _make_rest_error(here)
+            leg = descend(energy, solver, here.nodes, start, gradient, steps=_LBFGS_STEPS_PER_FACTOR, residual=stop)
             if leg.steps == 0:
-                raise _left(here)
+                raise _make_rest_error(here)
             energy = leg.energy
-            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= _NEAR, done + 1
+            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= _NEWTON_RETRY_RESIDUAL, done + 1
 
 
-def _press_on(
+def _take_newton_steps(
     energy: Energy, here: _Point, solver: Solver, tolerance: float, max_factors: int
 ) -> tuple[_Point, bool, int]:
     """Take Newton steps with the exact Hessian; give the best point, whether it is at rest, and how many were factored.
@@ -123,26 +126,30 @@ def _press_on(
         step *= free
         slope = float((here.gradient * step).sum())
         there = _Point.at(energy, here.nodes + step)
-        if -slope < _BLIND * abs(best.value):
+        if -slope < _MIN_RELATIVE_DECREASE * abs(best.value):
             fell, bearable = there.residual < here.residual, False
-            if not fell and here.residual <= max(tolerance, _ROUND_OFF):
+            if not fell and here.residual <= max(tolerance, _ROUND_OFF_RESIDUAL):
                 # round-off in the stiff directions hides what the soft ones still lacked: the step has brought it
-                return (there if there.residual <= _AS_GOOD * here.residual else here), True, factors + 1
+                return (
+                    (there if there.residual <= _ROUND_OFF_SCATTER_RATIO * here.residual else here),
+                    True,
+                    factors + 1,
+                )
         else:
-            fell = there.value <= best.value + ARMIJO * slope
-            bearable = here is best and there.value <= best.value - _CLIMB * slope
+            fell = there.value <= best.value + ARMIJO_DECREASE_SHARE * slope
+            bearable = here is best and there.value <= best.value - _MAX_ENERGY_RISE_RATIO * slope
         if not (fell or bearable):
             return best, False, factors + 1
-        calm = fell and there.residual < _CALM
+        calm = fell and there.residual < _FACTOR_REUSE_RESIDUAL
         stress = None if calm else energy.foresee_stress(here.nodes, step)
-        here = _follow_chords(energy, there, solver, tolerance) if calm else there
+        here = _take_chord_steps(energy, there, solver, tolerance) if calm else there
         best = here if fell else best
-    raise _left(best)
+    raise _make_rest_error(best)
 
 
-def _follow_chords(energy: Energy, here: _Point, solver: Solver, tolerance: float) -> _Point:
+def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, tolerance: float) -> _Point:
     """Step on with the factor at hand for as long as it takes most of the residual away."""
-    for _ in range(_CHORDS):
+    for _ in range(_MAX_CHORD_STEPS):
         if here.residual <= tolerance:
             break
         step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
@@ -150,12 +157,12 @@ def _follow_chords(energy: Energy, here: _Point, solver: Solver, tolerance: floa
         there = _Point.at(energy, here.nodes + free * step)
         if not there.residual < here.residual:
             break
-        slow, here = there.residual > _CONTRACTION * here.residual, there
+        slow, here = there.residual > _MAX_CHORD_RESIDUAL_SHARE * here.residual, there
         if slow:
             break
     return here
 
 
-def _left(here: _Point) -> NotAtRest:
+def _make_rest_error(here: _Point) -> NotAtRest:
     """Describe how much force is left."""
     return NotAtRest(f"the cloth does not come to rest: a force of {here.residual:.1e} of a node's weight is left.")

@@ -12,14 +12,14 @@ from .bending_friction import BendingFriction
 from .collision.self_contact import SelfContact
 from .fabric import Fabric
 from .layers import Layer
-from .loads import longest
+from .loads import largest_length
 from .pins import Pins
-from .settings import GRAVITY, ContactSettings, SettingsBad
+from .settings import STANDARD_GRAVITY, ContactSettings, SettingsBad
 from .tangent_planes import TangentPlanes
 from .topology import Topology
 
-LEVEL = np.array([1.0, 0.0, 1.0])
-"""Part of a vector that lies level: y is up."""
+HORIZONTAL_AXIS_MASK = np.array([1.0, 0.0, 1.0])
+"""Mask of the horizontal components of a vector: y is up."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Scene:
     pins: Pins | None = None
     rotation: SteadyRotation | None = None
     bending_friction: BendingFriction | None = None
-    gravity: tuple[float, float, float] = GRAVITY
+    gravity: tuple[float, float, float] = STANDARD_GRAVITY
     contact: ContactSettings = field(default_factory=ContactSettings)
     self_contact: SelfContact | None = None
     layers: tuple[Layer, ...] = ()
@@ -118,12 +118,12 @@ class Scene:
         """
         found = np.tile(np.asarray(self.gravity, dtype=np.float64), (len(nodes), 1))
         if self.rotation is not None:
-            found += self.rotation.rate**2 * LEVEL * (nodes - np.asarray(self.rotation.centre))
+            found += self.rotation.rate**2 * HORIZONTAL_AXIS_MASK * (nodes - np.asarray(self.rotation.centre))
         return found
 
     def relative_residual(self, gradient: np.ndarray) -> float:
         """Return the largest force [N] of a gradient, shape [node_count, 3], relative to the mean weight of a node."""
-        return float(longest(gradient)) / self.mean_weight
+        return float(largest_length(gradient)) / self.mean_weight
 
     def relative_rms(self, gradient: np.ndarray) -> float:
         """Return the RMS force [N] of a gradient on the nodes that are free, relative to the mean weight of a node."""

@@ -16,7 +16,7 @@ from .fabric import Fabric
 from .membrane import membrane
 from .topology import Topology
 
-FABRIC = ("H00", "H01", "H11", "H22", "k", "density")
+FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
 """The fabric's parameters in the order in which derivatives by them are given."""
 
 
@@ -26,7 +26,7 @@ class Sensitivity:
 
     Attributes:
         rest: By the corners of the flat rest triangles [1/m], shape [face_count, 3, 2].
-        fabric: By `FABRIC`, in the inverse of their units, shape [6].
+        fabric: By `FABRIC_PARAMETERS`, in the inverse of their units, shape [6].
         pins: By the points at which nodes are pinned [1/m], shape [pin_count, 3].
         start: By the positions one starts from [1/m], shape [node_count, 3]; zero at an equilibrium.
     """
@@ -38,7 +38,8 @@ class Sensitivity:
 
 
 def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the derivative of sum(weights * g) by the rest triangles, shape [face_count, 3, 2], and by `FABRIC`, [6].
+    """Return the derivative of sum(weights * g) by the rest triangles, shape [face_count, 3, 2], and by
+    `FABRIC_PARAMETERS`, [6].
 
     Everything that depends on a face's flat corners r_b does so through D = sum_b dr_b S_b^T, S_b the gradients of the
     shape functions: dS_b = -D^T S_b, dA = A tr D, dF = -F D. With L = sum_a weights_a S_a^T, C = F^T L, B = F^T F, the
@@ -121,10 +122,10 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
 
 
 def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Return dg by `FABRIC`, shape [node_count, 3, 6]: the forces are linear in each of them."""
+    """Return dg by `FABRIC_PARAMETERS`, shape [node_count, 3, 6]: the forces are linear in each of them."""
     topology = energy.scene.topology
     nodes = np.ascontiguousarray(nodes, dtype=np.float64)
-    found = np.zeros((len(nodes), 3, len(FABRIC)))
+    found = np.zeros((len(nodes), 3, len(FABRIC_PARAMETERS)))
     for n in range(4):
         gradient = np.zeros_like(nodes)
         membrane(nodes, topology.face_elements, np.eye(4)[n], NO_STRESS, 1, True, Derivatives(gradient, NO_BLOCKS))

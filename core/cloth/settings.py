@@ -6,17 +6,15 @@ from dataclasses import dataclass
 
 from ..run.errors import BadInput
 
-GRAVITY = (0.0, -9.81, 0.0)
+STANDARD_GRAVITY = (0.0, -9.81, 0.0)
 """Standard gravity, y up [m/s2]."""
 
-RESTING = 1.0
-"""Largest force on a node with which cloth counts as at rest [mean weight of a node].
-
-The search asks for a thousandth of it (`SolveSettings.tolerance`), or that nothing moves by `SolveSettings.still` any
-more. Where friction and a crease of the body chase each other (`statics._CHASE`) the second comes first, and leaves
+MAX_REST_RESIDUAL = 1.0
+"""Largest force on a node with which cloth counts as at rest [mean weight of a node]. The search asks for a thousandth
+of it (`SolveSettings.tolerance`), or that nothing moves by `SolveSettings.still` any more. Where friction and the cloth
+in a crease of the body keep each other in motion (`statics._FRICTION_FREEZE_RUNS`) the second comes first, and leaves
 forces below the cloth's own weight: a node that is pulled by more than it weighs would fall, or rise, if it could, and
-does not move because it is stuck. docs/lab/simulate.md has what 45 searches left.
-"""
+does not move because it is stuck. docs/lab/simulate.md has what 45 searches left."""
 
 
 class SettingsBad(BadInput):

@@ -9,41 +9,41 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..run.errors import BadInput
-from ..run.hooks import SILENT, Hooks
-from .collision.advance import LEAST
-from .collision.coupling import couple
-from .collision.rubbing import Rubbing
+from ..run.hooks import SILENT_HOOKS, Hooks
+from .collision.advance import MIN_PAIR_REACH_SHARE
+from .collision.coupling import extend_sparsity
+from .collision.rubbing import ClothFriction
 from .collision.untangle import is_resolving
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
 from .outcome import Outcome
 from .pins import move_pins
-from .quasi_newton import Leg, descend
+from .quasi_newton import LbfgsRun, descend
 from .scene import Scene, SteadyRotation
-from .settings import RESTING, SolveSettings
+from .settings import MAX_REST_RESIDUAL, SolveSettings
 from .solver import Solver
 
-Stop = Callable[[int, np.ndarray], bool]
+StopCallback = Callable[[int, np.ndarray], bool]
 """Asked after each leg, with how many there were and the nodes [m], whether to stop the search."""
 
-_SETTLED = 1e-5
-"""Motion in a leg under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
+_FRICTION_FREEZE_MOTION = 1e-5
+"""Motion in a run under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
 
-_CHASE = 6
-"""Legs without a tenth less motion than the least before, after which friction's normal forces stay as they are. Where
-cloth is caught in a crease of the body they and the cloth chase each other round for ever, by half a millimetre to two;
-drapes that come to rest by themselves slow down by a tenth every few legs. Twelve took trousers 3 to 9 legs longer
-each time they were draped, and the fit's misfit was the same to 0.04 mm.
-"""
+_FRICTION_FREEZE_RUNS = 6
+"""Number of runs without a tenth less motion than the least before, after which friction's normal forces stay as they
+are. Where cloth is caught in a crease of the body these and the cloth keep each other in motion without end, by half a
+millimetre to two; drapes that come to rest by themselves slow down by a tenth every few runs. Twelve took trousers 3 to
+9 runs longer each time they were draped, and the fit's misfit was the same to 0.04 mm."""
 
 
-_PATIENCE = 6
-"""Rounds of untangling without fewer faces crossed after which contact is off for those that are. Trousers that started
-with 155 and 331 such faces came down to 4 and 11 with 6 to 8 (0.2 s a round), to 16 with 4."""
+_UNTANGLE_PATIENCE_ITERATIONS = 6
+"""Number of untangling iterations without fewer faces crossed, after which contact is off for those that are. Trousers
+that started with 155 and 331 such faces came down to 4 and 11 with 6 to 8 (0.2 s an iteration), to 16 with 4."""
 
-_PULL = 0.05
-"""Length of a step of untangling [s], as that of `settle`: half of it took as many rounds, for shorter ones."""
+_UNTANGLE_TIME_STEP = 0.05
+"""Length of a time step of untangling [s], as that of `take_time_steps`. Half of it took as many iterations, for
+shorter steps."""
 
 
 class NodesBad(BadInput):
@@ -75,7 +75,7 @@ class Drape:
     outcome: Outcome
     anchors: np.ndarray
     rotation: SteadyRotation | None = None
-    rubbing: Rubbing | None = None
+    rubbing: ClothFriction | None = None
     residual_rms: float | None = None
 
     @property
@@ -89,8 +89,8 @@ class Drape:
 
     @property
     def at_rest(self) -> bool:
-        """Return whether the search ended by itself and no node feels more than `RESTING` node weights."""
-        return self.outcome.converged and self.residual <= RESTING
+        """Return whether the search ended by itself and no node feels more than `MAX_REST_RESIDUAL` node weights."""
+        return self.outcome.converged and self.residual <= MAX_REST_RESIDUAL
 
     @property
     def advice(self) -> str:
@@ -128,7 +128,7 @@ class _Progress:
     """
 
     settings: SolveSettings
-    stop: Stop | None
+    stop: StopCallback | None
     legs: int = 0
     follows: bool = True
     calm: int = 0
@@ -136,10 +136,10 @@ class _Progress:
     since: int = 0
     started: float = field(default_factory=time.process_time)
 
-    def judge(self, leg: Leg, arrived: bool) -> Outcome | None:
+    def judge(self, leg: LbfgsRun, arrived: bool) -> Outcome | None:
         """Return the outcome if the search ends with this leg, else None; `arrived`: all pins are where they belong."""
         self.least, self.since = (leg.motion, 0) if leg.motion < 0.9 * self.least else (self.least, self.since + 1)
-        self.follows = self.follows and leg.motion > _SETTLED and self.since < _CHASE
+        self.follows = self.follows and leg.motion > _FRICTION_FREEZE_MOTION and self.since < _FRICTION_FREEZE_RUNS
         self.calm = self.calm + 1 if leg.motion < self.settings.still and arrived else 0
         if leg.steps == 0 and arrived:
             return Outcome.STUCK
@@ -161,16 +161,17 @@ def equilibrium(
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
-    hooks: Hooks = SILENT,
-    stop: Stop | None = None,
+    hooks: Hooks = SILENT_HOOKS,
+    stop: StopCallback | None = None,
 ) -> Drape:
     """Find positions at which no force is left on any node of a scene, from nodes [m], shape [node_count, 3].
 
     Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
-    makes the cloth creep on by less than `_SETTLED` a leg, or where the two chase each other for `_CHASE` legs, are
-    they left as they are. With bending friction folds stay where they are until more than the yarns' friction bends
-    them. Cloth that crosses itself at the start is untangled first where the scene has self-contact.
+    makes the cloth creep on by less than `_FRICTION_FREEZE_MOTION` a leg, or where the two chase each other for
+    `_FRICTION_FREEZE_RUNS` legs, are they left as they are. With bending friction folds stay where they are until more
+    than the yarns' friction bends them. Cloth that crosses itself at the start is untangled first where the scene has
+    self-contact.
 
     **Deviation** from Newton with the exact Hessian: see `docs/adr`, "Descend by quasi-Newton steps".
 
@@ -199,12 +200,12 @@ def equilibrium(
         pinned = move_pins(nodes, energy.scene.pins, settings.max_step)
         arrived = bool((pinned == nodes).all())
         if not arrived:
-            energy, free = energy.free_share(nodes, pinned - nodes, LEAST)
+            energy, free = energy.free_share(nodes, pinned - nodes, MIN_PAIR_REACH_SHARE)
             nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         cloth = energy.scene.self_contact
         if cloth is not None and cloth.crossed.any():
             energy = replace(energy.pull_apart(nodes), push=None)
-        energy, solver = couple(energy, solver, nodes)
+        energy, solver = extend_sparsity(energy, solver, nodes)
         if progress.follows:
             energy = energy.lag_rubbing(nodes, energy.rubbing)
             energy = replace(energy, friction=lag_friction(energy.scene, nodes, anchors))
@@ -240,14 +241,14 @@ def _untangle(
         cloth = energy.scene.self_contact
         assert cloth is not None
         counts.append(int(cloth.crossed.sum()))
-        if not is_resolving(counts, _PATIENCE):
+        if not is_resolving(counts, _UNTANGLE_PATIENCE_ITERATIONS):
             held = np.intersect1d(cloth.faces[cloth.crossed], np.flatnonzero(energy.scene.fixed))
             if energy.scene.pins is None or not len(held):
                 return replace(energy, inertia=None, push=None), solver, nodes
             energy, counts = replace(energy, scene=replace(energy.scene, pins=energy.scene.pins.without(held))), []
         friction = lag_friction(energy.scene, nodes, anchors)
-        energy, solver = couple(
-            replace(energy, friction=friction, inertia=Inertia(nodes, 1.0 / _PULL**2)), solver, nodes
+        energy, solver = extend_sparsity(
+            replace(energy, friction=friction, inertia=Inertia(nodes, 1.0 / _UNTANGLE_TIME_STEP**2)), solver, nodes
         )
         start, gradient, blocks = energy.hessian(nodes, False)
         if factor_regularised(energy, solver, nodes, blocks, 0.0) >= 0:

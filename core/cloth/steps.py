@@ -39,7 +39,7 @@ class TimeSteps(ABC):
         *,
         friction: Friction | None = None,
         velocities: np.ndarray | None = None,
-    ) -> InMotion:
+    ) -> ClothTrajectory:
         """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3]; the friction stays as it is.
 
         Raises:
@@ -53,7 +53,7 @@ class TimeSteps(ABC):
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
         for _ in range(self.steps):
             path.append(self._advance(self.energy_of_step(energy, path[-2], path[-1]), path[-1], solver))
-        return InMotion(energy, self, np.stack(path), solver)
+        return ClothTrajectory(energy, self, np.stack(path), solver)
 
     def energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
         """Return the energy that the next step minimises."""
@@ -71,7 +71,7 @@ class TimeSteps(ABC):
 
 
 @dataclass(frozen=True)
-class InMotion:
+class ClothTrajectory:
     """Describe the way that cloth took.
 
     Attributes:

@@ -10,13 +10,13 @@ from numba import njit
 
 from ..body import SignedDistance
 
-NOWHERE = -1e9
+ABSENT_PLANE_OFFSET = -1e9
 """Offset of a plane that no node comes near [m]."""
 
-SPARE = 1e-6
+REMEASURE_MARGIN = 1e-6
 """Distance that a node is to be beyond reach so as not to be measured again [m]: far above rounding."""
 
-FACING = 0.5
+OPPOSING_PLANE_COSINE = 0.5
 """Cosine between two planes' normals below which they are of two surfaces: the sides of a crease or of a gap."""
 
 
@@ -39,7 +39,7 @@ class TangentPlanes:
 
     Attributes:
         normals: Unit normals of the plane nearest last and of one that faces it, shape [2, node_count, 3].
-        offsets: Offsets [m], `NOWHERE` where a node has no plane, shape [2, node_count].
+        offsets: Offsets [m], `ABSENT_PLANE_OFFSET` where a node has no plane, shape [2, node_count].
         places: Where each node was when its distance was measured last [m], shape [node_count, 3].
         distances: The distance then [m], shape [node_count].
     """
@@ -52,7 +52,9 @@ class TangentPlanes:
     @classmethod
     def none(cls, count: int) -> TangentPlanes:
         """Return no plane for any node."""
-        return cls(np.zeros((2, count, 3)), np.full((2, count), NOWHERE), np.zeros((count, 3)), np.zeros(count))
+        return cls(
+            np.zeros((2, count, 3)), np.full((2, count), ABSENT_PLANE_OFFSET), np.zeros((count, 3)), np.zeros(count)
+        )
 
     def renewed(self, nodes: np.ndarray, body: SignedDistance, reach: float) -> TangentPlanes:
         """Return the planes of nodes [m], shape [node_count, 3], that are nearer to a body than a reach [m].
@@ -63,16 +65,20 @@ class TangentPlanes:
         way.
         """
         way = np.sqrt(((nodes - self.places) ** 2).sum(axis=1))
-        asked = np.flatnonzero((self.distances - way < reach + SPARE) | (self.offsets > NOWHERE).any(axis=0))
+        asked = np.flatnonzero(
+            (self.distances - way < reach + REMEASURE_MARGIN) | (self.offsets > ABSENT_PLANE_OFFSET).any(axis=0)
+        )
         distance, normals = self.distances.copy(), np.zeros_like(nodes)
         places = self.places.copy()
         if len(asked):
             places[asked] = nodes[asked]
             distance[asked], normals[asked] = body.measure(nodes[asked])
-        offsets = np.where(distance < reach, (normals * nodes).sum(axis=1) - distance, NOWHERE)
-        second, far = np.zeros_like(normals), np.full(len(nodes), NOWHERE)
+        offsets = np.where(distance < reach, (normals * nodes).sum(axis=1) - distance, ABSENT_PLANE_OFFSET)
+        second, far = np.zeros_like(normals), np.full(len(nodes), ABSENT_PLANE_OFFSET)
         for each, offset in zip(self.normals[::-1], self.offsets[::-1], strict=True):
-            faces = ((each * normals).sum(axis=1) < FACING) & ((each * nodes).sum(axis=1) - offset < reach)
+            faces = ((each * normals).sum(axis=1) < OPPOSING_PLANE_COSINE) & (
+                (each * nodes).sum(axis=1) - offset < reach
+            )
             second, far = np.where(faces[:, None], each, second), np.where(faces, offset, far)
         return TangentPlanes(np.stack([normals, second]), np.stack([offsets, far]), places, distance)
 

@@ -12,9 +12,9 @@ from ..geometry import HalfEdges, lump, shape_gradients, signed_areas
 from ..run.errors import BadInput
 from .block_pattern import BlockPattern
 
-FLATTEST = 1e-4
-"""Height of a flat triangle, as a share of its longest edge, under which its stiffness would drown the rest of the
-matrix in round-off."""
+MIN_TRIANGLE_HEIGHT_SHARE = 1e-4
+"""Smallest height of a flat triangle as a share of its longest edge. Below it the triangle is so stiff that the rest of
+the matrix is lost in round-off."""
 
 
 class TopologyBad(BadInput):
@@ -68,7 +68,7 @@ class RestShape:
         areas = signed_areas(corners)
         sides = corners[:, 1:] - corners[:, :1]
         # `not`, so that an area that is not a number is refused too
-        if not (2.0 * np.abs(areas) > FLATTEST * (sides**2).sum(2).max(1)).all():
+        if not (2.0 * np.abs(areas) > MIN_TRIANGLE_HEIGHT_SHARE * (sides**2).sum(2).max(1)).all():
             raise TopologyBad("a face of the flat pattern has no area; mesh the panel again.")
         areas = np.abs(areas)
         return cls(corners, shape_gradients(corners), areas, lump(areas, faces, node_count))

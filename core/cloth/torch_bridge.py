@@ -11,7 +11,7 @@ import torch
 from .derivative import Derivative
 from .friction import Friction
 from .scene import Scene
-from .sensitivity import FABRIC
+from .sensitivity import FABRIC_PARAMETERS
 
 
 class _Drape(torch.autograd.Function):
@@ -23,7 +23,7 @@ class _Drape(torch.autograd.Function):
     ) -> torch.Tensor:
         """Bring the cloth to where `given`'s derivative is taken."""
         scene, derivative, frozen = given
-        values = dict(zip(FABRIC, _array(fabric).tolist(), strict=True))
+        values = dict(zip(FABRIC_PARAMETERS, _array(fabric).tolist(), strict=True))
         scene = replace(scene, topology=scene.topology.reshape(_array(rest)), fabric=replace(scene.fabric, **values))
         if scene.pins is not None:
             scene = replace(scene, pins=replace(scene.pins, points=_array(pins)))
@@ -50,12 +50,12 @@ def drape_tensor(
     """Return draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
 
     What is not given is taken from the scene; friction is taken as given. `rest`: flat triangles [m], shape
-    [face_count, 3, 2], as `map_rest` makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `pins`: pinned
-    points [m], shape [pin_count, 3].
+    [face_count, 3, 2], as `map_rest` makes them from uv. `fabric`: the values of `FABRIC_PARAMETERS`, shape [6].
+    `pins`: pinned points [m], shape [pin_count, 3].
     Each call has a solver of its own, so that several may be in one graph; a graph can be walked back once or often.
     """
     points = np.zeros((0, 3)) if scene.pins is None else np.asarray(scene.pins.points, dtype=np.float64)
-    values = np.array([getattr(scene.fabric, name) for name in FABRIC])
+    values = np.array([getattr(scene.fabric, name) for name in FABRIC_PARAMETERS])
     given = [(rest, scene.topology.rest.corners), (fabric, values), (pins, points)]
     tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
     return _Drape.apply(*tensors, start, (scene, derivative, friction))  # type: ignore[no-any-return, no-untyped-call]

@@ -15,7 +15,7 @@ from .steps import TimeSteps
 
 
 @dataclass(frozen=True)
-class Unrolled(TimeSteps):
+class UnrolledSteps(TimeSteps):
     """Differentiate implicit Euler steps one by one, backwards in time (the thesis' way).
 
         x_t = argmin E(x; p) + |x - y_t|_M^2 / (2 dt^2),    y_t = x_{t-1} + damping (x_{t-1} - x_{t-2})

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-HEAD = 4096
+MAX_PLY_HEADER_BYTES = 4096
 """Largest header of such a file [bytes]; ours are below 500."""
 
 _PROPERTY = re.compile(rb"property (double|uchar) (\w+)\n")
@@ -41,7 +41,7 @@ def read_ply(content: bytes) -> PlyMesh:
     Raises:
         PlyBad: where the content is something else, or cut off.
     """
-    head, mark, _ = content[:HEAD].partition(b"end_header\n")
+    head, mark, _ = content[:MAX_PLY_HEADER_BYTES].partition(b"end_header\n")
     vertices, faces = head.partition(b"element face ")[::2]
     count, face_count = re.search(rb"element vertex (\d+)\n", vertices), re.match(rb"(\d+)\n", faces)
     kinds = {name.decode(): "<f8" if kind == b"double" else "u1" for kind, name in _PROPERTY.findall(vertices)}

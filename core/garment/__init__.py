@@ -1,6 +1,6 @@
 """Sewing patterns: panels, seams, control points, meshing and sewing."""
 
-from .control import ControlMap, map_controls, mean_value_coordinates, redraw
+from .control import ControlMap, map_controls, mean_value_coordinates, update_flat_mesh
 from .curves import edge_length, edge_points, flat_contours, panel_area, panel_outline, reverse_edge, split_edge
 from .division import divide_edges
 from .errors import PatternFault, Place
@@ -8,9 +8,9 @@ from .examine import Finding, Severity, examine_file, find_faults
 from .fairness import fair_curves, unplanned_corners
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
-from .laying import lay_over
+from .laying import transfer_nodes
 from .measures import BodyMeasures
-from .meshing import choose_edge_length, contains
+from .meshing import choose_edge_length, points_in_polygon
 from .mirrors import Mirror
 from .moving import move_by_drafts, scale_panels
 from .orientation import place_points
@@ -52,7 +52,6 @@ __all__ = [
     "TemplateUnknown",
     "check_outline",
     "choose_edge_length",
-    "contains",
     "divide_edges",
     "draft_template",
     "edge_length",
@@ -64,7 +63,6 @@ __all__ = [
     "find_faults",
     "find_symmetry",
     "flat_contours",
-    "lay_over",
     "list_templates",
     "load_draped_template",
     "load_pattern",
@@ -77,10 +75,10 @@ __all__ = [
     "panel_area",
     "panel_outline",
     "place_points",
+    "points_in_polygon",
     "polygon_area",
     "polygon_width",
     "read_pattern",
-    "redraw",
     "resample",
     "reverse_edge",
     "save_pattern",
@@ -91,6 +89,8 @@ __all__ = [
     "seam_ratios",
     "seam_sides",
     "split_edge",
+    "transfer_nodes",
     "unplanned_corners",
+    "update_flat_mesh",
     "write_pattern",
 ]

@@ -9,11 +9,11 @@ from scipy.sparse import block_diag, csr_matrix
 
 from .curves import edge_points, relative_to_chord
 from .garment import Garment
-from .memo import once
+from .memo import memoise
 from .pattern import EdgeRef, Pattern
 
-CHUNK = 1000
-"""Points for which mean value coordinates are held at once: some 10 MB on the finest panels."""
+MEAN_VALUE_CHUNK_SIZE = 1000
+"""Number of points for which mean value coordinates are held at once: some 10 MB on the finest panels."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class ControlMap:
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
-@once
+@memoise
 def map_controls(garment: Garment) -> ControlMap:
     """Compute the control map of a flat mesh."""
     blocks = []
@@ -63,7 +63,7 @@ def map_controls(garment: Garment) -> ControlMap:
     return ControlMap(csr_matrix(block_diag(blocks, format="csr")), garment.pattern.points)
 
 
-def redraw(garment: Garment, pattern: Pattern) -> Garment:
+def update_flat_mesh(garment: Garment, pattern: Pattern) -> Garment:
     """Return a garment whose flat mesh follows the curves of another drawing of its panels; faces and nodes stay.
 
     Outline vertices lie on the new curves, uniform in arc length as the mesh was made; an inner vertex moves by the
@@ -93,7 +93,7 @@ def spread_inside(garment: Garment, panel: int, values: np.ndarray) -> None:
     own, drawn = np.flatnonzero(garment.panel_of_uv == panel), garment.pattern.panels[panel]
     rim = np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)][:-1] for i in range(len(drawn.edges))])
     inner = np.setdiff1d(own, rim)
-    for part in np.array_split(inner, len(inner) // CHUNK + 1):
+    for part in np.array_split(inner, len(inner) // MEAN_VALUE_CHUNK_SIZE + 1):
         values[part] = np.tensordot(mean_value_coordinates(garment.uv[rim], garment.uv[part]), values[rim], 1)
 
 

@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from .memo import once
+from .memo import memoise
 from .pattern import Edge, Panel, Pattern
 from .polygon import polygon_area
 
-SPANS = 64
-"""Parameter spans of the length table; 5-point Gauss on each gives lengths to 1e-12 of the chord on drawn curves."""
+LENGTH_TABLE_SPAN_COUNT = 64
+"""Number of parameter spans of the length table; 5-point Gauss on each gives lengths to 1e-12 of the chord on drawn
+curves."""
 
-ARC_FLAT = 1e-9
+FLAT_ARC_TOLERANCE = 1e-9
 """An arc whose apex is nearer than this (in chords) to its chord is a line: 1 nm on a 1 m edge."""
 
 AREA_SEGMENTS = 64
 """Parts of a curve whose area is summed: 0.03 % of it are lost."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+"""Nodes and weights of 5-point Gauss-Legendre quadrature on [-1, 1]."""
 
 
 def edge_points(panel: Panel, edge: int, segments: int) -> np.ndarray:
@@ -88,7 +90,7 @@ def edge_area(edge: Edge) -> float:
 
 def is_flat_arc(edge: Edge) -> bool:
     """Return whether an arc is as good as a line."""
-    return edge.kind == "arc" and abs(edge.handles[0, 1]) < ARC_FLAT
+    return edge.kind == "arc" and abs(edge.handles[0, 1]) < FLAT_ARC_TOLERANCE
 
 
 def unit_circle(edge: Edge) -> tuple[np.ndarray, float, float, float]:
@@ -155,7 +157,7 @@ def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
     return np.concatenate(parts)
 
 
-@once
+@memoise
 def panel_area(panel: Panel) -> float:
     """Return the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
     return polygon_area(panel_outline(panel, 64))
@@ -188,15 +190,15 @@ def _speed_integral(control: np.ndarray, low: np.ndarray, high: np.ndarray) -> n
     order = len(control) - 1
     hodograph = order * np.diff(control, axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
-    parameter = (middle[:, None] + half[:, None] * _NODES).ravel()
-    speed = np.linalg.norm(_bezier(hodograph, parameter), axis=-1).reshape(-1, len(_NODES))
-    return half * (speed @ _WEIGHTS)
+    parameter = (middle[:, None] + half[:, None] * _GAUSS_NODES).ravel()
+    speed = np.linalg.norm(_bezier(hodograph, parameter), axis=-1).reshape(-1, len(_GAUSS_NODES))
+    return half * (speed @ _GAUSS_WEIGHTS)
 
 
-@once
+@memoise
 def _length_table(edge: Edge) -> np.ndarray:
-    """Return the length of a Bezier edge up to each of SPANS + 1 uniform parameters, in chords."""
-    grid = np.linspace(0.0, 1.0, SPANS + 1)
+    """Return the length of a Bezier edge up to each of LENGTH_TABLE_SPAN_COUNT + 1 uniform parameters, in chords."""
+    grid = np.linspace(0.0, 1.0, LENGTH_TABLE_SPAN_COUNT + 1)
     return np.concatenate([[0.0], np.cumsum(_speed_integral(_control(edge), grid[:-1], grid[1:]))])
 
 
@@ -204,16 +206,18 @@ def _parameters(edge: Edge, fraction: np.ndarray) -> np.ndarray:
     """Invert arc length: the Bezier parameters at fractions of the length, by table and three Newton steps."""
     control = _control(edge)
     table = _length_table(edge)
-    grid = np.linspace(0.0, 1.0, SPANS + 1)
+    grid = np.linspace(0.0, 1.0, LENGTH_TABLE_SPAN_COUNT + 1)
     goal = fraction * table[-1]
     parameter = np.interp(goal, table, grid)
     hodograph = (len(control) - 1) * np.diff(control, axis=0)
     for _ in range(3):
-        cell = np.clip((parameter * SPANS).astype(int), 0, SPANS - 1)
+        cell = np.clip((parameter * LENGTH_TABLE_SPAN_COUNT).astype(int), 0, LENGTH_TABLE_SPAN_COUNT - 1)
         reached = table[cell] + _speed_integral(control, grid[cell], parameter)
         speed = np.linalg.norm(_bezier(hodograph, parameter), axis=-1)
         step = np.where(speed > 1e-9, (goal - reached) / np.maximum(speed, 1e-9), 0.0)
-        parameter = np.clip(parameter + np.clip(step, -1.0 / SPANS, 1.0 / SPANS), 0.0, 1.0)
+        parameter = np.clip(
+            parameter + np.clip(step, -1.0 / LENGTH_TABLE_SPAN_COUNT, 1.0 / LENGTH_TABLE_SPAN_COUNT), 0.0, 1.0
+        )
     return parameter
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..run.units import MM_PER_M
 from .curves import edge_length, panel_area
 from .errors import PanelLoose, PatternFault, Place, SeamUnequal
 from .garmentcode import GATHER_TOLERANCE, parse_document, read_bytes, read_numbered
@@ -21,13 +22,15 @@ from .sewing import mesh_pattern
 from .symmetry import find_symmetry
 from .validity import check_outline
 
-UNEQUAL = 0.5e-3
-"""Difference of a seam's sides [m] from which it is told, as the verdict on seams tells it."""
+SEAM_MISMATCH_TOLERANCE = 0.5e-3
+"""Difference between the lengths of a seam's sides [m] above which it is reported: the limit of the verdict on
+seams."""
 
-VERTICES = 1500
-"""Nodes of the mesh that is tried, as many as the first drape of a pattern has."""
+TRIAL_MESH_VERTEX_COUNT = 1500
+"""Number of nodes of the trial mesh, as many as the first drape of a pattern has."""
 
-MM, CM2 = 1e3, 1e4
+CM2_PER_M2 = 1e4
+"""Square centimetres in a square metre."""
 
 
 class Severity(StrEnum):
@@ -61,7 +64,7 @@ class Finding:
         return cls(fault.code, severity, fault.message, fault.seam, fault.places)
 
 
-def find_faults(pattern: Pattern, vertex_count: int = VERTICES) -> tuple[Finding, ...]:
+def find_faults(pattern: Pattern, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -> tuple[Finding, ...]:
     """Find what is wrong with a pattern: outlines, seams, and where these are sound, its mesh.
 
     Args:
@@ -90,11 +93,11 @@ def _examine_seams(pattern: Pattern) -> list[Finding]:
     """Find seams whose sides are unequal without being gathered, and panels that no seam holds."""
     found = []
     for number, (seam, (a, b)) in enumerate(zip(pattern.seams, seam_lengths(pattern), strict=True)):
-        if seam.gathered or abs(a - b) <= UNEQUAL:
+        if seam.gathered or abs(a - b) <= SEAM_MISMATCH_TOLERANCE:
             continue
         message = (
-            f"the sides of seam {number} differ by {MM * abs(a - b):.1f} mm ({MM * a:.1f} and {MM * b:.1f} mm); make "
-            "them equal, or mark the seam as gathered."
+            f"the sides of seam {number} differ by {MM_PER_M * abs(a - b):.1f} mm "
+            f"({MM_PER_M * a:.1f} and {MM_PER_M * b:.1f} mm); make them equal, or mark the seam as gathered."
         )
         places = [Place(ref.panel, edge=ref.edge) for ref in (seam.a, seam.b)]
         is_far = b == 0.0 or abs(a / b - 1.0) > GATHER_TOLERANCE
@@ -108,7 +111,7 @@ def _examine_seams(pattern: Pattern) -> list[Finding]:
     return found
 
 
-def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
+def examine_file(source: str, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -> dict[str, Any]:
     """Check a pattern file in a limited process, and return what was found and measured, as JSON values.
 
     Args:
@@ -125,7 +128,7 @@ def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
     return examine_pattern(get_object(parse_document(read_bytes(Path(source))), "the file"), vertex_count)
 
 
-def examine_pattern(document: dict[str, Any], vertex_count: int = VERTICES) -> dict[str, Any]:
+def examine_pattern(document: dict[str, Any], vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -> dict[str, Any]:
     """Check a pattern's document as `examine_file` does.
 
     Args:
@@ -135,9 +138,9 @@ def examine_pattern(document: dict[str, Any], vertex_count: int = VERTICES) -> d
     try:
         pattern, numbers = read_numbered(document, is_checked=False)
     except PatternFault as fault:
-        return _answer([Finding.of(fault)])
-    findings = [_as_filed(one, pattern, numbers) for one in find_faults(pattern, vertex_count)]
-    return _answer(
+        return _make_report([Finding.of(fault)])
+    findings = [_to_file_numbering(one, pattern, numbers) for one in find_faults(pattern, vertex_count)]
+    return _make_report(
         findings,
         panels=[_describe_panel(panel, numbers[panel.name]) for panel in pattern.panels],
         seams=_describe_seams(pattern, numbers),
@@ -145,13 +148,13 @@ def examine_pattern(document: dict[str, Any], vertex_count: int = VERTICES) -> d
     )
 
 
-def _answer(findings: list[Finding], **measured: Any) -> dict[str, Any]:
+def _make_report(findings: list[Finding], **measured: Any) -> dict[str, Any]:
     is_sound = all(one.severity is not Severity.ERROR for one in findings)
     empty: dict[str, Any] = {"panels": [], "seams": [], "mirrors": []}
     return {"is_sound": is_sound, "findings": [asdict(one) for one in findings]} | empty | measured
 
 
-def _as_filed(finding: Finding, pattern: Pattern, numbers: dict[str, Numbering]) -> Finding:
+def _to_file_numbering(finding: Finding, pattern: Pattern, numbers: dict[str, Numbering]) -> Finding:
     """Return a finding with the file's numbers, and points in its unit and its panels' axes."""
     per_metre = float(pattern.extra["units_in_meter"])
     places = []
@@ -168,13 +171,13 @@ def _as_filed(finding: Finding, pattern: Pattern, numbers: dict[str, Numbering])
 def _describe_panel(panel: Panel, numbers: Numbering) -> dict[str, Any]:
     lengths = [0.0] * len(panel.edges)
     for index, number in enumerate(numbers.edges):
-        lengths[number] = MM * edge_length(panel, index)
-    return {"panel": panel.name, "area_cm2": CM2 * panel_area(panel), "edges_mm": lengths}
+        lengths[number] = MM_PER_M * edge_length(panel, index)
+    return {"panel": panel.name, "area_cm2": CM2_PER_M2 * panel_area(panel), "edges_mm": lengths}
 
 
 def _describe_seams(pattern: Pattern, numbers: dict[str, Numbering]) -> list[dict[str, Any]]:
     found = []
-    for seam, (a, b) in zip(pattern.seams, MM * seam_lengths(pattern), strict=True):
+    for seam, (a, b) in zip(pattern.seams, MM_PER_M * seam_lengths(pattern), strict=True):
         sides = {
             side: {"panel": ref.panel, "edge": numbers[ref.panel].edges[ref.edge]}
             for side, ref in (("a", seam.a), ("b", seam.b))

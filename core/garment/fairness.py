@@ -9,38 +9,38 @@ import numpy as np
 
 from ..geometry import plane_rotation
 from .curves import edge_area, edge_length, is_flat_arc, unit_circle
-from .memo import once
+from .memo import memoise
 from .pattern import Edge, EdgeRef, Panel, Pattern
 from .seams import equalise_seams
 
-SMOOTH = np.radians(5.0)
-"""A boundary that turns by less than this is smooth [rad]: a cutter's knife does not show it."""
+MAX_SMOOTH_CORNER_ANGLE = np.radians(5.0)
+"""Turn of a boundary below which it is smooth [rad]: a cutter's knife does not show it."""
 
-LEAST = np.radians(0.5)
-"""A corner below this is left [rad]: a straight edge need not become a curve for it."""
+MIN_CORRECTED_CORNER_ANGLE = np.radians(0.5)
+"""Smallest corner that is corrected [rad]: a straight edge need not become a curve for less."""
 
-WIDEST_ARC = 2.0 * np.pi / 3.0
+MAX_BENT_ARC_ANGLE = 2.0 * np.pi / 3.0
 """Arcs of a larger sweep [rad] stay arcs: a cubic curve would leave them by more than 0.3 % of their radius."""
 
-BLEND = 0.06
+EDGE_BLEND_LENGTH = 0.06
 """Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm, beyond which
 the edge stays the line that it was."""
 
-SHORTEST = 0.005
-"""Edges below this have no direction that a cutter sees [m]: the steps of 2 mm that programs draw at a corner turn by
-40 degrees where a point moves by 1 mm."""
+MIN_DIRECTED_EDGE_LENGTH = 0.005
+"""Least length of an edge that has a direction which a cutter sees [m]: the steps of 2 mm that programs draw at a
+corner turn by 40 degrees where a point moves by 1 mm."""
 
-ROUNDS = 8
-"""Most rounds in which curves are turned, moved and sewn equal in turn: what each undoes of the others halves, so that
-corners of 30 degrees fall below 0.5."""
+MAX_FAIRING_ITERATIONS = 8
+"""Largest number of iterations. Each turns the curves, moves the control points and makes the seams equal. What each
+step undoes of the others halves, so that corners of 30 degrees fall below 0.5."""
 
-AS_PROVED = np.radians(2.0)
+PROVED_CORNER_TOLERANCE_ANGLE = np.radians(2.0)
 """A proved corner within this of its angle stays as it was fitted [rad]: scans tell corners to 0.5 to 2 degrees, and a
 straight hem need not become a curve for the difference."""
 
-ALIKE = 0.3
-"""Two edges that meet at less than 33 degrees count as one line: a point then moves across both by their mean, not far
-along them."""
+PARALLEL_EDGE_RCOND = 0.3
+"""Cut-off of the singular values [share of the largest] in the move of a control point. Two edges that meet at less
+than 33 degrees then count as one line: a point moves across both by their mean, not far along them."""
 
 Corner = tuple[str, int]
 """Panel's name, and index of a control point in it."""
@@ -59,23 +59,27 @@ class SmoothJoin:
     seam: tuple[EdgeRef, ...] = ()
 
 
-NONE_PROVED: Mapping[SmoothJoin, float] = {}
+NO_PROVED_CORNERS: Mapping[SmoothJoin, float] = {}
 """Corners of no scan."""
 
 
-@once
+@memoise
 def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
-    """Find every place where a pattern's boundary is smooth: those where its own corner is below `SMOOTH`.
+    """Find every place where a pattern's boundary is smooth: those where its own corner is below
+    `MAX_SMOOTH_CORNER_ANGLE`.
 
-    Where one of the two edges is below `SHORTEST` it is part of a corner, whatever its direction.
+    Where one of the two edges is below `MIN_DIRECTED_EDGE_LENGTH` it is part of a corner, whatever its direction.
     """
     single = [SmoothJoin(((panel.name, i),)) for panel in pattern.panels for i in range(len(panel.points))]
     joins = [*single, *_across_seams(pattern)]
     return tuple(
         join
         for join in joins
-        if abs(measure_corner(pattern, join)) < SMOOTH
-        and all(edge_length(pattern.panel(ref.panel), ref.edge) >= SHORTEST for ref in boundary_edges(pattern, join))
+        if abs(measure_corner(pattern, join)) < MAX_SMOOTH_CORNER_ANGLE
+        and all(
+            edge_length(pattern.panel(ref.panel), ref.edge) >= MIN_DIRECTED_EDGE_LENGTH
+            for ref in boundary_edges(pattern, join)
+        )
     )
 
 
@@ -91,7 +95,9 @@ def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:
     return float((corner + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def unplanned_corners(pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NONE_PROVED) -> np.ndarray:
+def unplanned_corners(
+    pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS
+) -> np.ndarray:
     """Measure the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count].
 
     Where a corner is proved it is planned: what counts is how far the pattern's is from that angle [rad].
@@ -102,9 +108,9 @@ def unplanned_corners(pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoi
 def interior_angles(panel: Panel) -> np.ndarray:
     """Return the angle of cloth at each control point of a panel [rad]: pi where its outline is smooth.
 
-    Beside an edge below `SHORTEST` none is told (NaN).
+    Beside an edge below `MIN_DIRECTED_EDGE_LENGTH` none is told (NaN).
     """
-    short = np.array([edge_length(panel, i) < SHORTEST for i in range(len(panel.points))])
+    short = np.array([edge_length(panel, i) < MIN_DIRECTED_EDGE_LENGTH for i in range(len(panel.points))])
     turns = np.array([_turn(panel, i) for i in range(len(panel.points))])
     return np.where(short | np.roll(short, 1), np.nan, np.pi - turns)
 
@@ -113,7 +119,7 @@ def fair_curves(
     pattern: Pattern,
     base: Pattern,
     held: Collection[Corner] = (),
-    proved: Mapping[SmoothJoin, float] = NONE_PROVED,
+    proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS,
 ) -> Pattern:
     """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
 
@@ -127,13 +133,13 @@ def fair_curves(
         base: The pattern that it was graded from, with the same panels and edges.
         held: Control points that stay where they are; an edge between two of them stays as it is, too.
         proved: Corners that the scan proves, by how far the boundary turns there [rad]: they are kept within
-            `AS_PROVED` of that, in place of the base pattern's.
+            `PROVED_CORNER_TOLERANCE_ANGLE` of that, in place of the base pattern's.
     """
-    for _ in range(ROUNDS):
+    for _ in range(MAX_FAIRING_ITERATIONS):
         turns: dict[EdgeRef, np.ndarray] = {}
         for join in find_smooth_joins(base):
-            corner = _too_much(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
-            if abs(corner) < LEAST:
+            corner = _corner_excess(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
+            if abs(corner) < MIN_CORRECTED_CORNER_ANGLE:
                 continue
             ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], held)]
             for edge, is_end in ends:
@@ -152,15 +158,22 @@ def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef
     return first, last
 
 
-def _too_much(corner: float, plain: float, proved: float | None) -> float:
+def _corner_excess(corner: float, plain: float, proved: float | None) -> float:
     """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it.
 
-    A base pattern's corner that is nearly `SMOOTH` is taken back so far that what is left of it stays below.
+    A base pattern's corner that is nearly `MAX_SMOOTH_CORNER_ANGLE` is taken back so far that what is left of it stays
+    below.
     """
     if proved is None:
-        return corner - float(np.clip(plain, LEAST - SMOOTH, SMOOTH - LEAST))
+        return corner - float(
+            np.clip(
+                plain,
+                MIN_CORRECTED_CORNER_ANGLE - MAX_SMOOTH_CORNER_ANGLE,
+                MAX_SMOOTH_CORNER_ANGLE - MIN_CORRECTED_CORNER_ANGLE,
+            )
+        )
     off = corner - proved
-    return float(np.sign(off) * max(0.0, abs(off) - AS_PROVED))
+    return float(np.sign(off) * max(0.0, abs(off) - PROVED_CORNER_TOLERANCE_ANGLE))
 
 
 def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
@@ -232,7 +245,7 @@ def _can_bend(pattern: Pattern, edge: EdgeRef, held: Collection[Corner]) -> bool
     if (edge.panel, edge.edge) in held and (edge.panel, (edge.edge + 1) % len(panel.points)) in held:
         return False
     curve = panel.edges[edge.edge]
-    return curve.kind != "arc" or is_flat_arc(curve) or abs(unit_circle(curve)[3]) <= WIDEST_ARC
+    return curve.kind != "arc" or is_flat_arc(curve) or abs(unit_circle(curve)[3]) <= MAX_BENT_ARC_ANGLE
 
 
 def _turn_ends(pattern: Pattern, turns: dict[EdgeRef, np.ndarray]) -> Pattern:
@@ -265,7 +278,7 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
     if edge.kind == "quadratic":
         return np.stack([start + 2.0 / 3.0 * (edge.handles[0] - start), end + 2.0 / 3.0 * (edge.handles[0] - end)])
     if edge.kind == "line" or is_flat_arc(edge):
-        reach = min(1.0 / 3.0, BLEND / max(chord, 1e-9))
+        reach = min(1.0 / 3.0, EDGE_BLEND_LENGTH / max(chord, 1e-9))
         return np.array([[reach, 0.0], [1.0 - reach, 0.0]])
     _, radius, _, sweep = unit_circle(edge)
     reach = 4.0 / 3.0 * np.tan(abs(sweep) / 4.0) * radius
@@ -289,6 +302,6 @@ def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Patt
         for i in range(len(moved)):
             if (panel.name, i) not in held:
                 sides = [i - 1, i]
-                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=ALIKE)[0]
+                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=PARALLEL_EDGE_RCOND)[0]
         points[panel.name] = moved
     return bent.with_points(points)

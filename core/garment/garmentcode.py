@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..run.text import has_unkept
+from ..run.text import has_unstorable_text
 from .curves import edge_length, panel_area, reverse_edge
 from .errors import (
     NotOrientable,
@@ -32,7 +32,7 @@ from .errors import (
     SeamTwice,
     SeamUnknown,
 )
-from .garmentcode_writer import OWN, save_pattern, write_pattern
+from .garmentcode_writer import EXTENSION_KEY, save_pattern, write_pattern
 from .json_values import get_index, get_list, get_number, get_object, get_text, get_vector
 from .numbering import Numbering, renumber
 from .orientation import agree_orientation, mirror_panel
@@ -47,7 +47,7 @@ MAX_PANELS = 200
 """The most panels of a pattern; the richest published garments have about 60."""
 MAX_EDGES = 2000
 """The most edges of a pattern."""
-LONGEST_CATEGORY = 32
+MAX_CATEGORY_LENGTH = 32
 """The most letters of a category; ours have at most 8."""
 MAX_SIZE = 50.0
 """Coordinates and translations beyond this [m] are refused: the file's unit is then wrong."""
@@ -105,7 +105,7 @@ def read_numbered(
         PatternFault: with the place, in the file's numbers.
     """
     top = get_object(parse_document(source) if isinstance(source, str | bytes) else source, "the file")
-    if has_unkept(top):
+    if has_unstorable_text(top):
         raise PatternValueBad("a text in the pattern file holds NUL or half of a surrogate pair; write it as UTF-8.")
     if "pattern" not in top:
         raise PatternIncomplete("the file has no key 'pattern': it is no GarmentCode or NeuralTailor pattern.")
@@ -125,7 +125,7 @@ def read_numbered(
     if sum(len(edges) for edges in edge_lists if isinstance(edges, list)) > MAX_EDGES:
         raise PatternTooLarge(f"the pattern has more than {MAX_EDGES} edges.")
     relative = properties.get("curvature_coords", "relative") != "absolute"
-    own = properties.get(OWN, {}) if isinstance(properties.get(OWN, {}), dict) else {}
+    own = properties.get(EXTENSION_KEY, {}) if isinstance(properties.get(EXTENSION_KEY, {}), dict) else {}
     panels, unknown = [], {}
     found: dict[str, Numbering] = {}
     numbers: dict[str, dict[int, int]] = {}
@@ -141,15 +141,15 @@ def read_numbered(
     seams = _read_seams(get_list(body.get("stitches", []), "pattern.stitches"), numbers)
     extra = {
         "units_in_meter": properties["units_in_meter"],
-        "properties": {key: value for key, value in properties.items() if key not in ("units_in_meter", OWN)},
+        "properties": {key: value for key, value in properties.items() if key not in ("units_in_meter", EXTENSION_KEY)},
         "top": {key: value for key, value in top.items() if key not in ("pattern", "properties")},
         "pattern": {key: value for key, value in body.items() if key not in ("panels", "stitches")},
         "panels": unknown,
     }
     category = own.get("category", "")
-    category = get_text(category, "the category", LONGEST_CATEGORY) if isinstance(category, str) else ""
+    category = get_text(category, "the category", MAX_CATEGORY_LENGTH) if isinstance(category, str) else ""
     pattern = Pattern(name, tuple(panels), seams, category, extra)
-    read = _restore_own(pattern, own)
+    read = _restore_extensions(pattern, own)
     if own and all(seam.reversed for seam in seams):
         return _mark_gathers(read, own), found  # written by `write_pattern`, of panels that agree
     try:
@@ -351,7 +351,7 @@ def _read_seams(stitches: list[Any], numbers: dict[str, dict[int, int]]) -> tupl
     return tuple(seams)
 
 
-def _restore_own(pattern: Pattern, own: dict[str, Any]) -> Pattern:
+def _restore_extensions(pattern: Pattern, own: dict[str, Any]) -> Pattern:
     """Put back grainlines, notches and contour names that `write_pattern` kept; what does not fit is ignored."""
     notes = own.get("panels", {}) if isinstance(own.get("panels", {}), dict) else {}
     panels = []

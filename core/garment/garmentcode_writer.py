@@ -14,16 +14,17 @@ from .curves import is_flat_arc, unit_circle
 from .orientation import mirror_panel
 from .pattern import Panel, Pattern
 
-OWN = "garmentq"
+EXTENSION_KEY = "garmentq"
 """The key under `properties` that keeps what the format has no place for."""
 
 
-RESOLUTION = 12
-"""Decimals of a metre that are written: 1e-12 m lies far above the rounding of units, and far below every length that
-means anything. What is read and written again so has the same digits."""
+LENGTH_DECIMAL_COUNT = 12
+"""Number of decimals of a length in metres that are written: 1e-12 m lies far above the rounding of units, and far
+below every length that means anything. A file that is read and written again so has the same digits."""
 
-DIGITS = 13
-"""Significant digits of a radius, and decimals of an angle in degrees less six, likewise."""
+RADIUS_DIGIT_COUNT = 13
+"""Number of significant digits of a radius that are written, for the same reason. An angle in degrees has six fewer, as
+decimals."""
 
 
 def write_pattern(pattern: Pattern) -> dict[str, Any]:
@@ -60,7 +61,7 @@ def write_pattern(pattern: Pattern) -> dict[str, Any]:
         "normalized_edge_loops": True,
         **extra.get("properties", {}),
         "units_in_meter": extra.get("units_in_meter", 100),
-        OWN: own,
+        EXTENSION_KEY: own,
     }
     properties["curvature_coords"] = "relative"
     body = {"panels": panels, "stitches": stitches, **extra.get("pattern", {})}
@@ -89,15 +90,19 @@ def _write_panel(panel: Panel, per_metre: float, rest: dict[str, Any]) -> dict[s
             height = edge.handles[0, 1]
             out["curvature"] = {
                 "type": "circle",
-                "params": [float(f"{radius * length * per_metre:.{DIGITS}g}"), int(abs(height) > 0.5), int(height < 0)],
+                "params": [
+                    float(f"{radius * length * per_metre:.{RADIUS_DIGIT_COUNT}g}"),
+                    int(abs(height) > 0.5),
+                    int(height < 0),
+                ],
             }
         if edge.label:
             out["label"] = edge.label
         edges.append({**out, **rest.get("edges", {}).get(str(index), {})})
     return {
-        "translation": _rounded(drawn.translation * per_metre, per_metre),
+        "translation": _round_lengths(drawn.translation * per_metre, per_metre),
         "rotation": _euler_degrees(drawn.rotation),
-        "vertices": _rounded(drawn.points * per_metre, per_metre),
+        "vertices": _round_lengths(drawn.points * per_metre, per_metre),
         "edges": edges,
         **({"label": panel.label} if panel.label else {}),
         **rest.get("panel", {}),
@@ -109,9 +114,9 @@ def _euler_degrees(rotation: np.ndarray) -> list[float]:
         # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
         warnings.simplefilter("ignore")
         angles = Rotation.from_matrix(rotation).as_euler("xyz", degrees=True)
-    return (angles.round(DIGITS - 6) + 0.0).tolist()  # near 90 degrees an arc sine keeps half of the digits
+    return (angles.round(RADIUS_DIGIT_COUNT - 6) + 0.0).tolist()  # near 90 degrees an arc sine keeps half of the digits
 
 
-def _rounded(values: np.ndarray, per_metre: float) -> list[Any]:
+def _round_lengths(values: np.ndarray, per_metre: float) -> list[Any]:
     """Return lengths in a file's unit, without digits below the resolution."""
-    return (values.round(RESOLUTION - round(np.log10(per_metre))) + 0.0).tolist()
+    return (values.round(LENGTH_DECIMAL_COUNT - round(np.log10(per_metre))) + 0.0).tolist()

@@ -15,10 +15,10 @@ from .garment import Garment
 from .pattern import Edge, EdgeRef, Pattern
 from .symmetry import find_symmetry
 
-CURVES = ("quadratic", "cubic")
+CURVE_KINDS = ("quadratic", "cubic")
 """Kinds of edges whose handles can move; an arc stays an arc."""
 
-STEP = 1e-5
+HANDLE_DIFFERENCE_STEP = 1e-5
 """Step of central differences [chords]: lengths and points are exact to 1e-9 then."""
 
 Measure = Callable[[Edge], np.ndarray | float]
@@ -29,7 +29,7 @@ def list_curves(pattern: Pattern) -> Iterator[tuple[EdgeRef, Edge, slice]]:
     first = 0
     for panel in pattern.panels:
         for index, edge in enumerate(panel.edges):
-            if edge.kind in CURVES:
+            if edge.kind in CURVE_KINDS:
                 yield EdgeRef(panel.name, index), edge, slice(first, first + len(edge.handles))
                 first += len(edge.handles)
 
@@ -85,7 +85,7 @@ def find_free_handles(pattern: Pattern, held: Collection[EdgeRef] = ()) -> np.nd
     if not ties:
         return np.eye(2 * count)
     _, values, right = np.linalg.svd(np.array(ties))
-    return np.asarray(right[int((values > STEP).sum()) :].T)
+    return np.asarray(right[int((values > HANDLE_DIFFERENCE_STEP).sum()) :].T)
 
 
 def differentiate(edge: Edge, measure: Measure) -> np.ndarray:
@@ -93,11 +93,11 @@ def differentiate(edge: Edge, measure: Measure) -> np.ndarray:
     rates = []
     for index in np.ndindex(edge.handles.shape):
         ends = []
-        for step in (STEP, -STEP):
+        for step in (HANDLE_DIFFERENCE_STEP, -HANDLE_DIFFERENCE_STEP):
             handles = edge.handles.copy()
             handles[index] += step
             ends.append(np.asarray(measure(replace(edge, handles=handles))))
-        rates.append((ends[0] - ends[1]) / (2.0 * STEP))
+        rates.append((ends[0] - ends[1]) / (2.0 * HANDLE_DIFFERENCE_STEP))
     return np.stack(rates, axis=-1)
 
 

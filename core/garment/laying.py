@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry import plane_rotation
-from .control import redraw
+from .control import update_flat_mesh
 from .curves import chord
 from .garment import Garment
 from .meshing import corner_angles
@@ -16,26 +16,26 @@ from .pattern import Panel, Pattern
 from .resampling import locate
 from .sewing import mesh_pattern
 
-LEAST_ANGLE = np.radians(15.0)
-"""Smallest angle of a triangle [rad] up to which a mesh is kept that follows moved points; fresh meshes have 20 to 30
+MIN_MOVED_TRIANGLE_ANGLE = np.radians(15.0)
+"""Smallest angle of a triangle [rad] down to which a mesh that follows moved points is kept; fresh meshes have 20 to 30
 degrees."""
 
-SAME_PLACE = 0.01
+SAME_PLACE_TOLERANCE = 0.01
 """Mean distance [m] between the control points of a panel and another one, both placed, up to which it is cut out of
 that: what is cut keeps its axes and its place."""
 
-FURTHEST = 20.0
-"""Largest barycentric weight of a point beyond the present cloth: so many triangles away, 40 cm where they are of 2 cm,
-nothing can be said of where it hangs."""
+MAX_EXTRAPOLATION_WEIGHT = 20.0
+"""Largest barycentric weight of a point beyond the present cloth. At so many triangles' distance, 40 cm where they are
+of 2 cm, the place where it hangs is unknown."""
 
 
-def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
+def transfer_nodes(garment: Garment, pattern: Pattern) -> Garment | None:
     """Return an edited pattern's mesh with its nodes where the present garment has the same cloth.
 
-    Where only points and curves were changed, the mesh stays and follows them (`redraw`). Otherwise the pattern is
-    meshed anew; a node stands where the present mesh has its flat point: in the panel of its name, or the one that it
-    was cut out of, together with panels that are gone and were sewn to it, laid beside it along their seam. Beyond the
-    present outline the nearest triangle goes on.
+    Where only points and curves were changed, the mesh stays and follows them (`update_flat_mesh`). Otherwise the
+    pattern is meshed anew; a node stands where the present mesh has its flat point: in the panel of its name, or the
+    one that it was cut out of, together with panels that are gone and were sewn to it, laid beside it along their seam.
+    Beyond the present outline the nearest triangle goes on.
 
     Args:
         garment: The present pattern's mesh, nodes where it hangs.
@@ -47,9 +47,9 @@ def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
     Raises:
         MeshTooCoarse: where the pattern cannot be meshed.
     """
-    if _has_form(garment.pattern, pattern):
-        moved = redraw(garment, pattern)
-        if corner_angles(moved.uv, moved.uv_faces).min() > LEAST_ANGLE:
+    if _has_same_topology(garment.pattern, pattern):
+        moved = update_flat_mesh(garment, pattern)
+        if corner_angles(moved.uv, moved.uv_faces).min() > MIN_MOVED_TRIANGLE_ANGLE:
             return moved
     old = {panel.name: index for index, panel in enumerate(garment.pattern.panels)}
     gone = set(old) - {panel.name for panel in pattern.panels}
@@ -61,9 +61,9 @@ def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
     for index, base in enumerate(bases):
         assert base is not None
         own = np.flatnonzero(mesh.panel_of_uv == index)
-        flat, faces = _lay_flat(garment, _join_gone(garment.pattern, base, gone))
+        flat, faces = _arrange_flat_panels(garment, _find_merged_panels(garment.pattern, base, gone))
         corner, weight = locate(flat, faces, mesh.uv[own], is_within=False)
-        if np.abs(weight).max() > FURTHEST:
+        if np.abs(weight).max() > MAX_EXTRAPOLATION_WEIGHT:
             return None
         found[own] = np.einsum("nk,nkd->nd", weight, garment.nodes[garment.uv_node[corner]])
     count = len(mesh.nodes)
@@ -83,7 +83,7 @@ class Motion:
         return np.asarray(points @ self.rotation.T + self.shift)
 
 
-def _has_form(one: Pattern, other: Pattern) -> bool:
+def _has_same_topology(one: Pattern, other: Pattern) -> bool:
     """Return whether two patterns have the same panels, control points and seams, wherever the points are."""
     panels = [[(panel.name, len(panel.points)) for panel in pattern.panels] for pattern in (one, other)]
     seams = [[(seam.a, seam.b) for seam in pattern.seams] for pattern in (one, other)]
@@ -95,16 +95,16 @@ def _find_base(pattern: Pattern, panel: Panel) -> str | None:
     if any(one.name == panel.name for one in pattern.panels):
         return panel.name
     placed = place_points(panel, panel.points)
-    best = min(pattern.panels, key=lambda one: _apart(one, panel, placed))
-    return best.name if _apart(best, panel, placed) <= SAME_PLACE else None
+    best = min(pattern.panels, key=lambda one: _placement_distance(one, panel, placed))
+    return best.name if _placement_distance(best, panel, placed) <= SAME_PLACE_TOLERANCE else None
 
 
-def _apart(one: Panel, panel: Panel, placed: np.ndarray) -> float:
+def _placement_distance(one: Panel, panel: Panel, placed: np.ndarray) -> float:
     """Return the mean distance [m] of a panel's placed points from where another panel's axes have them."""
     return float(np.linalg.norm(place_points(one, panel.points) - placed, axis=1).mean())
 
 
-def _join_gone(pattern: Pattern, base: str, gone: set[str]) -> dict[str, Motion]:
+def _find_merged_panels(pattern: Pattern, base: str, gone: set[str]) -> dict[str, Motion]:
     """Return the panels whose cloth a panel may have now, each with the motion into that one's axes.
 
     These are the panel itself, and panels that are gone and were sewn to it, or to one of these.
@@ -117,12 +117,12 @@ def _join_gone(pattern: Pattern, base: str, gone: set[str]) -> dict[str, Motion]
             for near, far in ((seam.a, seam.b), (seam.b, seam.a)):
                 if near.panel in found and far.panel in gone and far.panel not in found:
                     ends = found[near.panel].apply(np.stack(chord(pattern.panel(near.panel), near.edge)))
-                    found[far.panel] = lay_along(np.stack(chord(pattern.panel(far.panel), far.edge))[::-1], ends)
+                    found[far.panel] = align_chords(np.stack(chord(pattern.panel(far.panel), far.edge))[::-1], ends)
                     grown = True
     return found
 
 
-def lay_along(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
+def align_chords(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
     """Return the motion that lays a chord along another one, middle on middle, shape [2, 2] each."""
     one, other = (line[1] - line[0] for line in (chord_of, ends))
     angle = np.arctan2(other[1], other[0]) - np.arctan2(one[1], one[0])
@@ -130,7 +130,7 @@ def lay_along(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
     return Motion(turn, ends.mean(axis=0) - turn @ chord_of.mean(axis=0))
 
 
-def _lay_flat(garment: Garment, parts: dict[str, Motion]) -> tuple[np.ndarray, np.ndarray]:
+def _arrange_flat_panels(garment: Garment, parts: dict[str, Motion]) -> tuple[np.ndarray, np.ndarray]:
     """Return all flat vertices [m], those of some panels moved, and the triangles of these panels."""
     flat, chosen = garment.uv.copy(), np.zeros(len(garment.uv_faces), bool)
     for index, panel in enumerate(garment.pattern.panels):

@@ -10,7 +10,7 @@ Value = TypeVar("Value")
 Result = TypeVar("Result")
 
 
-def once(function: Callable[[Value], Result]) -> Callable[[Value], Result]:
+def memoise(function: Callable[[Value], Result]) -> Callable[[Value], Result]:
     """Make a function of one frozen dataclass compute its result only once for each object.
 
     What `functools.cached_property` does, for properties that live in a module above the object's own.

@@ -11,11 +11,12 @@ from ..geometry import ClosedCurve
 from .curves import edge_length, edge_points, panel_area
 from .pattern import EdgeRef, Panel, Pattern
 
-HEXAGON = np.sqrt(3.0) / 2.0
-"""Area per vertex of a lattice of equilateral triangles with edge 1."""
+LATTICE_VERTEX_AREA = np.sqrt(3.0) / 2.0
+"""Area per vertex of a lattice of equilateral triangles with edge 1 [squared edges], and the distance between its rows
+[edges]."""
 
-PAIRS = 2**19
-"""Pairs of a point and a polygon's side that are compared at once: 30 MB."""
+MAX_POINT_SIDE_PAIRS = 2**19
+"""Number of pairs of a point and a polygon's side that are compared at once: 30 MB."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
         if EdgeRef(panel.name, i) not in sewn
     )
     half = open_length / 4.0
-    return float((half + np.sqrt(half * half + vertex_count * area / HEXAGON)) / vertex_count)
+    return float((half + np.sqrt(half * half + vertex_count * area / LATTICE_VERTEX_AREA)) / vertex_count)
 
 
 def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
@@ -109,10 +110,10 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
     corner = np.cumsum([0] + counts[:-1])
     owner = np.repeat(np.arange(len(counts)), counts)
     inside = _lattice(boundary, size, settings.clearance)
-    inside = _even_out(boundary, inside, size, settings)
+    inside = _relax_points(boundary, inside, size, settings)
     vertices = np.concatenate([boundary, inside])
     faces = _triangles(vertices, boundary)
-    faces = _turn_ears(vertices, faces, len(boundary))
+    faces = _flip_ear_edges(vertices, faces, len(boundary))
     missing = _missing_segments(faces, len(boundary))
     used = np.zeros(len(vertices), bool)
     used[faces] = True
@@ -121,7 +122,7 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
     return FlatMesh(vertices[used], number[faces], len(boundary), corner), {int(owner[k]) for k in missing}
 
 
-def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
+def points_in_polygon(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
     if not len(points):
         return np.zeros(0, bool)
@@ -132,7 +133,9 @@ def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     low, high = (np.searchsorted(y, choose(start[:, 1], end[:, 1])) for choose in (np.minimum, np.maximum))
     spanned = high - low  # points that lie as high as the side: those between low and high
     crossed = np.zeros(len(points), np.int64)
-    for sides in np.split(np.arange(len(polygon)), np.flatnonzero(np.diff(np.cumsum(spanned) // PAIRS)) + 1):
+    for sides in np.split(
+        np.arange(len(polygon)), np.flatnonzero(np.diff(np.cumsum(spanned) // MAX_POINT_SIDE_PAIRS)) + 1
+    ):
         count = spanned[sides]
         side = np.repeat(sides, count)
         at = np.arange(count.sum()) + np.repeat(low[sides] - (np.cumsum(count) - count), count)
@@ -147,12 +150,15 @@ def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
     """Return the points of a hexagonal lattice inside the outline, centred on it."""
     low, high = boundary.min(axis=0), boundary.max(axis=0)
     middle = (low + high) / 2.0
-    reach = np.ceil((high - low) / 2.0 / np.array([size, size * HEXAGON])).astype(int) + 1
+    reach = np.ceil((high - low) / 2.0 / np.array([size, size * LATTICE_VERTEX_AREA])).astype(int) + 1
     rows = np.arange(-reach[1], reach[1] + 1)
     columns = np.arange(-reach[0], reach[0] + 1)
     x = columns[None, :] + 0.5 * (rows[:, None] % 2)
-    points = np.stack([x, np.broadcast_to(HEXAGON * rows[:, None], x.shape)], axis=-1).reshape(-1, 2) * size + middle
-    points = points[contains(boundary, points)]
+    points = (
+        np.stack([x, np.broadcast_to(LATTICE_VERTEX_AREA * rows[:, None], x.shape)], axis=-1).reshape(-1, 2) * size
+        + middle
+    )
+    points = points[points_in_polygon(boundary, points)]
     return points[_distance(boundary, points, size) > clearance * size] if len(points) else points
 
 
@@ -165,7 +171,7 @@ def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarr
     return cKDTree(start[index] + part[:, None] * step[index]).query(points)[0]
 
 
-def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
+def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
     """Push inner points apart until springs balance (Persson and Strang 2004); the outline stays.
 
     A spring's rest length follows the size of the outline's segments near it, so that gathered or short edges are met
@@ -200,7 +206,7 @@ def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: M
         distance = _distance(boundary, moved, size)
         good = distance > 0.33 * size
         near = good & (distance < size)
-        good[near] = contains(boundary, moved[near])
+        good[near] = points_in_polygon(boundary, moved[near])
         points[fixed:] = np.where(good[:, None], moved, points[fixed:])
     return points[fixed:]
 
@@ -218,7 +224,7 @@ def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
     longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
     keep = np.abs(area) > 1e-5 * longest
     doubtful = keep & (faces < len(boundary)).all(axis=1)
-    keep[doubtful] = contains(boundary, ((a + b + c) / 3.0)[doubtful])
+    keep[doubtful] = points_in_polygon(boundary, ((a + b + c) / 3.0)[doubtful])
     return faces[keep].astype(np.int64)
 
 
@@ -237,7 +243,7 @@ def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:
     return np.flatnonzero(missing | np.isin(first, ends[ends < boundary_count]))
 
 
-def _turn_ears(vertices: np.ndarray, faces: np.ndarray, boundary_count: int) -> np.ndarray:
+def _flip_ear_edges(vertices: np.ndarray, faces: np.ndarray, boundary_count: int) -> np.ndarray:
     """Turn the inner edge of triangles with two sides on the outline, so that no corner is cut off.
 
     Such a triangle cannot bend, and two of them sewn corner to corner would share an edge four times. The edge is

@@ -23,8 +23,8 @@ PLACE_TOLERANCE = 0.25
 diagonal. Placement is rough (the published T-shirt's sleeves differ by 1 cm), but a front is never
 mistaken for a back."""
 
-BLOCK = 2**17
-"""Pairs of control points that are compared at once: a few MB."""
+MAX_MIRROR_POINT_PAIRS = 2**17
+"""Number of pairs of control points that are compared at once: a few MB."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def _list_fits(group: _Group, source: int, targets: np.ndarray, middle: float | 
     count = group.points.shape[1]
     diagonal = float(np.linalg.norm(np.ptp(group.points[source], axis=0)))
     fits: list[tuple[float, int, int]] = []
-    step = max(1, BLOCK // (len(targets) * count))
+    step = max(1, MAX_MIRROR_POINT_PAIRS // (len(targets) * count))
     for first in range(0, count, step):
         shifts = np.arange(first, min(first + step, count))
         order = _reverse(shifts, count)

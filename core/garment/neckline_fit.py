@@ -10,67 +10,70 @@ from scipy.spatial import cKDTree
 from ..body import Body
 from ..geometry import ClosedCurve, HalfEdges, angle_defects, polyline_length, rim_turns
 from ..scan.contours import Contour, Target, unroll_neck
-from .parts import Neckline, Throat, corner_turn, neckline_points
+from .parts import Neckline, NecklineCut, corner_turn, neckline_points
 
-CORNER = np.radians(45.0)
-"""Least turn in the middle that makes a V. The shallowest that is worn, 12 cm deep and 30 cm wide, turns by 77 degrees;
-round necklines of scans, taken for Vs with bowed sides, by up to 37."""
+MIN_V_TURN_ANGLE = np.radians(45.0)
+"""Least turn in the middle that makes a V [rad]. The shallowest that is worn, 12 cm deep and 30 cm wide, turns by 77
+degrees; round necklines of scans, taken for Vs with bowed sides, by up to 37."""
 
-AROUND = 0.02
+NECKLINE_TURN_STD = 0.02
 """Standard deviation of the window over which a contour's turn in the middle is summed [m]: two edges of a scan's mesh,
-two teeth of a cut along triangles."""
+two steps of a cut along triangles."""
 
-STRIP = 0.015
-"""Width of the strip along a contour whose own curvature is taken off its turns [m]: fused scans round edges over 4 to
-12 mm, and fold them onto the skin. Three scans of one V turned by 80, 93 and 30 degrees at its point, less the strip's
-curvature by 109, 117 and 95."""
+CONTOUR_STRIP_WIDTH = 0.015
+"""Width of the strip along a contour whose own curvature is subtracted from its turns [m]: fused scans round edges over
+4 to 12 mm, and fold them onto the skin. Three scans of one V turned by 80, 93 and 30 degrees at its point, less the
+strip's curvature by 109, 117 and 95."""
 
-IN_CLOTH = 0.5
+MIN_SURFACE_TURN_SHARE = 0.5
 """Least turn of a contour within its surface by that of the V: 0.8 to 1.06 of it on V-necks of six drapes, 0.3 where
-folds drew a round one together behind. It is at least `CORNER`, too: a round line turns by 32 degrees over the window
-where it is 18 cm wide, which was 0.63 of the turn of the V with the most bow that a drape had drawn it together to."""
+folds drew a round one together behind. It is at least `MIN_V_TURN_ANGLE`, too: a round line turns by 32 degrees over
+the window where it is 18 cm wide, which was 0.63 of the turn of the V with the most bow that a drape had drawn it
+together to."""
 
-CLEAR = 0.6
-"""A line other than a round one is chosen where its misfit is below this share of the round one's: round is what most
-necklines are. V-necks of three scans have 0.08 to 0.22 of it, the crew necks of two 1.6 and more."""
+MAX_NONROUND_MISFIT_SHARE = 0.6
+"""Share of the round line's misfit below which another line is chosen: round is what most necklines are. V-necks of
+three scans have 0.08 to 0.22 of it, the crew necks of two 1.6 and more."""
 
-CORNERED = np.radians(39.0)
-"""Least turn within the cloth at the lower corners of a square neckline, on both sides. Squares of 13 drapes have 40 to
-90 degrees, the less the coarser the mesh, on both sides and at most 0.6 of it in the middle; round ones up to 46 on one
-side and 38 on both, in front."""
+MIN_SQUARE_CORNER_ANGLE = np.radians(39.0)
+"""Least turn within the cloth at the lower corners of a square neckline, on both sides [rad]. Squares of 13 drapes have
+40 to 90 degrees, the less the coarser the mesh, on both sides and at most 0.6 of it in the middle; round ones up to 46
+on one side and 38 on both, in front."""
 
-ALONE = 1.5
-"""By how much the corners' turn exceeds the middle's: round lines turn everywhere."""
+MIN_NECKLINE_TURN_RATIO = 1.5
+"""Least ratio of the turn at the corners to the turn in the middle that makes a square, and of the turn in the middle
+to the one at the corners that makes a V: round lines turn everywhere."""
 
-SAGGING = 1.5
-"""A line with corners is square as long as its misfit is below this many of the round one's: the lower edge of a square
-sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and more."""
+MAX_SQUARE_MISFIT_RATIO = 1.5
+"""Largest ratio of the misfit of a square to that of the round line, for a line with corners: the lower edge of a
+square sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and
+more."""
 
-SHALLOW = 2.0 * AROUND
-"""Depth up to which a line is not told to be square [m]: its corners lie as near to the side neck points, where round
+MIN_SQUARE_NECK_DEPTH = 2.0 * NECKLINE_TURN_STD
+"""Depth up to which a line is not taken for a square [m]: its corners lie as near to the side neck points, where round
 lines end in a corner, and the windows of both are one. A shallow round line behind, flat with tight ends, had 52 to 64
 degrees there, and a square fitted it with 0.59 to 1.4 of a round one's misfit, 2 mm either way."""
 
-POINTED = np.radians(75.0)
-"""Turn in the middle within the cloth from which a line is a V: V-necks of nine drapes have 83 to 134 degrees, round
-ones at most 33, 60 with 2 mm of noise."""
+MIN_SURFACE_V_ANGLE = np.radians(75.0)
+"""Turn in the middle within the cloth from which a line is a V [rad]: V-necks of nine drapes have 83 to 134 degrees,
+round ones at most 33, 60 with 2 mm of noise."""
 
-BULGING = 2.5
-"""A line that turns so is a V as long as its misfit is below this many of the round one's: the sides of a tight V bulge
-out until they are as good as round, 2.1 of it then."""
+MAX_V_MISFIT_RATIO = 2.5
+"""Largest ratio of the misfit of a V to that of the round line, where the turn in the middle makes it a V: the sides of
+a tight V bulge out until they are as good as round, 2.1 of it then."""
 
-CORNERS = (0.25, 0.9)
-"""Between which shares of a line's length from the middle a square's corner is looked for."""
+SQUARE_CORNER_SHARES = (0.25, 0.9)
+"""Shares of a line's length from the middle between which a square's corner is looked for."""
 
-BOWS = np.round(np.arange(-0.15, 0.151, 0.0125), 4)
-"""Bows of a V's side that are tried; 0.15 is a quarter turn from one end to the other, and no V any more."""
+V_BOW_CANDIDATES = np.round(np.arange(-0.15, 0.151, 0.0125), 4)
+"""Bows of a V's side that are tried [chords]; 0.15 is a quarter turn from one end to the other, and no V any more."""
 
-SCOOP = 1.35
-"""A round neckline is a scoop where it is deeper than this many half widths: halfway from the crew's to the scoop's."""
+MIN_SCOOP_DEPTH_RATIO = 1.35
+"""Depth of a round neckline above which it is a scoop [half widths]: halfway from the crew's to the scoop's."""
 
 
-BOAT = 0.6
-"""A round neckline is a boat where it is less deep than this many half widths; usually a boat has 0.3, a crew 1.1."""
+MAX_BOAT_DEPTH_RATIO = 0.6
+"""Depth of a round neckline below which it is a boat [half widths]; usually a boat has 0.3, a crew 1.1."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class NecklineFit:
         misfit: Root mean square distance of the two lines, by the half width.
     """
 
-    throat: Throat
+    throat: NecklineCut
     half_width: float
     misfit: float
 
@@ -163,11 +166,11 @@ class _Rim:
         points, turns, bridged = (np.roll(each, -nearest, axis=0) for each in (self.points, self.turns, self.bridged))
         arc = ClosedCurve(points).arc
         at, whole = arc[:-1], arc[-1]
-        if bridged[np.minimum(at, whole - at) < 2.0 * AROUND].any():
+        if bridged[np.minimum(at, whole - at) < 2.0 * NECKLINE_TURN_STD].any():
             return None
         apart = np.abs(at[:, None] - at)
-        summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / AROUND) ** 2) @ turns
-        near, far = (share * length for share in CORNERS)
+        summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / NECKLINE_TURN_STD) ** 2) @ turns
+        near, far = (share * length for share in SQUARE_CORNER_SHARES)
         sides = [(near < way) & (way < far) for way in (at, whole - at)]
         seen = not any(bridged[side].any() for side in sides)
         corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else np.nan
@@ -180,7 +183,7 @@ def _curvature_beside(target: Target, loop: np.ndarray) -> np.ndarray:
     By the theorem of Gauss and Bonnet a line that runs along the strip's inner side turns by so much more than the
     contour: what dents and rounds a scan's edge turns the contour one way and the strip the other.
     """
-    away, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=STRIP)
+    away, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=CONTOUR_STRIP_WIDTH)
     inside = np.isfinite(away)
     curvature = angle_defects(target.vertices, target.faces)
     return np.bincount(nearest[inside], curvature[inside], minlength=len(loop))
@@ -195,45 +198,58 @@ def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[Ne
     """
     half_width, depth = float(line[0, 0]), float(line[-1, 1])
     fits = [
-        rounded := _fit(line, Throat(name_round(depth / half_width, shallow), depth)),
-        square := _fit(line, Throat(Neckline.SQUARE, depth)),
+        rounded := _fit(line, NecklineCut(classify_round_neckline(depth / half_width, shallow), depth)),
+        square := _fit(line, NecklineCut(Neckline.SQUARE, depth)),
     ]
-    pointed = min((_fit(line, Throat(Neckline.V, depth, float(bow))) for bow in BOWS), key=lambda fit: fit.misfit)
+    pointed = min(
+        (_fit(line, NecklineCut(Neckline.V, depth, float(bow))) for bow in V_BOW_CANDIDATES), key=lambda fit: fit.misfit
+    )
     corner = corner_turn(pointed.throat, half_width)
-    told = _told_by_cloth(turns, rounded, square, pointed)
-    if told is pointed or (corner > CORNER and (turns is None or turns.middle > max(CORNER, IN_CLOTH * corner))):
+    told = _classify_by_turns(turns, rounded, square, pointed)
+    if told is pointed or (
+        corner > MIN_V_TURN_ANGLE
+        and (turns is None or turns.middle > max(MIN_V_TURN_ANGLE, MIN_SURFACE_TURN_SHARE * corner))
+    ):
         fits.append(pointed)
-    clear = CLEAR * rounded.misfit
+    clear = MAX_NONROUND_MISFIT_SHARE * rounded.misfit
 
     def rank(fit: NecklineFit) -> tuple[bool, bool, float]:
-        unclear = fit is square and (depth <= SHALLOW or (turns is not None and turns.corner < CORNERED))
+        unclear = fit is square and (
+            depth <= MIN_SQUARE_NECK_DEPTH or (turns is not None and turns.corner < MIN_SQUARE_CORNER_ANGLE)
+        )
         return fit is not told, fit is not rounded and (fit.misfit >= clear or unclear), fit.misfit
 
     return tuple(sorted(fits, key=rank))
 
 
-def _told_by_cloth(
+def _classify_by_turns(
     turns: _Turns | None, rounded: NecklineFit, square: NecklineFit, pointed: NecklineFit
 ) -> NecklineFit | None:
     """Return the line whose corners are plain within the cloth, though it hangs nearly round; None where none is."""
     if turns is None:
         return None
-    cornered = turns.corner > max(CORNERED, ALONE * turns.middle) and square.throat.depth > SHALLOW
-    if cornered and square.misfit < SAGGING * rounded.misfit:
+    cornered = (
+        turns.corner > max(MIN_SQUARE_CORNER_ANGLE, MIN_NECKLINE_TURN_RATIO * turns.middle)
+        and square.throat.depth > MIN_SQUARE_NECK_DEPTH
+    )
+    if cornered and square.misfit < MAX_SQUARE_MISFIT_RATIO * rounded.misfit:
         return square
-    if turns.middle > max(POINTED, ALONE * turns.corner) and pointed.misfit < BULGING * rounded.misfit:
+    if (
+        turns.middle > max(MIN_SURFACE_V_ANGLE, MIN_NECKLINE_TURN_RATIO * turns.corner)
+        and pointed.misfit < MAX_V_MISFIT_RATIO * rounded.misfit
+    ):
         return pointed
     return None
 
 
-def name_round(ratio: float, shallow: Neckline = Neckline.BOAT) -> Neckline:
+def classify_round_neckline(ratio: float, shallow: Neckline = Neckline.BOAT) -> Neckline:
     """Name a round neckline by its depth over its half width."""
-    if ratio < BOAT:
+    if ratio < MAX_BOAT_DEPTH_RATIO:
         return shallow
-    return Neckline.SCOOP if ratio > SCOOP else Neckline.CREW
+    return Neckline.SCOOP if ratio > MIN_SCOOP_DEPTH_RATIO else Neckline.CREW
 
 
-def _fit(line: np.ndarray, throat: Throat) -> NecklineFit:
+def _fit(line: np.ndarray, throat: NecklineCut) -> NecklineFit:
     """Compare a line with a drafted neckline of its width and depth, both ways."""
     half_width = float(line[0, 0])
     drawn, seen = neckline_points(throat, half_width), line * (1.0, -1.0)

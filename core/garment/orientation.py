@@ -11,11 +11,12 @@ from .curves import chord, mirror_edge, panel_area, reverse_edge
 from .errors import NotOrientable, Place
 from .pattern import EdgeRef, Panel, Pattern, Seam
 
-TURN = np.diag([-1.0, 1.0, -1.0])
-"""Half a turn about y: a panel mirrored in x stands at the same 3D place when its rotation is multiplied by this."""
+HALF_TURN_ROTATION = np.diag([-1.0, 1.0, -1.0])
+"""Rotation by half a turn about y: a panel mirrored in x stands at the same 3D place when its rotation is multiplied by
+this."""
 
-CLEAR = 0.7
-"""A placement says that two edges run the same way only where the cosine between their chords is above this (45
+MIN_PARALLEL_CHORD_COSINE = 0.7
+"""Cosine between the chords of two placed edges above which their placement says that both run the same way (45
 degrees): a side seam's two edges are parallel as placed, a cap and its armhole nearly so."""
 
 
@@ -28,7 +29,7 @@ def mirror_panel(panel: Panel) -> Panel:
         panel,
         points=panel.points * np.array([-1.0, 1.0]),
         edges=tuple(mirror_edge(edge) for edge in panel.edges),
-        rotation=panel.rotation @ TURN,
+        rotation=panel.rotation @ HALF_TURN_ROTATION,
         grainline=-panel.grainline,
         mirrored=not panel.mirrored,
     )
@@ -104,7 +105,7 @@ def _runs_along(pattern: Pattern, seam: Seam) -> bool:
     parallel = float(one @ two) / max(float(np.linalg.norm(one) * np.linalg.norm(two)), 1e-12)
     along = np.linalg.norm(a - b, axis=1).sum()
     against = np.linalg.norm(a - b[::-1], axis=1).sum()
-    return bool(parallel > CLEAR and along < against)
+    return bool(parallel > MIN_PARALLEL_CHORD_COSINE and along < against)
 
 
 def _links(pattern: Pattern) -> dict[str, list[tuple[str, int]]]:

@@ -44,7 +44,7 @@ class Outline:
     strokes: tuple[Stroke, ...]
 
 
-def smooth(points: list[Point], labels: list[str]) -> list[Stroke]:
+def draw_monotone_spline(points: list[Point], labels: list[str]) -> list[Stroke]:
     """Draw a smooth line through points as cubics whose slopes are those of a monotone spline (Fritsch and Carlson).
 
     The ends run straight; handles stand at a third of the height, so that the curve is x as a function of y.
@@ -124,15 +124,15 @@ def mirror(outline: Outline, swap: bool = True) -> Outline:
             Stroke(
                 _flip(ends[i]),
                 tuple(_flip(h) for h in s.handles[::-1]),
-                other_side(s.label) if swap else s.label,
-                other_side(s.contour) if swap else s.contour,
+                swap_side_label(s.label) if swap else s.label,
+                swap_side_label(s.contour) if swap else s.contour,
                 None if s.notch is None else 1.0 - s.notch,
             )
         )
     return Outline(_flip(ends[-1]), tuple(strokes))
 
 
-def walk_back(outline: Outline) -> tuple[Stroke, ...]:
+def reverse_strokes(outline: Outline) -> tuple[Stroke, ...]:
     """Return the strokes of a line walked from its end to its start."""
     starts = [outline.start, *(stroke.end for stroke in outline.strokes[:-1])]
     return tuple(
@@ -141,7 +141,7 @@ def walk_back(outline: Outline) -> tuple[Stroke, ...]:
     )
 
 
-def other_side(text: str) -> str:
+def swap_side_label(text: str) -> str:
     """Return a label with left and right exchanged."""
     swapped = {"left": "right", "right": "left"}
     return ".".join(swapped.get(word, word) for word in text.split("."))
@@ -200,7 +200,7 @@ def stroke_points(start: Point, stroke: Stroke, segments: int) -> np.ndarray:
     return place_on_chord(unit, np.array(start), np.array(stroke.end))
 
 
-def length(outline: Outline, label: str) -> float:
+def labelled_length(outline: Outline, label: str) -> float:
     """Measure the length of the strokes whose label begins so [m]."""
     total, here = 0.0, outline.start
     for stroke in outline.strokes:
@@ -210,12 +210,13 @@ def length(outline: Outline, label: str) -> float:
     return total
 
 
-LONG_SEAM = 0.12
+MIN_NOTCHED_SEAM_LENGTH = 0.12
 """A seam longer than this [m] gets a notch at half its length where the draft sets none: what a hand holds at once."""
 
 
-GATHERED = 0.03
-"""Seams whose sides differ by more than this share are gathered, as in a file that is read."""
+MIN_GATHER_SHARE = 0.03
+"""Difference between the lengths of a seam's sides above which it is gathered [share of one side], as in a file that is
+read."""
 
 
 def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
@@ -228,7 +229,7 @@ def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
     edges = {panel.name: panel for panel in panels}
     lengths = [[edge_length(edges[ref.panel], ref.edge) for ref in pair] for pair in sides.values()]
     seams = tuple(
-        Seam(a, b, gathered=abs(one / other - 1.0) > GATHERED)
+        Seam(a, b, gathered=abs(one / other - 1.0) > MIN_GATHER_SHARE)
         for (a, b), (one, other) in zip(sides.values(), lengths, strict=True)
     )
     return Pattern(name, tuple(_notched(panel) for panel in panels), seams, category)
@@ -238,6 +239,8 @@ def _notched(panel: Panel) -> Panel:
     marked = {edge for edge, _ in panel.notches}
     lengths = [edge_length(panel, i) for i in range(len(panel.edges))]
     more = tuple(
-        (i, 0.5) for i, edge in enumerate(panel.edges) if edge.label and i not in marked and lengths[i] > LONG_SEAM
+        (i, 0.5)
+        for i, edge in enumerate(panel.edges)
+        if edge.label and i not in marked and lengths[i] > MIN_NOTCHED_SEAM_LENGTH
     )
     return replace(panel, notches=tuple(sorted((*panel.notches, *more))))

@@ -12,10 +12,10 @@ import numpy as np
 from ..body import Body
 from ..run.records import read_record, write_record
 from ..run.sandbox import ReaderCrashed
-from ..scan import Pieces, describe_scan
+from ..scan import ScanInput, describe_scan
 from . import Pattern, load_pattern
 
-MOST_LABELS = 50
+MAX_LISTED_LABELS = 50
 """Labels that are listed of a scan."""
 
 
@@ -30,7 +30,7 @@ class Reading:
         category: The garment's category where it is known from what else the person wears; else None.
     """
 
-    pieces: Pieces
+    pieces: ScanInput
     body: Body | None = None
     pattern: Pattern | None = None
     category: str | None = None
@@ -45,7 +45,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     if labels is not None:
         values, counts = np.unique(labels, return_counts=True)
         pairs = zip(values.tolist(), counts.tolist(), strict=True)
-        found["labels"] = {str(value): count for value, count in list(pairs)[:MOST_LABELS]}
+        found["labels"] = {str(value): count for value, count in list(pairs)[:MAX_LISTED_LABELS]}
     if wearer is not None:
         found["body"] = describe_scan(wearer)
     if reading.pattern is not None:
@@ -68,7 +68,7 @@ def check_pattern(source: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class _Kept:
+class _StoredReading:
     """A reading, and as JSON what its pattern's file held beyond the pattern, as stored results of 0.1.0 have it."""
 
     reading: Reading
@@ -80,7 +80,7 @@ def save_reading(reading: Reading, path: Path) -> None:
     extra, pattern = "", reading.pattern
     if pattern is not None:
         extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
-    write_record(_Kept(reading, extra), path)
+    write_record(_StoredReading(reading, extra), path)
 
 
 def load_reading(path: Path) -> Reading:
@@ -89,7 +89,7 @@ def load_reading(path: Path) -> Reading:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = read_record(_Kept, path)
+    kept = read_record(_StoredReading, path)
     if kept.reading.pattern is None:
         return kept.reading
     try:

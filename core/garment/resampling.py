@@ -10,8 +10,9 @@ from .errors import PatternMismatch
 from .garment import Garment
 from .pattern import EdgeRef
 
-CANDIDATES = 16
-"""Triangles tried for each point, nearest middles first: on even meshes the right one is among the first 6."""
+TRIANGLE_CANDIDATE_COUNT = 16
+"""Number of triangles tried for each point, nearest middles first: on even meshes the right one is among the first
+6."""
 
 
 def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
@@ -42,7 +43,7 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
         for i in range(len(panel.edges)):
             ref = EdgeRef(panel.name, i)
             along = target.edge_uv[ref]
-            found[along] = _along(nodes[source.uv_node[source.edge_uv[ref]]], len(along))
+            found[along] = _resample_polyline(nodes[source.uv_node[source.edge_uv[ref]]], len(along))
             on_outline[along] = True
     for index in range(len(target.pattern.panels)):
         own = np.flatnonzero((target.panel_of_uv == index) & ~on_outline)
@@ -55,7 +56,7 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
     return np.stack([np.bincount(target.uv_node, found[:, k], count) / weight for k in range(3)], axis=1)
 
 
-def _along(line: np.ndarray, count: int) -> np.ndarray:
+def _resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
     """Return `count` points of a polyline whose vertices are uniform in rest length, shape [count, 3]."""
     old, new = np.linspace(0.0, 1.0, len(line)), np.linspace(0.0, 1.0, count)
     return np.stack([np.interp(new, old, line[:, k]) for k in range(line.shape[1])], axis=1)
@@ -70,7 +71,11 @@ def locate(
     `is_within` stay as they are, so that the triangle's plane goes on.
     """
     a, b, c = (uv[faces[:, k]] for k in range(3))
-    near = cKDTree((a + b + c) / 3.0).query(points, k=min(CANDIDATES, len(faces)))[1].reshape(len(points), -1)
+    near = (
+        cKDTree((a + b + c) / 3.0)
+        .query(points, k=min(TRIANGLE_CANDIDATE_COUNT, len(faces)))[1]
+        .reshape(len(points), -1)
+    )
     u, v, w = (b - a)[near], (c - a)[near], points[:, None] - a[near]
     area = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     area = np.where(np.abs(area) < 1e-18, np.inf, area)

@@ -7,27 +7,27 @@ from collections.abc import Iterable
 import numpy as np
 
 from .curves import unit_length
-from .memo import once
+from .memo import memoise
 from .pattern import Pattern
 from .symmetry import Symmetry, find_symmetry
 
-GOAL = 1e-6
-"""Largest mismatch that ends the iteration [m]; a hundredth of what is asked (0.1 mm)."""
+SEAM_CLOSURE_TOLERANCE = 1e-6
+"""Largest mismatch that ends the iteration [m]; a hundredth of the accuracy that is required (0.1 mm)."""
 
-STEPS = 30
-"""Most Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
+MAX_SEAM_CLOSURE_ITERATIONS = 30
+"""Largest number of Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
 
-LEAST_SINGULAR = 0.05
+MIN_SINGULAR_VALUE_SHARE = 0.05
 """Singular values below this fraction of the largest are dropped: seams that follow from others (a chain that closes),
 or repeat those of the wearer's other side up to what a file rounds, and could be made equal only by moving points 20
 times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up to
 0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
 
-SYMMETRIC = 1e-6
-"""A pattern is symmetric where no point is further from its image than this [m]."""
+PATTERN_SYMMETRY_TOLERANCE = 1e-6
+"""Largest distance of a point from its image up to which a pattern is symmetric [m]."""
 
-HALVINGS = 6
-"""Most halvings of a step."""
+MAX_SEAM_STEP_HALVINGS = 6
+"""Largest number of halvings of a Gauss-Newton step."""
 
 Sides = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -78,7 +78,7 @@ def equalise_seams(
     ratio = seam_ratios(like)
     sides = seam_sides(pattern)
     points = _close(pattern.points, _free_coordinates(pattern, symmetry, fixed), sides, ratio)
-    if np.abs(_mismatch(points, sides, ratio)[0]).max() > GOAL:
+    if np.abs(_mismatch(points, sides, ratio)[0]).max() > SEAM_CLOSURE_TOLERANCE:
         points = _close(points, _free_coordinates(pattern, None, fixed), sides, ratio)
     return pattern.with_points(points)
 
@@ -86,11 +86,11 @@ def equalise_seams(
 def _close(points: np.ndarray, free: np.ndarray, sides: Sides, ratio: np.ndarray) -> np.ndarray:
     """Return points [m] moved along free coordinates, shape [2 point_count, n], until both sides of seams match."""
     residual, jacobian = _mismatch(points, sides, ratio)
-    for _ in range(STEPS):
-        if np.abs(residual).max() < GOAL:
+    for _ in range(MAX_SEAM_CLOSURE_ITERATIONS):
+        if np.abs(residual).max() < SEAM_CLOSURE_TOLERANCE:
             break
-        step = free @ np.linalg.lstsq(jacobian @ free, -residual, rcond=LEAST_SINGULAR)[0]
-        for _ in range(HALVINGS):
+        step = free @ np.linalg.lstsq(jacobian @ free, -residual, rcond=MIN_SINGULAR_VALUE_SHARE)[0]
+        for _ in range(MAX_SEAM_STEP_HALVINGS):
             moved = points + step.reshape(-1, 2)
             new_residual, new_jacobian = _mismatch(moved, sides, ratio)
             if (new_residual**2).sum() < 0.99 * (residual**2).sum():
@@ -146,7 +146,10 @@ def _free_coordinates(pattern: Pattern, symmetry: Symmetry | None, fixed: Iterab
     """Return an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
     points = pattern.points
     allowed = np.eye(2 * len(points))
-    if symmetry is not None and np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < SYMMETRIC:
+    if (
+        symmetry is not None
+        and np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < PATTERN_SYMMETRY_TOLERANCE
+    ):
         allowed = symmetry.matrix.toarray()
     still = [2 * (pattern.first_points[name] + index) + axis for name, index in fixed for axis in (0, 1)]
     if still:
@@ -157,7 +160,7 @@ def _free_coordinates(pattern: Pattern, symmetry: Symmetry | None, fixed: Iterab
     return left[:, values > 1e-9]
 
 
-@once
+@memoise
 def seam_sides(pattern: Pattern) -> Sides:
     """Return first and last control point and length over chord of both sides of each seam, shape [seam_count, 2]."""
     sides = [

@@ -12,8 +12,9 @@ from .orientation import place_points
 from .pattern import EdgeRef, Pattern
 from .validity import check_outline
 
-ROUNDS = 4
-"""Rounds of splitting edges that would be shared by four triangles; one is enough on all patterns tried."""
+MAX_EDGE_SPLIT_ITERATIONS = 4
+"""Largest number of iterations in which edges are split that four triangles would share; one is enough on all patterns
+tried."""
 
 
 def mesh_pattern(
@@ -69,12 +70,12 @@ def sew_panels(pattern: Pattern, meshes: list[FlatMesh]) -> Garment:
     """
     if not all(seam.reversed for seam in pattern.seams):
         raise NotOrientable
-    for _ in range(ROUNDS):
+    for _ in range(MAX_EDGE_SPLIT_ITERATIONS):
         starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
         uv_faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)])
         edge_uv = _edge_vertices(pattern, meshes, starts)
         uv_node = _weld(uv_faces, edge_uv, pattern, int(starts[-1]))
-        crowded = _crowded_edges(uv_faces, uv_node, edge_uv)
+        crowded = _find_nonmanifold_edges(uv_faces, uv_node, edge_uv)
         if not len(crowded):
             return _assemble(pattern, meshes, starts, uv_faces, edge_uv, uv_node)
         meshes = _split(meshes, starts, crowded)
@@ -104,7 +105,9 @@ def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pat
     return rank[inverse]
 
 
-def _crowded_edges(uv_faces: np.ndarray, uv_node: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray]) -> np.ndarray:
+def _find_nonmanifold_edges(
+    uv_faces: np.ndarray, uv_node: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray]
+) -> np.ndarray:
     """Return the inner uv edges, shape [n, 2], that once welded join a node to itself or more than two triangles."""
     flat, welded = HalfEdges.of(uv_faces), HalfEdges.of(uv_node[uv_faces])
     crowded = (welded.face_counts[welded.edge] > 2) | (welded.tail == welded.head)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, lil_matrix
 
-from .memo import once
+from .memo import memoise
 from .mirrors import Mirror, find_mirrors
 from .pattern import Pattern
 
@@ -46,7 +46,7 @@ class Symmetry:
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
-@once
+@memoise
 def find_symmetry(pattern: Pattern) -> Symmetry:
     """Find the left-right symmetry of a pattern (thesis algorithm 2).
 

@@ -9,14 +9,15 @@ from .errors import PanelCrossing, PanelDegenerate, Place
 from .pattern import Panel
 from .polygon import polygon_area
 
-SEGMENTS = 12
-"""Segments to a curve for the crossing test; a drawn curve then strays from its chords by less than 1 % of them."""
+CROSSING_SEGMENT_COUNT = 12
+"""Number of segments of a curve in the crossing test; a drawn curve then strays from its chords by less than 1 % of
+them."""
 
-LEAST_AREA = 1e-6
+MIN_PANEL_AREA = 1e-6
 """The smallest area of a panel [m2]: a square of 1 mm."""
 
 
-LEAST_EDGE = 1e-6
+MIN_PANEL_EDGE_LENGTH = 1e-6
 """The shortest edge of a panel, from end to end [m]."""
 
 
@@ -28,7 +29,7 @@ def check_outline(panel: Panel) -> None:
     """
     for index in range(len(panel.edges)):
         start, end = chord(panel, index)
-        if np.linalg.norm(end - start) < LEAST_EDGE:
+        if np.linalg.norm(end - start) < MIN_PANEL_EDGE_LENGTH:
             place = Place(panel.name, edge=index, vertex=index, point=_pair(start))
             raise PanelDegenerate(f"panel '{panel.name}' edge {index} has no length; remove it.", place)
     owner, polygon = _outline(panel)
@@ -39,7 +40,7 @@ def check_outline(panel: Panel) -> None:
         raise PanelCrossing(
             f"the outline of panel '{panel.name}' crosses itself; redraw it as a simple closed loop.", *places
         )
-    if abs(polygon_area(polygon)) < LEAST_AREA:
+    if abs(polygon_area(polygon)) < MIN_PANEL_AREA:
         raise PanelDegenerate(
             f"panel '{panel.name}' has no area; remove it or check the file's units.", Place(panel.name)
         )
@@ -67,8 +68,8 @@ def find_crossing(polygon: np.ndarray) -> tuple[int, int] | None:
 
 def _outline(panel: Panel) -> tuple[np.ndarray, np.ndarray]:
     """Return the edge of each segment of a panel's outline, shape [n], and its corners [m], shape [n, 2]."""
-    counts = [1 if edge.kind == "line" else SEGMENTS for edge in panel.edges]
-    return np.repeat(np.arange(len(counts)), counts), panel_outline(panel, SEGMENTS)
+    counts = [1 if edge.kind == "line" else CROSSING_SEGMENT_COUNT for edge in panel.edges]
+    return np.repeat(np.arange(len(counts)), counts), panel_outline(panel, CROSSING_SEGMENT_COUNT)
 
 
 def _meet(polygon: np.ndarray, i: int, j: int) -> tuple[float, float]:

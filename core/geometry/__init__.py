@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..run.lazy import import_lazily
-from .connectivity import HalfEdges, adjacency_matrix, find_components, shortest_ways
+from .connectivity import HalfEdges, adjacency_matrix, find_components, shortest_paths
 from .curves import ClosedCurve, CurvePoints, polyline_length, resample_polyline
 from .geometry import (
     angle_defects,
@@ -34,13 +34,13 @@ from .geometry import (
 )
 from .rigid import RigidMotion, fit_rigid, plane_rotation
 from .rim import Rim
-from .surface import Closest, TriangleSurface, barycentric_coordinates
+from .surface import ClosestPoints, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
     from .collapse import CollapsedMesh, collapse_edges
     from .contour import measure_contour
     from .intersections import face_boxes, intersecting_pairs, self_intersections, undo_crossings
-    from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
+    from .linear import Factor, NotPositiveDefinite, Solver, SuperLU, analyse_pattern, factor_general, factor_symmetric
     from .moving_towards import move_towards
     from .multifrontal import Cholesky
     from .untangling import contract_contours, untangle
@@ -49,10 +49,10 @@ _LAZY = {
     "Cholesky": "multifrontal",
     "CollapsedMesh": "collapse",
     "Factor": "linear",
-    "NotDefinite": "linear",
+    "NotPositiveDefinite": "linear",
     "Solver": "linear",
     "SuperLU": "linear",
-    "analyse": "linear",
+    "analyse_pattern": "linear",
     "collapse_edges": "collapse",
     "contract_contours": "untangling",
     "factor_general": "linear",
@@ -70,19 +70,19 @@ _LAZY = {
 __all__ = [
     "Cholesky",
     "ClosedCurve",
-    "Closest",
+    "ClosestPoints",
     "CollapsedMesh",
     "CurvePoints",
     "Factor",
     "HalfEdges",
-    "NotDefinite",
+    "NotPositiveDefinite",
     "RigidMotion",
     "Rim",
     "Solver",
     "SuperLU",
     "TriangleSurface",
     "adjacency_matrix",
-    "analyse",
+    "analyse_pattern",
     "angle_defects",
     "area_vectors",
     "barycentric_coordinates",
@@ -116,7 +116,7 @@ __all__ = [
     "rim_turns",
     "self_intersections",
     "shape_gradients",
-    "shortest_ways",
+    "shortest_paths",
     "signed_areas",
     "signed_volume",
     "undo_crossings",

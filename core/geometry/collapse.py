@@ -9,23 +9,23 @@ from numba import njit
 
 from .geometry import edge_lengths
 
-ROUND = 0.4
-"""Share of the edges, the shortest, that one round may collapse. Lengths are measured anew after each: with all at
-once, the last collapses would go by lengths that were true long ago."""
+MAX_COLLAPSED_EDGE_SHARE = 0.4
+"""Share of the edges, the shortest, that one iteration may collapse. Lengths are measured anew after each: with all at
+once, the last collapses would go by outdated lengths."""
 
-TURN = 0.5
-"""Cosine of the angle by which a collapse may turn a face: 60 degrees, above what a fold turns within an edge."""
+MIN_COLLAPSE_NORMAL_COSINE = 0.5
+"""Least cosine of the angle by which a collapse may turn a face: 60 degrees, above what a fold turns within an edge."""
 
-SHAPE = 0.15
-"""Height over longest side that faces keep, where they had it; along a border that is finer than the inside they have
-less."""
+MIN_COLLAPSE_HEIGHT_RATIO = 0.15
+"""Least height over longest side that a collapse leaves to faces which had it; along a border that is finer than the
+inside they have less."""
 
-STALLED = 0.01
-"""A round that takes away less than this share of the faces is stalled: where noise is as large as an edge every face
-points elsewhere, so the next round may turn faces farther."""
+MIN_REMOVED_FACE_SHARE = 0.01
+"""Share of the faces below which an iteration that removes fewer is stalled: where noise is as large as an edge every
+face points elsewhere, so the next iteration may turn faces farther."""
 
-ROUNDS = 200
-"""Most rounds; 2.2 million faces become 100 thousand in 20."""
+MAX_COLLAPSE_ITERATIONS = 200
+"""Largest number of iterations; 2.2 million faces become 100 thousand in 20."""
 
 
 @dataclass(frozen=True)
@@ -70,17 +70,17 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
     weights, stands = np.ones(count), np.arange(count)
     fixed = np.zeros(count, dtype=bool)
     fixed[_border_vertices(table, count)] = True
-    turn, left = TURN, len(table)
-    for _ in range(ROUNDS):
+    turn, left = MIN_COLLAPSE_NORMAL_COSINE, len(table)
+    for _ in range(MAX_COLLAPSE_ITERATIONS):
         edges = _inner_edges(table)
         lengths = edge_lengths(points, edges)
-        order = _shortest(lengths, max(1, int(ROUND * len(edges))))
+        order = _shortest(lengths, max(1, int(MAX_COLLAPSED_EDGE_SHARE * len(edges))))
         alive, gone = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
         table = table[alive]
         left -= gone
-        if left <= most or (gone < STALLED * left and turn <= -1.0):
+        if left <= most or (gone < MIN_REMOVED_FACE_SHARE * left and turn <= -1.0):
             break
-        turn = turn - 0.5 if gone < STALLED * left else turn
+        turn = turn - 0.5 if gone < MIN_REMOVED_FACE_SHARE * left else turn
     origin = np.unique(table)
     place = np.full(count, -1)
     place[origin] = np.arange(len(origin))
@@ -218,7 +218,7 @@ def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def
         if alive[face] and b != v and c != v:
             x, y, z, slim = _normal(points[u, 0], points[u, 1], points[u, 2], points, b, c)
             p, q, r, thin = _normal(goal[0], goal[1], goal[2], points, b, c)
-            if x * p + y * q + z * r < turn or thin < min(SHAPE, slim):
+            if x * p + y * q + z * r < turn or thin < min(MIN_COLLAPSE_HEIGHT_RATIO, slim):
                 return False
         corner = following[corner]
     return True

@@ -175,7 +175,7 @@ def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[
     return int(number), labels
 
 
-def shortest_ways(
+def shortest_paths(
     edges: HalfEdges, lengths: np.ndarray, start: np.ndarray, limit: float = np.inf
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Compute the shortest way along edges from the nearest of some vertices to each (Dijkstra).

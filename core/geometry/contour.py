@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-STEEP = 0.1
-"""Least sine of the angle between an edge and a face for which the meeting point's way along the edge counts whole:
-an edge that lies almost in the face would throw it, and with it the gradient, anywhere."""
+MIN_EDGE_FACE_SINE = 0.1
+"""Sine of the angle between an edge and a face below which the angle is taken for this: along an edge that lies almost
+in the face the meeting point would move arbitrarily far, and the gradient with it."""
 
 
 def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> tuple[float, np.ndarray]:
@@ -21,7 +21,7 @@ def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) 
 
     with g = dL/dP the unit vector along the segment. To make the contour shorter is how a surface gets out of itself
     (Volino and Magnenat-Thalmann 2006, intersection contour minimisation). **Deviation**: the exact gradient of the
-    length and not its estimate for each edge; N . E is kept above `STEEP` |N| |E|.
+    length and not its estimate for each edge; N . E is kept above `MIN_EDGE_FACE_SINE` |N| |E|.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -65,7 +65,7 @@ def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
         for e in range(2):
             for d in range(3):
                 pull[d] = (ends[e, d] - ends[1 - e, d]) / length
-            _spread(x, corners[e], sizes[e], pull, gradient)
+            _scatter_gradient(x, corners[e], sizes[e], pull, gradient)
     return total
 
 
@@ -92,7 +92,7 @@ def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
     two = (np.cross(u, way) * normal).sum() / square
     if one <= 0.0 or two <= 0.0 or one + two >= 1.0:
         return False
-    least = STEEP * np.sqrt(square * (edge * edge).sum())
+    least = MIN_EDGE_FACE_SINE * np.sqrt(square * (edge * edge).sum())
     sizes[0], sizes[1], sizes[2], sizes[3] = t, 1.0 - one - two, one, two
     for d in range(3):
         sizes[4 + d] = normal[d]
@@ -101,7 +101,7 @@ def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _spread(x, corners, sizes, pull, gradient):  # type: ignore[no-untyped-def]
+def _scatter_gradient(x, corners, sizes, pull, gradient):  # type: ignore[no-untyped-def]
     """Add what a pull on an end of a segment is to the five vertices that it hangs on."""
     p, q = corners[0], corners[1]
     along = 0.0

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-LEAF = 24
-"""Most nodes of three rows each that are not cut any further: fronts of 72 rows, where dense algebra begins to pay."""
+MAX_LEAF_NODE_COUNT = 24
+"""Largest number of nodes, of three rows each, that are not cut any further: fronts of 72 rows, from which on dense
+algebra is faster."""
 
-FAR = 6
-"""Far nodes whose bisectors are tried as separators. Level sets around one node (George 1973) cost 13 to 24 % more
-arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more than 6, and 8 as much."""
+PERIPHERAL_NODE_COUNT = 6
+"""Number of pseudo-peripheral (far) nodes whose bisectors are tried as separators. Level sets around one node (George
+1973) cost 13 to 24 % more arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more than 6, and 8 as
+much."""
 
 
 @dataclass(frozen=True)
-class Part:
+class Supernode:
     """A set of nodes that are eliminated together, and what their elimination touches.
 
     Attributes:
@@ -32,7 +34,7 @@ class Part:
     parent: int
 
 
-def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = LEAF) -> list[Part]:
+def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = MAX_LEAF_NODE_COUNT) -> list[Supernode]:
     """Cut a symmetric graph (rows of neighbours) into parts of at most `leaf` nodes, children before parents."""
     count = len(indptr) - 1
     groups: list[np.ndarray] = []
@@ -46,7 +48,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = LEAF) -> list[P
         nodes, above = stack.pop()
         token += 1
         mark[nodes] = token
-        pieces = [nodes] if len(nodes) <= leaf else _cut(indptr, indices, nodes, mark, token, level)
+        pieces = [nodes] if len(nodes) <= leaf else _bisect(indptr, indices, nodes, mark, token, level)
         groups.append(pieces[0])
         parents.append(above)
         here = len(groups) - 1
@@ -55,17 +57,21 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = LEAF) -> list[P
             parents.pop()
             here = above
         stack.extend((piece, here) for piece in pieces[1:] if len(piece))
-    return _link(indptr, indices, groups[::-1], [len(groups) - 1 - p if p >= 0 else -1 for p in parents[::-1]])
+    return _build_supernodes(
+        indptr, indices, groups[::-1], [len(groups) - 1 - p if p >= 0 else -1 for p in parents[::-1]]
+    )
 
 
-def _cut(
+def _bisect(
     indptr: np.ndarray, indices: np.ndarray, nodes: np.ndarray, mark: np.ndarray, token: int, level: np.ndarray
 ) -> list[np.ndarray]:
     """Find [separator, one side, other side]; [nodes] where no cut helps; [nothing, component, rest] where apart."""
     queue = np.zeros(len(nodes), dtype=np.int64)
     start = nodes[0]
-    distances = np.zeros((FAR, len(nodes)), dtype=np.int64)
-    for n in range(-1, FAR):  # once from anywhere, to find a far end; then from each node that is far from all before
+    distances = np.zeros((PERIPHERAL_NODE_COUNT, len(nodes)), dtype=np.int64)
+    for n in range(
+        -1, PERIPHERAL_NODE_COUNT
+    ):  # once from anywhere, to find a far end; then from each node that is far from all before
         level[nodes] = -1
         reached = _spread_levels(indptr, indices, start, mark, token, level, queue)
         if reached < len(nodes):
@@ -180,7 +186,9 @@ def _touches(indptr, indices, nodes, mark, token, place, field):  # type: ignore
     return found
 
 
-def _link(indptr: np.ndarray, indices: np.ndarray, groups: list[np.ndarray], parents: list[int]) -> list[Part]:
+def _build_supernodes(
+    indptr: np.ndarray, indices: np.ndarray, groups: list[np.ndarray], parents: list[int]
+) -> list[Supernode]:
     """Number the nodes and find each part's boundary; children come before their parents."""
     count = len(indptr) - 1
     order = np.concatenate(groups)
@@ -199,5 +207,5 @@ def _link(indptr: np.ndarray, indices: np.ndarray, groups: list[np.ndarray], par
         parent = int(owner[boundary[0]]) if len(boundary) else -1
         if parent >= 0:
             passed[parent].append(boundary)
-        parts.append(Part(nodes, int(firsts[g]), boundary, parent))
+        parts.append(Supernode(nodes, int(firsts[g]), boundary, parent))
     return parts

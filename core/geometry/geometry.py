@@ -15,8 +15,9 @@ from .connectivity import HalfEdges
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-FLATTEST = 1e-6
-"""Twice the area of a triangle over the sum of its two squared sides, below which its inverse is that of a thin one."""
+MIN_TRIANGLE_AREA_RATIO = 1e-6
+"""Twice the area of a triangle over the sum of its two squared sides, below which its shape gradients are those of a
+triangle with this ratio, so that they stay finite."""
 
 
 def area_vectors(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -149,15 +150,15 @@ def shape_gradients(rest: np.ndarray) -> np.ndarray:
     """Compute the gradients of the three linear shape functions of flat triangles [1/m], shape [face_count, 3, 2].
 
     g_k is the gradient of the function that is 1 at corner k and 0 at both others; g_0 + g_1 + g_2 = 0, and g_1, g_2
-    are the rows of D_m^-1, D_m = [p_1 - p_0, p_2 - p_0]. A triangle flatter than `FLATTEST` gets those of a thin one,
-    not infinity: its area makes its weight vanish.
+    are the rows of D_m^-1, D_m = [p_1 - p_0, p_2 - p_0]. A triangle flatter than `MIN_TRIANGLE_AREA_RATIO` gets those
+    of a thin one, not infinity: its area makes its weight vanish.
 
     Args:
         rest: Corners [m], shape [face_count, 3, 2].
     """
     p, q = rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]
     twice = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-    least = FLATTEST * np.maximum((p**2).sum(1) + (q**2).sum(1), 1e-12)
+    least = MIN_TRIANGLE_AREA_RATIO * np.maximum((p**2).sum(1) + (q**2).sum(1), 1e-12)
     safe = np.where(np.abs(twice) > least, twice, np.where(twice < 0, -least, least))
     one = np.stack([q[:, 1], -q[:, 0]], axis=1) / safe[:, None]
     two = np.stack([-p[:, 1], p[:, 0]], axis=1) / safe[:, None]

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-UNDO_ROUNDS = 12
-"""Rounds in which steps that cross are undone: an undone node may cross a neighbour that moved on."""
+MAX_UNDO_ITERATIONS = 12
+"""Largest number of iterations in which steps that cross are undone: an undone node may cross a neighbour that moved
+on."""
 
-HALVINGS = 3
-"""Rounds in which they are halved at first, and rounds in which they are undone altogether at last."""
+HALVING_ITERATIONS = 3
+"""Number of the first iterations, in which steps that cross are halved, and of the last ones, in which they are undone
+altogether."""
 
 
 def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -69,7 +71,7 @@ def undo_crossings(
         room: Distance that each node may move and cross nothing [m], shape [node_count]; zero where None.
     """
     found = self_intersections(nodes, faces)
-    for turn in range(UNDO_ROUNDS):
+    for turn in range(MAX_UNDO_ITERATIONS):
         fresh = np.setdiff1d(found, crossed)
         if not len(fresh):
             break
@@ -77,9 +79,9 @@ def undo_crossings(
         if turn > 3 and np.array_equal(nodes[back], before[back]):
             break  # nothing is left to be undone
         move = nodes[back] - before[back]
-        if turn < HALVINGS:
+        if turn < HALVING_ITERATIONS:
             move *= 0.5
-        elif room is None or turn >= UNDO_ROUNDS - HALVINGS:
+        elif room is None or turn >= MAX_UNDO_ITERATIONS - HALVING_ITERATIONS:
             move *= 0.0
         else:
             move *= np.minimum(1.0, room[back] / np.maximum(np.linalg.norm(move, axis=1), 1e-12))[:, None]

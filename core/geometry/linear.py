@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .multifrontal import Cholesky
 
 
-class NotDefinite(np.linalg.LinAlgError):
+class NotPositiveDefinite(np.linalg.LinAlgError):
     """The matrix is not positive definite: something in the system is held by nothing, or pulled apart."""
 
 
@@ -75,7 +75,7 @@ class SuperLU:
         return bool((lu.U.diagonal() > 0).all())
 
 
-def analyse(edges: HalfEdges, rings: int = 1) -> Cholesky:
+def analyse_pattern(edges: HalfEdges, rings: int = 1) -> Cholesky:
     """Analyse the pattern of matrices that couple each vertex of a mesh with so many rings around it.
 
     One ring holds a Laplacian, two hold its square; a face's and an edge's rows are within one.
@@ -98,8 +98,8 @@ def factor_symmetric(matrix: sparse.spmatrix, analysed: Cholesky | None = None) 
 
     Args:
         matrix: The matrix, both triangles.
-        analysed: What `analyse` found; it keeps the factor until its next one. A matrix with an entry outside its
-            pattern is factored as one that is alone.
+        analysed: What `analyse_pattern` found; it keeps the factor until its next one. A matrix with an entry outside
+            its pattern is factored as one that is alone.
 
     Raises:
         NotDefinite: where the matrix is not positive definite.
@@ -112,7 +112,7 @@ def factor_symmetric(matrix: sparse.spmatrix, analysed: Cholesky | None = None) 
     else:
         found = factor_general(matrix)
     if not found.is_positive_definite():
-        raise NotDefinite("a matrix that must be positive definite is not")
+        raise NotPositiveDefinite("a matrix that must be positive definite is not")
     return found
 
 
@@ -126,5 +126,5 @@ def factor_general(matrix: sparse.spmatrix) -> Factor:
     columns.sort_indices()
     found = SuperLU(columns.indptr, columns.indices)
     if not found.factor(columns.data):
-        raise NotDefinite("the matrix is singular")
+        raise NotPositiveDefinite("the matrix is singular")
     return found

@@ -9,14 +9,14 @@ from numba import njit
 from scipy.linalg.blas import dsyrk, dtrsm, ssyrk, strsm
 from scipy.linalg.lapack import dpotrf, spotrf
 
-from .dissection import LEAF, dissect
+from .dissection import MAX_LEAF_NODE_COUNT, dissect
 from .substitution import substitute
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-FULL = 3 * LEAF
-"""Rows of a front that is not cut any further."""
+MAX_LEAF_ROW_COUNT = 3 * MAX_LEAF_NODE_COUNT
+"""Largest number of rows of a front that is not cut any further: three for each of `MAX_LEAF_NODE_COUNT` nodes."""
 
 
 class Cholesky:
@@ -41,7 +41,7 @@ class Cholesky:
         number = np.float32 if single else np.float64
         self._definite = False
         graph = indptr[::block].astype(np.int64) // block**2
-        self._parts = dissect(graph, _neighbours(indptr, indices, block), max(1, FULL // block))
+        self._parts = dissect(graph, _neighbours(indptr, indices, block), max(1, MAX_LEAF_ROW_COUNT // block))
         order = np.concatenate([part.nodes for part in self._parts])
         self._order = (block * order[:, None] + np.arange(block)).ravel()
         own = np.array([block * len(part.nodes) for part in self._parts])
@@ -57,7 +57,7 @@ class Cholesky:
         self._layout = np.column_stack([np.array(self._fronts), places])
         self._pattern = (indptr, indices)
         self._map_entries(indptr, indices)
-        self._places = _plan([part.parent for part in self._parts], rest**2)
+        self._places = _plan_storage([part.parent for part in self._parts], rest**2)
         self._passed = np.zeros(int((self._places + rest**2).max()), number)
         self._links = []
         for rows, part in zip(self._rows, self._parts, strict=True):
@@ -123,7 +123,7 @@ class Cholesky:
         """Return a matrix's entries in the order of the pattern, zeros where it has none; None where one is outside."""
         matrix.sum_duplicates()
         data = np.zeros(len(self._pattern[1]))
-        return data if _spread(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data) else None
+        return data if _scatter_entries(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data) else None
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve for one right side [n] or several [n, m] with the last factor."""
@@ -146,7 +146,7 @@ def _neighbours(indptr: np.ndarray, indices: np.ndarray, block: int) -> np.ndarr
     return indices[(rows % block == 0) & (indices % block == 0)].astype(np.int64) // block
 
 
-def _plan(parents: list[int], sizes: np.ndarray) -> np.ndarray:
+def _plan_storage(parents: list[int], sizes: np.ndarray) -> np.ndarray:
     """Place updates of these sizes in one store, each kept until its parent has taken it: the first gap that is wide.
 
     Memory that is asked for anew at every factorisation costs more, page by page, than what is computed in it.
@@ -165,7 +165,7 @@ def _plan(parents: list[int], sizes: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _spread(indptr, indices, values, pattern_indptr, pattern_indices, data):  # type: ignore[no-untyped-def]
+def _scatter_entries(indptr, indices, values, pattern_indptr, pattern_indices, data):  # type: ignore[no-untyped-def]
     """Copy entries to their places in a wider pattern (columns ascend in both); False where one has none."""
     for row in range(len(indptr) - 1):
         place, end = pattern_indptr[row], pattern_indptr[row + 1]

@@ -11,17 +11,20 @@ from .geometry import unit
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-NEIGHBOURS = 24
-"""Points that a plane is fitted to: with 2 mm of noise at 5 mm of spacing the normal is within some 10 degrees."""
-MOST = 200_000
-"""Points that planes are fitted at; of a denser cloud the others take the nearest's."""
-BLOCK = 50_000
-"""Points that are worked on at a time, so that their neighbours take 30 MB."""
-AGREE = 0.8
-"""Share of neighbours' normals that must point the same way for a cloud to be oriented; random ones reach 0.5."""
+NORMAL_NEIGHBOUR_COUNT = 24
+"""Number of points that a plane is fitted to: with 2 mm of noise at 5 mm of spacing the normal is within some 10
+degrees."""
+MAX_NORMAL_POINT_COUNT = 200_000
+"""Largest number of points that planes are fitted at; of a denser cloud the others take the nearest one's normal."""
+NORMAL_BATCH_POINT_COUNT = 50_000
+"""Number of points in a batch, so that their neighbours take 30 MB."""
+MIN_NORMAL_AGREEMENT_SHARE = 0.8
+"""Least share of neighbours' normals that point the same way where a cloud is oriented; random ones reach 0.5."""
 
 
-def estimate_normals(points: np.ndarray, drawn: np.ndarray | None = None, count: int = NEIGHBOURS) -> np.ndarray:
+def estimate_normals(
+    points: np.ndarray, drawn: np.ndarray | None = None, count: int = NORMAL_NEIGHBOUR_COUNT
+) -> np.ndarray:
     """Estimate unit normals from the plane through each point's neighbours, shape [m, 3]; of either sign.
 
     The normal is the direction in which the neighbours spread least (H. Hoppe et al., Surface Reconstruction from
@@ -34,20 +37,26 @@ def estimate_normals(points: np.ndarray, drawn: np.ndarray | None = None, count:
     """
     tree, asked = _make_tree(points), points if drawn is None else points[drawn]
     found = []
-    for start in range(0, len(asked), BLOCK):
-        near = points[tree.query(asked[start : start + BLOCK], min(count, len(points)))[1]]
+    for start in range(0, len(asked), NORMAL_BATCH_POINT_COUNT):
+        near = points[tree.query(asked[start : start + NORMAL_BATCH_POINT_COUNT], min(count, len(points)))[1]]
         near = near - near.mean(axis=1, keepdims=True)
         found.append(np.linalg.eigh(np.einsum("nka,nkb->nab", near, near))[1][:, :, 0])
     return np.concatenate(found) if found else np.zeros((0, 3))
 
 
 def find_normals(points: np.ndarray) -> np.ndarray:
-    """Find unit normals of either sign, shape [n, 3]; beyond `MOST` points from some of them, for the others too."""
-    if len(points) <= MOST:
+    """Find unit normals of either sign, shape [n, 3]; beyond `MAX_NORMAL_POINT_COUNT` points from some of them, for the
+    others too."""
+    if len(points) <= MAX_NORMAL_POINT_COUNT:
         return estimate_normals(points)
-    subset = points[thin_points(points, MOST)]
+    subset = points[thin_points(points, MAX_NORMAL_POINT_COUNT)]
     normals, tree = estimate_normals(subset), _make_tree(subset)
-    return np.concatenate([normals[tree.query(points[s : s + BLOCK])[1]] for s in range(0, len(points), BLOCK)])
+    return np.concatenate(
+        [
+            normals[tree.query(points[s : s + NORMAL_BATCH_POINT_COUNT])[1]]
+            for s in range(0, len(points), NORMAL_BATCH_POINT_COUNT)
+        ]
+    )
 
 
 def smooth_normals(points: np.ndarray, normals: np.ndarray, drawn: np.ndarray, count: int = 12) -> np.ndarray:
@@ -93,29 +102,29 @@ def orient_normals(
     return np.asarray(normals * np.where(belief < 0, -1.0, 1.0)[:, None])
 
 
-def faces_outward(points: np.ndarray, normals: np.ndarray) -> int:
+def find_normal_orientation(points: np.ndarray, normals: np.ndarray) -> int:
     """Find whether the normals of a closed surface's points face outward (1), inward (-1), or disagree (0)."""
     rows = thin_points(points, 20_000)
     near = _make_tree(points[rows]).query(points[rows], min(7, len(rows)))[1][:, 1:]
     agree = np.einsum("nki,ni->nk", normals[rows][near], normals[rows]) > 0.0
-    if agree.mean() < AGREE:
+    if agree.mean() < MIN_NORMAL_AGREEMENT_SHARE:
         return 0
     flux = float(((points[rows] - points[rows].mean(axis=0)) * normals[rows]).sum())
     return 1 if flux > 0.0 else -1
 
 
-ROUGH = 0.08
-"""Spread of normals (1 - length of the mean of `CALMED`) from which they are noise: 0.01 to 0.02 with the scanner's
-noise of 1 to 2 mm, 0.21 with 5 mm."""
-CALMED = 8
-"""Points whose normals are averaged where they are noise: at 7 mm of spacing a disk of 1 cm radius."""
+MIN_NOISY_NORMAL_SPREAD = 0.08
+"""Spread of normals (1 - length of the mean of `NORMAL_AVERAGING_COUNT`) from which they are noise: 0.01 to 0.02 with
+the scanner's noise of 1 to 2 mm, 0.21 with 5 mm."""
+NORMAL_AVERAGING_COUNT = 8
+"""Number of points whose normals are averaged where they are noise: at 7 mm of spacing a disk of 1 cm radius."""
 
 
-def calm_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def denoise_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Average unit normals, shape [n, 3], over their neighbours of the same side where they are mostly noise."""
-    _, near = _make_tree(positions).query(positions, k=min(CALMED, len(positions)))
+    _, near = _make_tree(positions).query(positions, k=min(NORMAL_AVERAGING_COUNT, len(positions)))
     around = normals[near]
-    if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < ROUGH:
+    if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < MIN_NOISY_NORMAL_SPREAD:
         return normals
     same = np.einsum("nka,na->nk", around, normals) > 0
     return np.asarray(unit((around * same[:, :, None]).sum(axis=1)))

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from .connectivity import HalfEdges
-from .surface import Closest, TriangleSurface
+from .surface import ClosestPoints, TriangleSurface
 
-CURL = 0.01
-"""Width of the strip along a rim [m] that counts as the rim for points farther away than it is wide: a scan curls and
+RIM_STRIP_WIDTH = 0.01
+"""Width of the strip along a rim that counts as the rim for points farther away than it is wide [m]: a scan curls and
 frays where another surface lies over it, and a point ahead of the rim is then nearest to a place just inside."""
-CURLED = 0.5
-"""The same as a share of a point's distance: cloth that bends away to the hem of what lies over it, welded to that by a
-coarse scan, is 2 cm wide; what is hidden 12 cm above is nearest to any place of it."""
+RIM_STRIP_SHARE = 0.5
+"""Width of the strip along a rim as a share of a point's distance, where that is more than `RIM_STRIP_WIDTH`: cloth
+that bends away to the hem of what lies over it, welded to that by a coarse scan, is 2 cm wide; what is hidden 12 cm
+above is nearest to any place of it."""
 
 
 @dataclass(frozen=True)
@@ -48,18 +49,18 @@ class Rim:
         border = half_edges.border
         return cls.of(half_edges, faces, border[marked[half_edges.tail[border]] & marked[half_edges.head[border]]])
 
-    def holds(self, points: Closest) -> np.ndarray:
+    def holds(self, points: ClosestPoints) -> np.ndarray:
         """Check which closest points lie on the rim, bool, shape [point_count]."""
         near = points.barycentric < 1e-6
         on_edge = (near & self.edges[points.face]).any(axis=1)
         corner = self.faces[points.face, np.argmax(points.barycentric, axis=1)]
         return np.asarray(on_edge | ((near.sum(axis=1) == 2) & self.vertices[corner]))
 
-    def lies_ahead(self, surface: TriangleSurface, points: Closest) -> np.ndarray:
+    def lies_ahead(self, surface: TriangleSurface, points: ClosestPoints) -> np.ndarray:
         """Check which points the surface ends before, bool, shape [point_count].
 
-        Those whose closest point is on the rim; and of those farther away than `CURL`, whose closest point is as near
-        to it, or within `CURLED` of how far away they are.
+        Those whose closest point is on the rim; and of those farther away than `RIM_STRIP_WIDTH`, whose closest point
+        is as near to it, or within `RIM_STRIP_SHARE` of how far away they are.
 
         Args:
             surface: The rim's surface.
@@ -68,8 +69,8 @@ class Rim:
         from scipy.spatial import cKDTree
 
         ahead = self.holds(points)
-        far = np.flatnonzero(~ahead & (points.distance > CURL))
+        far = np.flatnonzero(~ahead & (points.distance > RIM_STRIP_WIDTH))
         if len(far) and self.vertices.any():
             inside = cKDTree(surface.vertices[self.vertices]).query(points.foot[far])[0]
-            ahead[far] = inside < np.maximum(CURL, CURLED * points.distance[far])
+            ahead[far] = inside < np.maximum(RIM_STRIP_WIDTH, RIM_STRIP_SHARE * points.distance[far])
         return ahead

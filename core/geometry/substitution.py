@@ -19,7 +19,7 @@ def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
         part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
         own, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
         tail[:] = zero
-        _go_down(part, tail, own, below)
+        _substitute_forward(part, tail, own, below)
         for r in range(n2):
             x[rows[r]] -= tail[r]
     for p in range(len(layout) - 1, -1, -1):
@@ -28,11 +28,11 @@ def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
         own, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
         for r in range(n2):
             tail[r] = x[rows[r]]
-        _go_up(part, tail, own, below, zero)
+        _substitute_backward(part, tail, own, below, zero)
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
-def _go_down(part, tail, own, below):  # type: ignore[no-untyped-def]
+def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-1 part, and add L21 times that to `tail`."""
     n1, n2 = len(part), len(tail)
     fours = n1 - n1 % 4
@@ -59,7 +59,7 @@ def _go_down(part, tail, own, below):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
-def _go_up(part, tail, own, below, zero):  # type: ignore[no-untyped-def]
+def _substitute_backward(part, tail, own, below, zero):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-T (part - L21^T tail)."""
     n1, n2 = len(part), len(tail)
     fours = n1 - n1 % 4

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Closest:
+class ClosestPoints:
     """Points of a triangle surface, each the closest one to a query point.
 
     Attributes:
@@ -86,11 +86,11 @@ class TriangleSurface:
         """True for faces with two corners or more on the border, shape [face_count]."""
         return np.asarray(self.half_edges.border_vertices[self.faces].sum(axis=1) > 1)
 
-    def closest(self, points: np.ndarray) -> Closest:
+    def closest(self, points: np.ndarray) -> ClosestPoints:
         """Find the closest point of the surface to each point [m], shape [n, 3]; exact, by libigl's AABB tree."""
         squared, face, foot = self._search(points)
         coordinates = barycentric_coordinates(foot, self.vertices[self.faces[face]])
-        return Closest(foot, face, coordinates, np.sqrt(np.maximum(squared, 0.0)))
+        return ClosestPoints(foot, face, coordinates, np.sqrt(np.maximum(squared, 0.0)))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Measure how far points [m], shape [n, 3], are from the surface, not signed [m], shape [n]."""

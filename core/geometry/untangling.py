@@ -10,48 +10,51 @@ from .contour import measure_contour
 from .intersections import intersecting_pairs, self_intersections
 from .linear import Factor, factor_symmetric
 
-SHARP = 3.0
-"""Most of a contour's gradient that one vertex takes: regular ones have 1 to 2, edges that graze a face 20."""
+MAX_CONTOUR_GRADIENT = 3.0
+"""Largest length of a contour's gradient at one vertex: regular ones have 1 to 2, edges that graze a face 20."""
 
-STEP = 5e-4
-"""Way of a vertex on which a contour pulls evenly, in one round [m]: with 1 mm detail meshes of shorts and trousers, of
-which 35 and 43 faces crossed, end 0.01 mm further from the scan, with 0.2 mm 0.02 mm nearer."""
+UNTANGLING_STEP_LENGTH = 5e-4
+"""Motion of a vertex on which a contour pulls evenly, in one iteration [m]: with 1 mm detail meshes of shorts and
+trousers, of which 35 and 43 faces crossed, end 0.01 mm further from the scan, with 0.2 mm 0.02 mm nearer."""
 
-WIDTH = 0.01
-"""Length over which a round's moves fade into the mesh around [m]: less than an edge, so that what fits stays. Twice as
-wide costs another 0.04 mm of the distance from the scan."""
+UNTANGLING_SMOOTHING_LENGTH = 0.01
+"""Length over which an iteration's moves fade into the mesh around [m]: less than an edge, so that what fits stays.
+Twice as wide costs another 0.04 mm of the distance from the scan."""
 
-ROUNDS = 120
-"""Rounds at most: a way of 6 cm."""
+MAX_UNTANGLING_ITERATIONS = 120
+"""Largest number of iterations: a motion of 6 cm."""
 
-PATIENCE = 24
-"""Rounds without fewer faces crossed after which the rest is left: an edge's way, for a contour may be as long as a
-patch before it breaks."""
+UNTANGLING_PATIENCE_ITERATIONS = 24
+"""Number of iterations without fewer crossed faces after which the rest stays crossed: a motion of an edge's length,
+for a contour may be as long as a patch before it breaks."""
 
 
-SMOOTHINGS = 12
-"""Rounds of smoothing what is crumpled at most: the corner of trousers' waist that rounds left crossed takes two."""
+MAX_CRUMPLE_SMOOTHING_ITERATIONS = 12
+"""Largest number of iterations that smooth crumpled faces: the corner of trousers' waist that untangling left crossed
+takes two."""
 
 
 def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Return how each vertex is to be moved so that the contours of intersection get shorter, shape [vertex_count, 3].
 
-    It is the negative gradient of their length, at most `SHARP` a vertex, and for each patch its sum over the patch.
+    It is the negative gradient of their length, at most `MAX_CONTOUR_GRADIENT` a vertex, and for each patch its sum
+    over the patch.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
         pairs: Pairs of faces that intersect, from `intersecting_pairs`, shape [pair_count, 2].
     """
-    return -(_soften(measure_contour(vertices, faces, pairs)[1]) + _part(faces, vertices, pairs))
+    return -(_clamp_gradient(measure_contour(vertices, faces, pairs)[1]) + _patch_directions(faces, vertices, pairs))
 
 
-def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = STEP) -> np.ndarray:
+def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_STEP_LENGTH) -> np.ndarray:
     """Move a mesh out of itself where it passes through itself, and return its vertices [m], shape [vertex_count, 3].
 
-    Each round moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w `WIDTH` and L the uniform
-    Laplacian by area: contours contract and vanish, and the mesh around them comes along. What then still crosses is
-    crumpled by about an edge, so that its contour is as short as it gets: it is smoothed with the faces around.
+    Each round moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w
+    `UNTANGLING_SMOOTHING_LENGTH` and L the uniform Laplacian by area: contours contract and vanish, and the mesh around
+    them comes along. What then still crosses is crumpled by about an edge, so that its contour is as short as it gets:
+    it is smoothed with the faces around.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -63,11 +66,11 @@ def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = STEP) -> np.
     """
     best, fewest, since = vertices, np.inf, 0
     moved, smooth = vertices, None
-    for _ in range(ROUNDS):
+    for _ in range(MAX_UNTANGLING_ITERATIONS):
         pairs = intersecting_pairs(moved, faces)
         crossed = len(np.unique(pairs))
         best, fewest, since = (moved, crossed, 0) if crossed < fewest else (best, fewest, since + 1)
-        if crossed == 0 or since > PATIENCE:
+        if crossed == 0 or since > UNTANGLING_PATIENCE_ITERATIONS:
             break
         smooth = smooth or _factor(vertices, faces)
         way = smooth.solve(step * contract_contours(moved, faces, pairs))
@@ -84,7 +87,7 @@ def _smooth(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     adjacent = sparse.csr_matrix(HalfEdges.of(faces, len(vertices)).adjacency, dtype=np.float64)
     degree = np.maximum(adjacent.sum(axis=1).A1, 1.0)
     best, fewest, moved = vertices, np.inf, vertices
-    for _ in range(SMOOTHINGS + 1):
+    for _ in range(MAX_CRUMPLE_SMOOTHING_ITERATIONS + 1):
         crossed = self_intersections(moved, faces)
         if len(crossed) < fewest:
             best, fewest = moved, len(crossed)
@@ -103,16 +106,18 @@ def _factor(vertices: np.ndarray, faces: np.ndarray) -> Factor:
     ends = vertices[edges.edges]
     square = float(((ends[:, 0] - ends[:, 1]) ** 2).sum(axis=1).mean())
     laplacian = sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64))
-    return factor_symmetric(sparse.identity(len(vertices)) + 2.0 * WIDTH**2 / (3.0 * square) * laplacian)
+    return factor_symmetric(
+        sparse.identity(len(vertices)) + 2.0 * UNTANGLING_SMOOTHING_LENGTH**2 / (3.0 * square) * laplacian
+    )
 
 
-def _soften(gradient: np.ndarray) -> np.ndarray:
-    """Shorten each row of a gradient to `SHARP`."""
+def _clamp_gradient(gradient: np.ndarray) -> np.ndarray:
+    """Shorten each row of a gradient to `MAX_CONTOUR_GRADIENT`."""
     size = np.sqrt((gradient**2).sum(1, keepdims=True))
-    return np.asarray(gradient * np.minimum(1.0, SHARP / np.maximum(size, SHARP)))
+    return np.asarray(gradient * np.minimum(1.0, MAX_CONTOUR_GRADIENT / np.maximum(size, MAX_CONTOUR_GRADIENT)))
 
 
-def _part(faces: np.ndarray, nodes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+def _patch_directions(faces: np.ndarray, nodes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Return how each patch of faces that cross others is to be moved as a whole, shape [node_count, 3], 1 at most.
 
     Two layers that have gone through each other along a lens meet along a long narrow contour, whose own gradient

@@ -3,12 +3,12 @@
 from .chamfer import VertexCloud, chamfer_and_normals
 from .comparison import Comparison, PanelDifference, compare_patterns
 from .contour_shape import measure_contour_shapes
-from .contours import carry_contours
+from .contours import transfer_contours
 from .damage import DAMAGES, Damage
 from .fairness import measure_fairness
 from .fit import Reference, measure_distance, measure_fit
-from .gates import Product, judge, product_of
-from .knowledge import measure_knowledge
+from .gates import Product, evaluate_gates, product_of
+from .knowledge import summarise_estimates
 from .matching import PanelPair, is_same_cut, match_panels
 from .packs import Pack, find_packs, is_raw_pack, read_mesh_file, read_packs, read_true_mesh, read_true_pattern
 from .patterns import (
@@ -34,7 +34,7 @@ from .raw_packs import (
     read_visible,
 )
 from .raw_shape import BodyScore, VisibleScore, measure_true_body, measure_visible
-from .raw_states import STATES, State, worsen
+from .raw_states import SCAN_STATES, ScanState, degrade_scan
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 from .turning import turning_distance
 from .wear import measure_upright, measure_wear
@@ -42,7 +42,7 @@ from .wear import measure_upright, measure_wear
 __all__ = [
     "DAMAGES",
     "PATTERN_METRICS",
-    "STATES",
+    "SCAN_STATES",
     "BodyScore",
     "BorderScore",
     "Calibration",
@@ -57,7 +57,7 @@ __all__ = [
     "RawFile",
     "RawPack",
     "Reference",
-    "State",
+    "ScanState",
     "TrueGarment",
     "TruePanel",
     "TruePattern",
@@ -65,15 +65,15 @@ __all__ = [
     "TruthFrame",
     "VertexCloud",
     "VisibleScore",
-    "carry_contours",
     "chamfer_and_normals",
     "compare_patterns",
+    "degrade_scan",
+    "evaluate_gates",
     "find_edges",
     "find_frame",
     "find_packs",
     "is_raw_pack",
     "is_same_cut",
-    "judge",
     "judge_outcome",
     "match_panels",
     "measure_borders",
@@ -82,7 +82,6 @@ __all__ = [
     "measure_distance",
     "measure_fairness",
     "measure_fit",
-    "measure_knowledge",
     "measure_labels",
     "measure_panels",
     "measure_pattern",
@@ -103,8 +102,9 @@ __all__ = [
     "read_true_mesh",
     "read_true_pattern",
     "read_visible",
+    "summarise_estimates",
+    "transfer_contours",
     "turning_distance",
     "unmatched_panels",
-    "worsen",
     "write_raw_file",
 ]

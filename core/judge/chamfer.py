@@ -18,9 +18,10 @@ LLOYD_ITERATIONS = 8
 """Sweeps that spread the imitated vertices: from then on the floor changes by less than 1 % a sweep."""
 
 
-MOST = 200_000
-"""Vertices of a mesh that ask for their nearest on the other; of a denser mesh every second, third, ... asks. The mean
-of a squared distance that varies by twice its size then scatters by 0.5 %."""
+MAX_QUERY_VERTEX_COUNT = 200_000
+"""Largest number of a mesh's vertices for which the nearest vertex of the other mesh is searched. Of a denser mesh
+every second, third, ... vertex is taken. The mean of a squared distance that varies by twice its size then scatters by
+0.5 %."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class VertexCloud:
     @property
     def askers(self) -> slice:
         """Which vertices ask for their nearest on another mesh."""
-        return slice(None, None, -(-len(self.points) // MOST) or 1)
+        return slice(None, None, -(-len(self.points) // MAX_QUERY_VERTEX_COUNT) or 1)
 
 
 def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float, float]:
@@ -53,8 +54,8 @@ def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float,
     normals = mean_s (1 - <n_s, n_t>) + mean_t (1 - <n_t, n_s>), each with its closest vertex (thesis eq. 4.3).
 
     **Deviation**: whether the two meshes face the same way is settled once, by vote over all vertices, since a mesh
-    wound inside out has the same shape; and the means over more than `MOST` vertices are over some of them, evenly
-    through their order.
+    wound inside out has the same shape; and the means over more than `MAX_QUERY_VERTEX_COUNT` vertices are over some of
+    them, evenly through their order.
 
     Args:
         source: Our vertices.
@@ -63,13 +64,13 @@ def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float,
     Returns:
         Chamfer distance [m2] and normal similarity (0 is equal, 4 is opposite), both directions summed.
     """
-    forward, backward = _match(source, truth), _match(truth, source)
+    forward, backward = _match_nearest(source, truth), _match_nearest(truth, source)
     chamfer = float(np.mean(forward[0] ** 2) + np.mean(backward[0] ** 2))
     sign = orientation(forward[1])
     return chamfer, float(2.0 - sign * np.mean(forward[1]) - sign * np.mean(backward[1]))
 
 
-def _match(source: VertexCloud, other: VertexCloud) -> tuple[np.ndarray, np.ndarray]:
+def _match_nearest(source: VertexCloud, other: VertexCloud) -> tuple[np.ndarray, np.ndarray]:
     """Return the distance [m] from vertices to the nearest one of another mesh, and the cosine of their normals."""
     distance, nearest = other.tree.query(source.points[source.askers])
     return distance, np.einsum("ij,ij->i", source.normals[source.askers], other.normals[nearest])
@@ -95,12 +96,12 @@ def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.ran
     Returns:
         Floor of the Chamfer distance [m2] and of the normal similarity.
     """
-    first = _spread(surface, vertex_count, generator)
-    second = _spread(surface, vertex_count, generator)
+    first = _sample_evenly(surface, vertex_count, generator)
+    second = _sample_evenly(surface, vertex_count, generator)
     return chamfer_and_normals(first, second)
 
 
-def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
+def _sample_evenly(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
     """Spread points evenly over a surface by Lloyd's sweeps; give them with their normals."""
     samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]

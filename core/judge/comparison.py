@@ -12,21 +12,21 @@ import numpy as np
 
 from ..garment import Panel, Pattern, load_pattern, panel_area, panel_outline
 from ..run.errors import BadInput
-from .matching import match_panels, turn_over
+from ..run.units import MM_PER_M
+from .matching import match_panels, mirror_outline
 from .outlines import fit_outline
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
-SEGMENTS = 24
-"""Segments of each curve: the chord error on a 50 cm curve is 0.1 mm."""
+COMPARED_CURVE_SEGMENT_COUNT = 24
+"""Number of segments of each curve that is compared: the chord error on a 50 cm curve is 0.1 mm."""
 
 DRAWN_SEGMENTS = 12
 """Segments of each curve that is drawn: its chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
 
-ROUNDING = 1e-6
-"""Turning distances that differ by less [rad] are equal: a panel that is its own mirror image is not turned over."""
-
-MM = 1e3
+TURNING_DISTANCE_TOLERANCE = 1e-6
+"""Difference below which two turning distances are equal [rad]: a panel that is its own mirror image is not turned
+over."""
 
 
 class Pairing(StrEnum):
@@ -102,7 +102,7 @@ def compare_patterns(
     _check_pairs(first, second, given)
     pairs = [(a, b, Pairing.GIVEN) for a, b in given.items()]
     ours = replace(first, panels=tuple(panel for panel in first.panels if panel.name not in given), seams=())
-    theirs = _as_truth(panel for panel in second.panels if panel.name not in given.values())
+    theirs = _to_true_pattern(panel for panel in second.panels if panel.name not in given.values())
     for pair in () if only_given else match_panels(ours, theirs):
         pairs.append((pair.ours.name, pair.truth.name, Pairing.NAME if pair.by_name else Pairing.SHAPE))
     places = {panel.name: place for place, panel in enumerate(second.panels)}
@@ -152,21 +152,26 @@ def _check_pairs(first: Pattern, second: Pattern, given: Mapping[str, str]) -> N
             raise PairsBad(f"a panel of '{pattern.name[:60]}' is paired twice; give each at most one counterpart.")
 
 
-def _as_truth(panels: Iterable[Panel]) -> TruePattern:
+def _to_true_pattern(panels: Iterable[Panel]) -> TruePattern:
     """Return panels as those of a pattern that others are compared with."""
-    return TruePattern(tuple(TruePanel(panel.name, panel_outline(panel, SEGMENTS)) for panel in panels))
+    return TruePattern(
+        tuple(TruePanel(panel.name, panel_outline(panel, COMPARED_CURVE_SEGMENT_COUNT)) for panel in panels)
+    )
 
 
 def _describe(first: Panel, second: Panel, why: Pairing) -> PanelDifference:
     """Compare two panels by their outlines, the first turned over where it then turns more alike."""
-    ours, theirs = panel_outline(first, SEGMENTS), panel_outline(second, SEGMENTS)
-    turning, over = turning_distance(ours, theirs), turning_distance(turn_over(ours), theirs)
-    is_over = over < turning - ROUNDING
+    ours, theirs = (
+        panel_outline(first, COMPARED_CURVE_SEGMENT_COUNT),
+        panel_outline(second, COMPARED_CURVE_SEGMENT_COUNT),
+    )
+    turning, over = turning_distance(ours, theirs), turning_distance(mirror_outline(ours), theirs)
+    is_over = over < turning - TURNING_DISTANCE_TOLERANCE
     if is_over:
-        turning, ours = over, turn_over(ours)
+        turning, ours = over, mirror_outline(ours)
     area = 100.0 * (panel_area(first) / panel_area(second) - 1.0)
     fit = fit_outline(ours, theirs)
     rotation, shift = fit.motion.rotation, fit.motion.translation
     angle = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
     names, place = (first.name, second.name), (float(shift[0]), float(shift[1]))
-    return PanelDifference(*names, why, turning, area, MM * fit.rms, is_over, angle, place)
+    return PanelDifference(*names, why, turning, area, MM_PER_M * fit.rms, is_over, angle, place)

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..body import JOINTS, PARENTS, Body
+from ..body import JOINT_PARENTS, JOINTS, Body
 from ..garment import Garment
 from ..garment.neckline_fit import NecklineFit, fit_necklines
 from ..garment.parts import Neckline, corner_turn
 from ..geometry import ClosedCurve, resample_polyline, rim_turns
+from ..run.units import MM_PER_M
 from ..scan.contours import Contour, Target, smooth_loop, unroll_neck
 from ..scan.contours.edge_turn import EdgeTurn
 
@@ -18,25 +19,23 @@ CORNER_SPAN = 0.012
 """Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a
 coarse mesh. A round neckline of 7 cm radius turns by 20 degrees there."""
 
-ASIDE = 0.015
-"""How far from the middle plane a pattern's corner is looked for [m]: a drape hangs aside by as much as an edge of a
-coarse mesh. The corners of a square are further away."""
+MAX_CORNER_LATERAL_OFFSET = 0.015
+"""Largest distance from the middle plane at which a pattern's corner is searched [m]. A drape hangs aside by as much as
+an edge of a coarse mesh. The corners of a square neckline are further away."""
 
-FINE = 400
-"""Parts of half a neckline between which distances are taken: less than 1 mm each."""
+NECKLINE_SEGMENT_COUNT = 400
+"""Number of parts of half a neckline between which distances are taken: less than 1 mm each."""
 
-AROUND = 72
-"""Directions in which an edge's place along its limb is read."""
+LIMB_DIRECTION_COUNT = 72
+"""Number of directions around a limb in which an edge's position along the limb is read."""
 
-WINDOW = np.radians(60.0)
-"""Width over which such places are averaged [rad]: wider than the folds of a hem, which fall elsewhere in each drape,
-and narrower than a dip of front, back or side."""
+EDGE_AVERAGING_ANGLE = np.radians(60.0)
+"""Width of the window over which such positions are averaged [rad]. It is wider than the folds of a hem, which fall
+elsewhere in each drape, and narrower than a dip of front, back or side."""
 
-NEAR = 0.04
-"""How far from a corner of the scan's edge the drape's is looked for [m]: a drape hangs aside by as much, and corners
-of one edge are twice as far apart."""
-
-MM = 1e3
+CORNER_SEARCH_RADIUS = 0.04
+"""Distance from a corner of the scan's edge within which the drape's corner is searched [m]. A drape hangs aside by as
+much, and corners of one edge are twice as far apart."""
 
 
 def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
@@ -55,8 +54,8 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         what was cut straight, and none where it is nearest to another neckline. `shape.neck_mm`: the largest distance
         of the two lines of the neck, unrolled. `shape.NAME_mm` of any other contour: the largest distance along the
         limb or trunk that it goes round. `shape.edge_corner_deg`: of the corners that the scan's other edges have in
-        their cloth, by how much the pattern's edge turns less within `NEAR` of it, the most; 0 where they have none.
-        Edges that turn elsewhere, too, as cut and noisy ones do, say nothing.
+        their cloth, by how much the pattern's edge turns less within `CORNER_SEARCH_RADIUS` of it, the most; 0 where
+        they have none. Edges that turn elsewhere, too, as cut and noisy ones do, say nothing.
         What either has not is left out.
     """
     found: dict[str, float | None] = {}
@@ -70,7 +69,7 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
             found |= _compare_necks(mine, theirs, body)
             found |= _compare_corners(garment, nodes, target, body)
         else:
-            found[f"shape.{contour.name}_mm"] = MM * _compare_edges(mine, theirs, _axis(contour, body))
+            found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_edges(mine, theirs, _axis(contour, body))
             missed += _missed_corners(garment, nodes, target, contour)
     if missed:
         found["shape.edge_corner_deg"] = float(np.degrees(max(missed)))
@@ -83,7 +82,9 @@ def _compare_necks(mine: np.ndarray, theirs: np.ndarray, body: Body) -> dict[str
     if lines is None or others is None:
         return {}
     pairs = ((lines.front, others.front), (lines.back, others.back))
-    return {"shape.neck_mm": MM * max(_largest_gap(one, two) for pair in pairs for one, two in (pair, pair[::-1]))}
+    return {
+        "shape.neck_mm": MM_PER_M * max(_largest_gap(one, two) for pair in pairs for one, two in (pair, pair[::-1]))
+    }
 
 
 def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
@@ -97,13 +98,13 @@ def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: 
     off = np.abs(off - (off.max() + off.min()) / 2) / np.linalg.norm(lateral)
     apart = []
     for side, fit in ((ahead > ahead.mean(), fits.front[0]), (ahead <= ahead.mean(), fits.back[0])):
-        near = np.flatnonzero(side & (off <= max(ASIDE, off[side].min())))
+        near = np.flatnonzero(side & (off <= max(MAX_CORNER_LATERAL_OFFSET, off[side].min())))
         turn = max(flat_turn(garment, loop, int(node)) for node in near)
-        apart.append(abs(turn - _corner(fit)))
+        apart.append(abs(turn - _corner_angle(fit)))
     return {"shape.neck_corner_deg": float(np.degrees(max(apart)))}
 
 
-def _corner(fit: NecklineFit) -> float:
+def _corner_angle(fit: NecklineFit) -> float:
     """Return the corner in the middle of the neckline that is nearest to a contour [rad]."""
     if fit.throat.kind is not Neckline.V:
         return 0.0
@@ -146,14 +147,14 @@ def _missed_corners(garment: Garment, nodes: np.ndarray, target: Target, contour
     ours, missed = EdgeTurn.of(nodes[loop], _flat_turns(garment, loop)), [0.0]
     for place in corners:
         turn, away = float(seen.turn[place]), np.linalg.norm(ours.points - seen.points[place], axis=1)
-        alike = np.sign(turn) * ours.turn[away <= max(NEAR, away.min())]
+        alike = np.sign(turn) * ours.turn[away <= max(CORNER_SEARCH_RADIUS, away.min())]
         missed.append(abs(turn) - max(0.0, float(alike.max())))
     return missed
 
 
 def _largest_gap(line: np.ndarray, other: np.ndarray) -> float:
     """Return the largest distance of a line's points from another line [m]."""
-    fine = resample_polyline(other, 1 + FINE)
+    fine = resample_polyline(other, 1 + NECKLINE_SEGMENT_COUNT)
     return float(np.linalg.norm(line[:, None] - fine[None], axis=2).min(axis=1).max())
 
 
@@ -164,24 +165,24 @@ def _axis(contour: Contour, body: Body) -> np.ndarray:
     if not bones:
         return np.array([0.0, 1.0, 0.0])
     index = JOINTS.index(bones[-1])
-    way = body.joints[PARENTS[index]] - body.joints[index]
+    way = body.joints[JOINT_PARENTS[index]] - body.joints[index]
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9))
 
 
 def _compare_edges(mine: np.ndarray, theirs: np.ndarray, axis: np.ndarray) -> float:
     """Return the largest distance of two closed edges along an axis, folds averaged away [m]."""
     seen = smooth_loop(theirs)
-    places = [_places(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mine), seen)]
+    places = [_axial_positions(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mine), seen)]
     return float(np.abs(places[0] - places[1]).max())
 
 
-def _places(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Return a closed line's places along an axis [m] in directions around it, shape [AROUND]."""
+def _axial_positions(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Return a closed line's places along an axis [m] in directions around it, shape [LIMB_DIRECTION_COUNT]."""
     off = loop - origin
     across = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     across /= np.linalg.norm(across)
     angle = np.arctan2(off @ np.cross(axis, across), off @ across)
-    wanted = np.arange(AROUND) * (2 * np.pi / AROUND)
+    wanted = np.arange(LIMB_DIRECTION_COUNT) * (2 * np.pi / LIMB_DIRECTION_COUNT)
     apart = np.abs((angle[None] - wanted[:, None] + np.pi) % (2 * np.pi) - np.pi)
-    weight = np.maximum(0.0, 1.0 - apart / WINDOW) + 1e-9
+    weight = np.maximum(0.0, 1.0 - apart / EDGE_AVERAGING_ANGLE) + 1e-9
     return np.asarray(weight @ (off @ axis) / weight.sum(axis=1))

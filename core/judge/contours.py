@@ -34,7 +34,7 @@ def contour_rms(
     }
 
 
-def carry_contours(
+def transfer_contours(
     contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
 ) -> tuple[Contour, ...]:
     """Find named contours on another mesh of the same surface: each goes to the boundary loop nearest to it.

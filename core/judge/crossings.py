@@ -7,9 +7,9 @@ import numpy as np
 from ..body import ExposedSurface
 from ..geometry import self_intersections
 
-PINCHED = 5e-3
-"""Distance from skin that lies inside another part of the body within which cloth counts as pinched there [m]: two
-sheets with what they keep from the skin and from each other need as much."""
+MAX_PINCH_DISTANCE = 5e-3
+"""Largest distance from skin that lies inside another part of the body at which cloth counts as pinched there [m]: two
+sheets with their clearances from the skin and from each other need as much."""
 
 
 def count_crossings(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> dict[str, float | None]:
@@ -27,7 +27,7 @@ def count_crossings(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface |
     pinched = 0
     swallowed = None if skin is None else skin.swallowed
     if len(crossed) and swallowed is not None:
-        pinched = int((swallowed.distance(nodes[faces[crossed]].mean(axis=1)) < PINCHED).sum())
+        pinched = int((swallowed.distance(nodes[faces[crossed]].mean(axis=1)) < MAX_PINCH_DISTANCE).sum())
     return {
         "self_intersecting_faces": float(len(crossed)),
         "crossing_faces": float(len(crossed) - pinched),

@@ -13,12 +13,13 @@ Mesh = tuple[np.ndarray, np.ndarray]
 
 HOLE_RADII = (0.02, 0.05)
 """Radii of holes [m]: an armpit's shadow and the largest patch that a hand or a lock of hair hides."""
-OUTLIER = 0.05
-"""Distance of an outlier from its place [m], in a random direction: stray points further off form pieces of their own,
+OUTLIER_DISTANCE = 0.05
+"""Distance of an outlier from its place [m], in a random direction. Stray points further off form pieces of their own,
 which every scanner's software drops."""
-CUT = 0.08
-"""Height by which a hem is cut off [m], and `TILT` the slope of the cut: a scanner's frame is not level."""
-TILT = 0.1
+HEM_CUT_HEIGHT = 0.08
+"""Height by which a hem is cut off [m]."""
+HEM_CUT_SLOPE = 0.1
+"""Slope of the plane that cuts off a hem [m/m]: a scanner's frame is not level."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +62,14 @@ def cut_holes(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Gener
     return apply
 
 
-def throw_outliers(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
-    """Move a share of the vertices by `OUTLIER` in random directions."""
+def add_outliers(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
+    """Move a share of the vertices by `OUTLIER_DISTANCE` in random directions."""
 
     def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
         moved = rng.random(len(vertices)) < share
         away = rng.standard_normal((int(moved.sum()), 3))
         vertices = vertices.copy()
-        vertices[moved] += OUTLIER * away / np.linalg.norm(away, axis=1, keepdims=True)
+        vertices[moved] += OUTLIER_DISTANCE * away / np.linalg.norm(away, axis=1, keepdims=True)
         return vertices, faces
 
     return apply
@@ -85,11 +86,13 @@ def flip_faces(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Gene
 
 
 def cut_hem(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Remove the faces below a plane `CUT` above the lowest point, sloping by `TILT` to a random side."""
+    """Remove the faces below a plane `HEM_CUT_HEIGHT` above the lowest point, sloping by `HEM_CUT_SLOPE` to a random
+    side.
+    """
     side = rng.uniform(0.0, 2.0 * np.pi)
     middle = vertices.mean(axis=0)
-    lean = TILT * ((vertices[:, 0] - middle[0]) * np.cos(side) + (vertices[:, 2] - middle[2]) * np.sin(side))
-    above = vertices[:, 1] - vertices[:, 1].min() - lean > CUT
+    lean = HEM_CUT_SLOPE * ((vertices[:, 0] - middle[0]) * np.cos(side) + (vertices[:, 2] - middle[2]) * np.sin(side))
+    above = vertices[:, 1] - vertices[:, 1].min() - lean > HEM_CUT_HEIGHT
     return vertices, faces[above[faces].any(axis=1)]
 
 
@@ -109,7 +112,7 @@ DAMAGES = (
     Damage("noise_10mm", "Gaussian noise of 10 mm in every coordinate", add_noise(0.010)),
     Damage("holes_5", "5 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.05)),
     Damage("holes_10", "10 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.10)),
-    Damage("outliers_3", "3 % of the vertices thrown 5 cm away", throw_outliers(0.03)),
+    Damage("outliers_3", "3 % of the vertices thrown 5 cm away", add_outliers(0.03)),
     Damage("flipped_all", "all faces turned", flip_faces(1.0)),
     Damage("flipped_30", "30 % of the faces turned at random", flip_faces(0.3)),
     Damage("hem_cut", "the lowest 8 cm cut off along a sloping plane", cut_hem),

@@ -7,21 +7,22 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..garment import Panel, Pattern, panel_outline, unplanned_corners
-from ..garment.fairness import NONE_PROVED, SmoothJoin, interior_angles
+from ..garment.fairness import NO_PROVED_CORNERS, SmoothJoin, interior_angles
 
-SEGMENTS = 64
-"""Parts of each curve: a corner then shows as one angle, and a bend as many small ones."""
+FAIRNESS_SEGMENT_COUNT = 64
+"""Number of parts of each curve: a corner then shows as one angle, and a bend as many small ones."""
 
-FELT = np.radians(2.0)
-"""A stretch that turns by less than this as a whole counts as straight [rad]."""
+MIN_BEND_ANGLE = np.radians(2.0)
+"""Smallest total turn of a stretch that counts as a bend [rad]. A stretch that turns by less as a whole counts as
+straight."""
 
-NARROWER = np.radians(20.0)
-"""A corner this much narrower than the base pattern's is the recovery's own [rad]: collars, darts and gores are cut to
-a point."""
+MIN_NARROWING_ANGLE = np.radians(20.0)
+"""Smallest angle by which a corner narrower than the base pattern's is the recovery's own [rad]: collars, darts and
+gores are cut to a point."""
 
 
 def measure_fairness(
-    pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NONE_PROVED
+    pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS
 ) -> dict[str, float | None]:
     """Measure corners and waves of a recovered pattern that its base pattern does not have.
 
@@ -29,8 +30,8 @@ def measure_fairness(
     the end of a seam; None where it is smooth nowhere. Where the scan proves a corner it is the difference from that.
     `pattern.proved_corner_deg` is the largest of those; None where there is none. `pattern.waves` counts how many more
     often than the base pattern's the outlines change between turning left and right. `pattern.pointed_corner_deg` is by
-    how much the narrowest corner of a panel is below a right angle, of those that are `NARROWER` than the base
-    pattern's; 0 where there is none.
+    how much the narrowest corner of a panel is below a right angle, of those that are narrower than the base pattern's
+    by `MIN_NARROWING_ANGLE`; 0 where there is none.
 
     Args:
         pattern: The recovered pattern.
@@ -41,7 +42,9 @@ def measure_fairness(
     pairs = tuple(zip(pattern.panels, base.panels, strict=True))
     waves = sum(max(0, count_waves(ours) - count_waves(theirs)) for ours, theirs in pairs)
     angles = [(interior_angles(ours), interior_angles(theirs)) for ours, theirs in pairs]
-    pointed = max(float(np.max(0.5 * np.pi - ours[theirs - ours > NARROWER], initial=0.0)) for ours, theirs in angles)
+    pointed = max(
+        float(np.max(0.5 * np.pi - ours[theirs - ours > MIN_NARROWING_ANGLE], initial=0.0)) for ours, theirs in angles
+    )
     return {
         "pattern.corner_deg": float(corners.max()) if len(corners) else None,
         "pattern.proved_corner_deg": max((float(np.degrees(abs(angle))) for angle in proved.values()), default=None),
@@ -52,7 +55,7 @@ def measure_fairness(
 
 def count_waves(panel: Panel) -> int:
     """Count how often a panel's closed outline changes between turning left and turning right."""
-    outline = panel_outline(panel, SEGMENTS)
+    outline = panel_outline(panel, FAIRNESS_SEGMENT_COUNT)
     step = np.roll(outline, -1, axis=0) - outline
     after = np.roll(step, -1, axis=0)
     turn = np.arctan2(step[:, 0] * after[:, 1] - step[:, 1] * after[:, 0], (step * after).sum(axis=1))
@@ -61,5 +64,5 @@ def count_waves(panel: Panel) -> int:
     turn, sign = np.roll(turn, -first), np.roll(sign, -first)
     stretch = np.cumsum(np.r_[True, sign[1:] != sign[:-1]]) - 1
     total = np.bincount(stretch, turn)
-    felt = np.sign(total[np.abs(total) > FELT])
+    felt = np.sign(total[np.abs(total) > MIN_BEND_ANGLE])
     return int(np.sum(felt != np.roll(felt, 1)))

@@ -13,7 +13,7 @@ from ..body import ExposedSurface
 from ..garment import Garment
 from ..garment.meshes import Meshes
 from ..geometry import (
-    Closest,
+    ClosestPoints,
     Rim,
     TriangleSurface,
     corner_angles,
@@ -21,6 +21,7 @@ from ..geometry import (
     principal_stretches,
     self_intersections,
 )
+from ..run.units import MM_PER_M
 from ..scan.contours import Contour
 from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
@@ -29,8 +30,6 @@ from .penetration import measure_penetration
 
 SURFACE_SAMPLES = 50_000
 """Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
-
-MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ class Reference:
         """The border beyond which the garment may go on, or None."""
         return None if self.hidden is None else Rim.between(self.surface.faces, self.hidden)
 
-    def has_counterpart(self, points: Closest) -> np.ndarray:
+    def has_counterpart(self, points: ClosestPoints) -> np.ndarray:
         """Find which points the truth can be held against, by its points that are closest to them, shape [n]."""
         if self.rim is None:
             return np.ones(len(points.face), bool)
@@ -160,9 +159,9 @@ def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, floa
     distances = {"s2t": near.distance[there], "t2s": ours.distance(theirs)}
     found: dict[str, float | None] = {}
     for way, distance in distances.items():
-        found[f"surface_rms_mm.{way}"] = MM * float(np.sqrt(np.mean(distance**2)))
-        found[f"surface_p95_mm.{way}"] = MM * float(np.quantile(distance, 0.95))
-    found["hausdorff_mm"] = MM * float(max(distance.max() for distance in distances.values()))
+        found[f"surface_rms_mm.{way}"] = MM_PER_M * float(np.sqrt(np.mean(distance**2)))
+        found[f"surface_p95_mm.{way}"] = MM_PER_M * float(np.quantile(distance, 0.95))
+    found["hausdorff_mm"] = MM_PER_M * float(max(distance.max() for distance in distances.values()))
     if truth.rim is not None:
         found["hidden_percent"] = 100.0 * (1.0 - float(np.mean(truth.has_counterpart(near))))
     return found
@@ -193,7 +192,7 @@ def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dic
     ours = TriangleSurface(nodes, garment.faces)
     found = _measure_distance(ours, truth)
     contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
-    return found | {f"contour_rms_mm.{name}": MM * value for name, value in contours.items()}
+    return found | {f"contour_rms_mm.{name}": MM_PER_M * value for name, value in contours.items()}
 
 
 def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> int:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from ..cloth import RESTING
-from ..people.undeclared import OFF_BODY
+from ..cloth import MAX_REST_RESIDUAL
+from ..people.undeclared import MAX_SKIN_OFFSET_RMS
 from ..run.verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
@@ -22,7 +22,7 @@ class Product(StrEnum):
 
 
 @dataclass(frozen=True)
-class Rule:
+class GateRule:
     """Describe how one gate is judged.
 
     Attributes:
@@ -46,11 +46,11 @@ class Rule:
     product: Product = Product.DETAIL
 
 
-def _read(name: str) -> Callable[[Metrics], float | None]:
+def _read_metric(name: str) -> Callable[[Metrics], float | None]:
     return lambda metrics: metrics.get(name)
 
 
-def _of_delivered(name: str, join: Callable[[list[float]], float]) -> Callable[[Metrics], float | None]:
+def _read_delivered_drapes(name: str, join: Callable[[list[float]], float]) -> Callable[[Metrics], float | None]:
     """Read a metric of the drapes that are delivered; of the graded one where the method makes no other."""
 
     def value(metrics: Metrics) -> float | None:
@@ -63,17 +63,17 @@ def _of_delivered(name: str, join: Callable[[list[float]], float]) -> Callable[[
     return value
 
 
-def _largest_of(found: list[float]) -> float:
+def _max_or_nan(found: list[float]) -> float:
     """Return the largest of some numbers; one that is none is larger than all."""
     return max(found, key=lambda value: (value != value, value))
 
 
-def _count_unrest(found: list[float]) -> float:
+def _count_not_at_rest(found: list[float]) -> float:
     """Count the drapes that are not at rest, from 1 for each that is."""
     return float(sum(value != 1.0 for value in found))
 
 
-def _farther(name: str) -> Callable[[Metrics], float | None]:
+def _read_larger_distance(name: str) -> Callable[[Metrics], float | None]:
     """Read a distance that is measured both ways: the larger one."""
 
     def value(metrics: Metrics) -> float | None:
@@ -83,7 +83,7 @@ def _farther(name: str) -> Callable[[Metrics], float | None]:
     return value
 
 
-def _largest(prefix: str, suffix: str) -> Callable[[Metrics], float | None]:
+def _read_largest(prefix: str, suffix: str) -> Callable[[Metrics], float | None]:
     """Read the largest of the metrics whose names begin and end so."""
 
     def value(metrics: Metrics) -> float | None:
@@ -106,175 +106,180 @@ def _percent_of_faces(name: str, beyond: str = "") -> Callable[[Metrics], float 
     return value
 
 
-def _stretch_beyond(name: str, other: str) -> Callable[[Metrics], float | None]:
+def _read_excess_stretch(name: str, other: str) -> Callable[[Metrics], float | None]:
     """Read a stretch; 1 where another mesh of the same cloth is as stretched, and cloth can be."""
 
     def value(metrics: Metrics) -> float | None:
         stretch, by = metrics.get(name), metrics.get(other)
-        return stretch if stretch is None or by is None or stretch > AS_STRETCHED * min(by, KNIT) else 1.0
+        return (
+            stretch
+            if stretch is None or by is None or stretch > EQUAL_STRETCH_RATIO * min(by, MAX_KNIT_STRETCH)
+            else 1.0
+        )
 
     return value
 
 
-AS_STRETCHED, KNIT = 1.05, 1.5
-"""Ratio up to which one stretch counts as another, for the thousandth face of two meshes is not the same face; and the
-largest that cloth has, a knit's: beyond it the other mesh is at fault."""
+EQUAL_STRETCH_RATIO, MAX_KNIT_STRETCH = 1.05, 1.5
+"""Largest ratio at which one stretch counts as equal to another, since the thousandth face of two meshes is not the
+same face; and the largest stretch that cloth has (stretched length over length as cut), a knit's. Beyond it the other
+mesh is at fault."""
 
-RULES = (
-    Rule(
-        "surface_fit_s2t", _read("surface_rms_mm.s2t"), 2.5, 10.0,
+GATE_RULES = (
+    GateRule(
+        "surface_fit_s2t", _read_metric("surface_rms_mm.s2t"), 2.5, 10.0,
         "The detail mesh lies {value:.1f} mm (RMS) from the scan",
         "look at the error map: the template may lack a part that the scan has; try another with --template.",
         "2.5 mm is a good scanner's noise and the cloth's thickness; at 10 mm the folds are other ones.",
     ),
-    Rule(
-        "surface_fit_t2s", _read("surface_rms_mm.t2s"), 4.0, 15.0,
+    GateRule(
+        "surface_fit_t2s", _read_metric("surface_rms_mm.t2s"), 4.0, 15.0,
         "The scan lies {value:.1f} mm (RMS) from the detail mesh",
         "part of the scan has no counterpart: cut away what is not the garment, or choose a template with --template.",
         "Wider than the other way, since deep folds that a 1.5 cm mesh bridges count here; 15 mm means a missing part.",
     ),
-    Rule(
-        "hidden", _read("hidden_percent"), 10.0, 50.0,
+    GateRule(
+        "hidden", _read_metric("hidden_percent"), 10.0, 50.0,
         "{value:.0f} % of the garment lies where the scan does not show it",
         "its pattern is the base pattern's there; give a closer one with --template, or scan the garment uncovered.",
         "A waistband under a top's hem is 8 % of trousers; from half on the base pattern says more than the scan does.",
         Product.PATTERN,
     ),
-    Rule(
-        "seams", _read("seam_mismatch_mm"), 0.5, 3.0,
+    GateRule(
+        "seams", _read_metric("seam_mismatch_mm"), 0.5, 3.0,
         "The two sides of a seam differ by up to {value:.2f} mm in length",
         "ease the longer side in when sewing, or grade again from another template.",
         "Grading keeps 0.1 mm; 3 mm (1/8 inch) is the sewing tolerance of industry specifications.",
         Product.PATTERN,
     ),
-    Rule(
-        "fairness", _read("pattern.corner_deg"), 5.0, 30.0,
+    GateRule(
+        "fairness", _read_metric("pattern.corner_deg"), 5.0, 30.0,
         "The pattern has a corner of {value:.0f} degrees where its base pattern is smooth",
         "smooth the curve before you cut; where the garment has such a corner, give a closer pattern with --template.",
         "A knife does not show 5 degrees; 30 degrees across a seam is a notch in the hem.",
         Product.PATTERN,
     ),
-    Rule(
-        "pointed", _read("pattern.pointed_corner_deg"), 60.0, 80.0,
+    GateRule(
+        "pointed", _read_metric("pattern.pointed_corner_deg"), 60.0, 80.0,
         "A panel's corner comes to a point, {value:.0f} degrees below a right angle, as the base pattern's does not",
         "crumpled cloth says little of its shape there; choose another part with --part, or hold lengths with --lock.",
         "The narrowest corner of right patterns is 39 degrees, 51 below; in a sleeve torn to a point 15, and 75 below.",
         Product.PATTERN,
     ),
-    Rule(
-        "neckline", _read("shape.neck_corner_deg"), 30.0, 60.0,
+    GateRule(
+        "neckline", _read_metric("shape.neck_corner_deg"), 30.0, 60.0,
         "The corners of the pattern's neckline and of the scan's differ by {value:.0f} degrees",
         "it is of another kind: choose it with --part neckline=v, or crew, scoop, square, boat; or back_neckline.",
         "Right necklines differ by 3 to 13 degrees, a crew neck from the V of two scans by 100 and 115.",
         Product.PATTERN,
     ),
-    Rule(
-        "edge_corners", _read("shape.edge_corner_deg"), 25.0, 60.0,
+    GateRule(
+        "edge_corners", _read_metric("shape.edge_corner_deg"), 25.0, 60.0,
         "The scan's hem or another edge has a corner of {value:.0f} degrees that the pattern's has not",
         "seams may end there that the pattern lacks, as between gores; give a closer pattern with --template.",
         "Right patterns lack 12 degrees at most, circles in place of eight gores 41 and 42; 60 is a slit or a point.",
         Product.PATTERN,
     ),
-    Rule(
-        "contour_shape", _largest("shape.", "_mm"), 40.0, 100.0,
+    GateRule(
+        "contour_shape", _read_largest("shape.", "_mm"), 40.0, 100.0,
         "An open edge of the drape runs up to {value:.0f} mm away from the scan's",
         "look at neck, hem and cuffs in the report: a part is of another kind, or hangs another way; try --part.",
         "Edges of right patterns hang 5 to 30 mm off, a crew neck cut for a V 36; 100 mm is another length or part.",
         Product.PATTERN,
     ),
-    Rule(
-        "plausible", _read("pattern.beyond_human"), 1.0, 1.5,
+    GateRule(
+        "plausible", _read_metric("pattern.beyond_human"), 1.0, 1.5,
         "The most unusual length or opening of the pattern is {value:.1f} of the limit of what humans wear",
         "check the units with --units, and that the scan is a garment in the size of its body.",
         "The ranges hold babies and the largest sizes sold; half as much again is a doll, or a wrong unit.",
         Product.PATTERN,
     ),
-    Rule(
-        "penetration", _read("body_penetration_mm"), 1.0, 5.0,
+    GateRule(
+        "penetration", _read_metric("body_penetration_mm"), 1.0, 5.0,
         "The garment lies up to {value:.1f} mm inside the body",
         "check that body and scan belong together and share units and place; garmentq inspect shows both.",
         "Under 1 mm nothing shows in a render; scans touch their bodies up to 5 mm deep, more is a misplaced body.",
     ),
-    Rule(
-        "undeclared", _read("body.undeclared_mm"), 1e3 * OFF_BODY, 50.0,
+    GateRule(
+        "undeclared", _read_metric("body.undeclared_mm"), 1e3 * MAX_SKIN_OFFSET_RMS, 50.0,
         "What looks like a garment but was taken for skin lies {value:.0f} mm (RMS) off the body",
         "the body was fitted to it and is too wide there; name what is cloth with --cloth, see the remarks.",
-        "`OFF_BODY` says where skin ends; 50 mm add 30 cm to a girth.",
+        "`MAX_SKIN_OFFSET_RMS` says where skin ends; 50 mm add 30 cm to a girth.",
     ),
-    Rule(
-        "pinched", _read("pinched_mm"), 5.0, 25.0,
+    GateRule(
+        "pinched", _read_metric("pinched_mm"), 5.0, 25.0,
         "Parts of the body that run into each other hold cloth up to {value:.1f} mm inside both",
         "give a body whose limbs do not lie in each other, or fit it anew; the cloth between them is a guess.",
         "Thighs and arms that touch yield by some millimetres, true cloth lies 3 mm deep there; 25 mm is a wrong pose.",
     ),
-    Rule(
+    GateRule(
         "flips", _percent_of_faces("flipped_faces"), 0.5, 3.0,
         "{value:.2f} % of the faces point against the scan",
         "look for inside-out folds in the error map; a higher --vertices resolves tight folds better.",
         "Where two layers touch, the closest one is a toss-up, which costs some 0.5 %; 3 % is a turned region.",
     ),
-    Rule(
+    GateRule(
         "self_intersections",
         _percent_of_faces("self_intersecting_faces", beyond="graded.self_intersecting_faces"), 0.5, 3.0,
         "{value:.2f} % of the faces pass through others and did not before deforming",
         "repair the scan where it intersects itself, or simulate on the simulation mesh instead of the detail mesh.",
         "A scan's own contacts leave a few faces; from 3 % on a simulator will not start from this mesh.",
     ),
-    Rule(
-        "simulation_fit", _farther("sim.surface_rms_mm"), 15.0, 30.0,
+    GateRule(
+        "simulation_fit", _read_larger_distance("sim.surface_rms_mm"), 15.0, 30.0,
         "The simulation mesh lies {value:.1f} mm (RMS) from the scan, or the scan from it",
         "its folds fall elsewhere than the scan's; use the detail mesh where the shape counts.",
         "Folds of one full circle differ by up to 15 mm in two drapes; at 30 mm it hangs or stands out another way.",
         Product.DRAPE,
     ),
-    Rule(
-        "rest", _read("wear.rest_gap_mm"), 25.0, 50.0,
+    GateRule(
+        "rest", _read_metric("wear.rest_gap_mm"), 25.0, 50.0,
         "The uppermost cloth stays {value:.0f} mm away from the body",
         "nothing bears it there; check that the scan is a garment, worn by this body, in its place.",
         "Worn cloth lies on shoulders or waist, 1 to 5 mm away; padding adds 2 or 3 cm; curtains and balls had 88 mm.",
     ),
-    Rule(
-        "layers", _read("wear.layers"), 1.3, 1.6,
+    GateRule(
+        "layers", _read_metric("wear.layers"), 1.3, 1.6,
         "The scan has {value:.1f} times the area of the detail mesh",
         "it has several layers, or parts that the template lacks; give the outer layer alone, or another template.",
         "Pockets, facings and ruffles add up to a third; from 1.6 on more than half of the garment is there twice.",
     ),
-    Rule(
-        "upright", _read("wear.waist_by_hem"), 1.0, 1.25,
+    GateRule(
+        "upright", _read_metric("wear.waist_by_hem"), 1.0, 1.25,
         "The waist is {value:.2f} times as long as the hem",
         "turn the scan over if it hangs upside down, or check --up.",
         "A waist bears and a hem leaves room to step: skirts have 0.3 to 0.8, a hem drawn together at the knees 1.2.",
     ),
-    Rule(
-        "redrape_fit", _farther("redrape.surface_rms_mm"), 20.0, 40.0,
+    GateRule(
+        "redrape_fit", _read_larger_distance("redrape.surface_rms_mm"), 20.0, 40.0,
         "The pattern dressed anew from its flat panels lies {value:.1f} mm (RMS) from the scan",
         "look at the re-draped mesh: what was sewn from this pattern may hang another way than what was scanned.",
         "True patterns of foreign drapes come within 5 to 20 mm, full skirts 18; at 40 mm a part hangs elsewhere.",
         Product.DRAPE,
     ),
-    Rule(
-        "redrape_stretch", _stretch_beyond("redrape.stretch_p999", "stretch_p999"), 1.3, 2.0,
+    GateRule(
+        "redrape_stretch", _read_excess_stretch("redrape.stretch_p999", "stretch_p999"), 1.3, 2.0,
         "One triangle of a thousand of the re-draped mesh is stretched {value:.2f} times",
         "a cuff or waist is caught or too tight: start from the detail mesh, or dress the pattern on a wider body.",
         "Woven cloth tears at 1.2 to 1.3, knits bear 1.5, and what the scan shows stretched is; torn cuffs had 8.",
         Product.DRAPE,
     ),
-    Rule(
+    GateRule(
         "redrape_intersections", _percent_of_faces("redrape.self_intersecting_faces"), 0.5, 3.0,
         "{value:.2f} % of the faces of the re-draped mesh pass through others",
         "simulate on the simulation mesh, or drape again in another pose.",
         "As for the detail mesh: a few faces where layers touch; from 3 % on a simulator will not start from it.",
         Product.DRAPE,
     ),
-    Rule(
-        "drape_residual", _of_delivered("residual", _largest_of), RESTING, 100.0,
+    GateRule(
+        "drape_residual", _read_delivered_drapes("residual", _max_or_nan), MAX_REST_RESIDUAL, 100.0,
         "The least balanced node of the drapes feels {value:.1f} times a node's weight",
         "that drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",
-        "`RESTING` says why cloth rests below it; 100 is the pull of tight cloth that slides.",
+        "`MAX_REST_RESIDUAL` says why cloth rests below it; 100 is the pull of tight cloth that slides.",
         Product.DRAPE,
     ),
-    Rule(
-        "at_rest", _of_delivered("at_rest", _count_unrest), 0.0, 2.0,
+    GateRule(
+        "at_rest", _read_delivered_drapes("at_rest", _count_not_at_rest), 0.0, 2.0,
         "Of the drapes that are delivered {value:.0f} are not at rest",
         "the remarks say which, and why; simulate on from another mesh, or recover anew with other --vertices.",
         "A search that gave up or is stuck ends somewhere; there are two drapes at most, and the detail mesh is none.",
@@ -286,13 +291,13 @@ RULES = (
 
 def product_of(gate: str) -> Product:
     """Return what a gate judges, by the gate's name; the detail mesh where no rule has that name."""
-    return next((rule.product for rule in RULES if rule.name == gate), Product.DETAIL)
+    return next((rule.product for rule in GATE_RULES if rule.name == gate), Product.DETAIL)
 
 
-def judge(metrics: Metrics) -> tuple[Gate, ...]:
+def evaluate_gates(metrics: Metrics) -> tuple[Gate, ...]:
     """Judge the metrics of a result; a gate whose number was not measured is left out."""
     gates = []
-    for rule in RULES:
+    for rule in GATE_RULES:
         value = rule.value(metrics)
         if value is None:
             continue

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..cloth import FabricEstimate
+from ..run.units import MM_PER_M
 
-MM = 1e3
 
-
-def measure_knowledge(
+def summarise_estimates(
     estimates: Sequence[FabricEstimate], point_std: np.ndarray | None = None
 ) -> dict[str, float | None]:
     """Return what is known of each parameter of the cloth, and how well the control points are.
@@ -31,6 +30,6 @@ def measure_knowledge(
         found[f"fabric.{each.name}.std"] = each.std
         found[f"fabric.{each.name}.identifiable"] = float(each.identifiable)
     if point_std is not None:
-        found["pattern.point_std_mm.mean"] = MM * float(point_std.mean())
-        found["pattern.point_std_mm.max"] = MM * float(point_std.max())
+        found["pattern.point_std_mm.mean"] = MM_PER_M * float(point_std.mean())
+        found["pattern.point_std_mm.max"] = MM_PER_M * float(point_std.max())
     return found

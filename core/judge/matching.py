@@ -12,18 +12,19 @@ from ..geometry import ClosedCurve
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
-WIDE = 0.12
-"""Panels narrower than this [m] are bands: a tight band's length cannot be told from its stretch (up to 20 %)."""
+MAX_BAND_WIDTH = 0.12
+"""Width below which a panel is a band [m]: a tight band's length cannot be told from its stretch (up to 20 %)."""
 
-UNLIKE = 2.0
+MAX_PANEL_AREA_RATIO = 2.0
 """Ratio of areas from which two panels are not the same piece, whatever their shape: base patterns of the same cut
 start up to 47 % wrong, and a piece that one author cuts in halves differs by 2."""
 
-CORNERS = 48
-"""Points on an outline that is only to be recognised; unlike shapes differ by ten times what this leaves out."""
+MATCHING_POINT_COUNT = 48
+"""Number of points on an outline that is only to be recognised. Unlike shapes differ by ten times what this sampling
+leaves out."""
 
-MIRROR = np.array([-1.0, 1.0])
-"""Turns a flat panel over."""
+PANEL_MIRROR_SIGNS = np.array([-1.0, 1.0])
+"""Signs of x and y that mirror a flat panel, shape [2]."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
     By shape means the assignment of least total cost (Hungarian method), a pair costs its turning distance [rad] plus
     |ln(area / true area)|: unrelated outlines differ by 0.4 to 0.8 rad, as much as areas by a factor of 1.5 to 2.2.
     Either may be turned over, since some authors draw a back panel from the inside. Pairs whose areas differ by a
-    factor of `UNLIKE` or more are none.
+    factor of `MAX_PANEL_AREA_RATIO` or more are none.
 
     Returns:
         The pairs in the order of the true panels.
@@ -58,7 +59,7 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
     left = [panel for panel in pattern.panels if panel.name not in true_names]
     wanted = [panel for panel in truth.panels if panel.name not in ours]
     if left and wanted:
-        cost = np.array([[_unlikeness(panel, other) for other in wanted] for panel in left])
+        cost = np.array([[_dissimilarity(panel, other) for other in wanted] for panel in left])
         for row, column in zip(*linear_sum_assignment(np.minimum(cost, 1e6)), strict=True):
             if np.isfinite(cost[row, column]):
                 pairs[wanted[column].name] = PanelPair(left[row], wanted[column], False)
@@ -67,7 +68,7 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
 
 def is_wide(outline: np.ndarray) -> bool:
     """Distinguish a panel from a band by its outline [m], shape [n, 2]."""
-    return polygon_width(outline) >= WIDE
+    return polygon_width(outline) >= MAX_BAND_WIDTH
 
 
 def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
@@ -79,21 +80,24 @@ def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
     return ours and all(panel.name in known for panel in truth.panels if is_wide(panel.outline))
 
 
-def upright(outline: np.ndarray) -> np.ndarray:
+def orient_counter_clockwise(outline: np.ndarray) -> np.ndarray:
     """Return an outline [m], shape [n, 2], counter-clockwise; one of the other way is turned over, not renumbered."""
-    return outline if polygon_area(outline) > 0.0 else outline * MIRROR
+    return outline if polygon_area(outline) > 0.0 else outline * PANEL_MIRROR_SIGNS
 
 
-def turn_over(outline: np.ndarray) -> np.ndarray:
+def mirror_outline(outline: np.ndarray) -> np.ndarray:
     """Return the mirror image of a counter-clockwise outline [m], again counter-clockwise."""
-    return np.asarray((outline * MIRROR)[::-1])
+    return np.asarray((outline * PANEL_MIRROR_SIGNS)[::-1])
 
 
-def _unlikeness(ours: Panel, truth: TruePanel) -> float:
+def _dissimilarity(ours: Panel, truth: TruePanel) -> float:
     """Return what it costs to call two panels the same piece; inf where they cannot be."""
-    outline, true_outline = upright(panel_outline(ours)), upright(truth.outline)
+    outline, true_outline = orient_counter_clockwise(panel_outline(ours)), orient_counter_clockwise(truth.outline)
     grown = abs(float(np.log(polygon_area(outline) / polygon_area(true_outline))))
-    if grown >= np.log(UNLIKE):
+    if grown >= np.log(MAX_PANEL_AREA_RATIO):
         return np.inf
-    outline, true_outline = ClosedCurve(outline).resample(CORNERS), ClosedCurve(true_outline).resample(CORNERS)
-    return grown + min(turning_distance(either, true_outline) for either in (outline, turn_over(outline)))
+    outline, true_outline = (
+        ClosedCurve(outline).resample(MATCHING_POINT_COUNT),
+        ClosedCurve(true_outline).resample(MATCHING_POINT_COUNT),
+    )
+    return grown + min(turning_distance(either, true_outline) for either in (outline, mirror_outline(outline)))

@@ -12,8 +12,8 @@ from ..geometry import ClosedCurve, RigidMotion, fit_rigid, plane_rotation, resa
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""
 
-HEADINGS = 12
-"""Starting angles of a fit without corresponding edges; a fit from 15 degrees off finds its way."""
+FIT_START_COUNT = 12
+"""Number of starting angles of a fit without corresponding edges. A fit that starts 15 degrees off converges."""
 
 FIT_SWEEPS = 15
 """Closest-point sweeps from each starting angle; enough to tell which one leads to the best fit."""
@@ -21,8 +21,8 @@ FIT_SWEEPS = 15
 FINAL_SWEEPS = 300
 """Sweeps from the best start at most: closest points slide along the outline slowly before they settle."""
 
-SETTLED = 1e-7
-"""A sweep that moves no point by more than this [m] is the last."""
+OUTLINE_FIT_TOLERANCE = 1e-7
+"""Largest movement of a point in a sweep at which the sweep is the last [m]."""
 
 
 def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
@@ -55,22 +55,22 @@ def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
     own, other = ClosedCurve(ours), ClosedCurve(truth)
     rough, rough_target = own.resample(100), other.resample(100)
     starts = []
-    for heading in np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS:
+    for heading in np.arange(FIT_START_COUNT) * 2.0 * np.pi / FIT_START_COUNT:
         moved = (rough - rough.mean(axis=0)) @ plane_rotation(heading).T + rough_target.mean(axis=0)
-        moved = _settle(moved, rough_target, FIT_SWEEPS)
+        moved = _iterate_closest_points(moved, rough_target, FIT_SWEEPS)
         starts.append((_symmetric_rms(moved, rough_target), moved))
     best = min(starts, key=lambda start: start[0])[1]
     source, target = own.resample(400), other.resample(400)
-    moved = _settle(fit_rigid(rough, best).apply(source), target, FINAL_SWEEPS)
+    moved = _iterate_closest_points(fit_rigid(rough, best).apply(source), target, FINAL_SWEEPS)
     return OutlineFit(_symmetric_rms(moved, target), fit_rigid(source, moved))
 
 
-def _settle(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
+def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
     """Fit points to the closest points of a closed outline, again and again."""
     outline = ClosedCurve(target)
     for _ in range(sweeps):
         before, moved = moved, fit_rigid(moved, outline.closest(moved).foot).apply(moved)
-        if np.abs(moved - before).max() < SETTLED:
+        if np.abs(moved - before).max() < OUTLINE_FIT_TOLERANCE:
             break
     return moved
 

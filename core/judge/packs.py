@@ -12,7 +12,7 @@ import numpy as np
 from ..run.errors import BadInput, NotFound
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 
-STIFFNESSES = ("H00", "H01", "H11", "H22", "k", "density")
+FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
 """Parameters of a fabric that a pack may know, in the simulator's units (N/m, N m, kg/m2)."""
 
 
@@ -170,7 +170,7 @@ def _read_pack(folder: Path) -> Pack:
     try:
         meta = json.loads((folder / "meta.json").read_text(encoding="utf-8"))
         category = str(meta.get("category", ""))
-        fabric = {name: float(meta["fabric"][name]) for name in STIFFNESSES if name in (meta.get("fabric") or {})}
+        fabric = {name: float(meta["fabric"][name]) for name in FABRIC_PARAMETERS if name in (meta.get("fabric") or {})}
     except (ValueError, TypeError, AttributeError, OSError) as error:
         raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/reference/files.md.") from error
 

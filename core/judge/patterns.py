@@ -6,15 +6,14 @@ import numpy as np
 
 from ..garment import EdgeRef, Panel, Pattern, edge_length, edge_points, panel_outline, polygon_area
 from ..geometry import polyline_length
-from .matching import PanelPair, is_wide, match_panels, turn_over, upright
+from ..run.units import MM_PER_M
+from .matching import PanelPair, is_wide, match_panels, mirror_outline, orient_counter_clockwise
 from .outlines import edge_rms, outline_rms
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
-CURVE_SEGMENTS = 100
-"""Segments that stand for a drawn curve: its chord error on a 50 cm curve is then below 0.01 mm."""
-
-MM = 1e3
+MEASURED_CURVE_SEGMENT_COUNT = 100
+"""Number of segments that stand for a drawn curve: its chord error on a 50 cm curve is then below 0.01 mm."""
 
 PATTERN_METRICS = (
     "panel_area_error",
@@ -30,7 +29,7 @@ PATTERN_METRICS = (
 def measure_seams(pattern: Pattern) -> dict[str, float | None]:
     """Measure `seam_mismatch_mm`, the largest difference in length of the two sides of an ungathered seam."""
     gaps = [abs(_length(pattern, s.a) - _length(pattern, s.b)) for s in pattern.seams if not s.gathered]
-    return {"seam_mismatch_mm": MM * max(gaps) if gaps else None}
+    return {"seam_mismatch_mm": MM_PER_M * max(gaps) if gaps else None}
 
 
 def measure_pattern(pattern: Pattern, truth: TruePattern, same_template: bool = True) -> dict[str, float | None]:
@@ -57,7 +56,7 @@ def measure_pattern(pattern: Pattern, truth: TruePattern, same_template: bool = 
         if panel.name in pairs:
             area, outline, turning = _compare(pairs[panel.name], same_template)
             turnings.append(turning)
-            outlines[wide].append(MM * outline)
+            outlines[wide].append(MM_PER_M * outline)
         areas[wide].append(area)
     matched = {pair.ours.name for pair in pairs.values()}
     extra = [panel for panel in pattern.panels if panel.name not in matched]
@@ -80,7 +79,7 @@ def measure_panels(pattern: Pattern, truth: TruePattern, same_template: bool = T
     found = {}
     for pair in match_panels(pattern, truth):
         area, outline, turning = _compare(pair, same_template)
-        found[pair.truth.name] = {"area_error": area, "outline_mm": MM * outline, "turning": turning}
+        found[pair.truth.name] = {"area_error": area, "outline_mm": MM_PER_M * outline, "turning": turning}
     return found
 
 
@@ -108,8 +107,8 @@ def _compare(pair: PanelPair, same_template: bool) -> tuple[float, float, float]
 
 def _compare_shapes(ours: Panel, truth: TruePanel) -> tuple[float, float, float]:
     """Compare panels whose edges do not correspond, ours turned over where it then turns more alike."""
-    outline, true_outline = upright(_join(_edges(ours))), upright(truth.outline)
-    turnings = [(turning_distance(either, true_outline), either) for either in (outline, turn_over(outline))]
+    outline, true_outline = orient_counter_clockwise(_join(_edges(ours))), orient_counter_clockwise(truth.outline)
+    turnings = [(turning_distance(either, true_outline), either) for either in (outline, mirror_outline(outline))]
     turning, outline = min(turnings, key=lambda found: found[0])
     return _area_error(outline, true_outline), outline_rms(outline, true_outline), turning
 
@@ -140,12 +139,12 @@ def _edges(panel: Panel) -> list[np.ndarray]:
     """Return each edge of our panel as its author would draw it: mirrored back where it was mirrored on import [m]."""
     mirror = np.array([-1.0 if panel.mirrored else 1.0, 1.0])
     return [
-        edge_points(panel, index, 1 if edge.kind == "line" else CURVE_SEGMENTS) * mirror
+        edge_points(panel, index, 1 if edge.kind == "line" else MEASURED_CURVE_SEGMENT_COUNT) * mirror
         for index, edge in enumerate(panel.edges)
     ]
 
 
-def _runs_against(ours: Panel, truth: TruePanel) -> bool:
+def _has_opposite_winding(ours: Panel, truth: TruePanel) -> bool:
     """Return whether our edges run the other way round than the author's, as they do where a panel was turned over."""
     return polygon_area(_join(_edges(ours))) * polygon_area(truth.outline) < 0.0
 
@@ -153,13 +152,13 @@ def _runs_against(ours: Panel, truth: TruePanel) -> bool:
 def _authors_edges(ours: Panel, truth: TruePanel) -> list[np.ndarray]:
     """Return our edges in the author's order and direction [m]."""
     edges = _edges(ours)
-    return [line[::-1] for line in reversed(edges)] if _runs_against(ours, truth) else edges
+    return [line[::-1] for line in reversed(edges)] if _has_opposite_winding(ours, truth) else edges
 
 
 def _authors_edge(pattern: Pattern, ref: EdgeRef, truth: TruePanel) -> tuple[str, int]:
     """Return panel and index of an edge as the author numbers them."""
     panel = pattern.panel(ref.panel)
-    return ref.panel, len(panel.edges) - 1 - ref.edge if _runs_against(panel, truth) else ref.edge
+    return ref.panel, len(panel.edges) - 1 - ref.edge if _has_opposite_winding(panel, truth) else ref.edge
 
 
 def _join(edges: list[np.ndarray]) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..garment import Pattern, flat_contours
 
-GIRTHS = {
+CONTOUR_LENGTH_RANGES = {
     "neck": (0.25, 1.60),
     "armhole": (0.20, 1.20),
     "cuff": (0.12, 1.20),
@@ -17,7 +17,7 @@ GIRTHS = {
 """Least and greatest flat length of each kind of open contour [m]: around a baby's neck, arm, wrist, waist and ankle,
 and around the shoulders, the largest waist that shops sell, or a full circle to the floor."""
 
-LENGTH = (0.08, 2.20)
+PANEL_LENGTH_RANGE = (0.08, 2.20)
 """Least and greatest length of a garment's longest panel [m]: a baby's skirt and a gown with a train lie
 within."""
 
@@ -29,9 +29,9 @@ def measure_plausibility(pattern: Pattern) -> dict[str, float | None]:
     is below the least or above the greatest there is; up to 1 nothing is.
     """
     longest = max(float(np.ptp(panel.points, axis=0).max()) for panel in pattern.panels)
-    sizes = [(longest, LENGTH)]
+    sizes = [(longest, PANEL_LENGTH_RANGE)]
     for name, length in flat_contours(pattern).items():
-        known = GIRTHS.get(name.partition(".")[0])
+        known = CONTOUR_LENGTH_RANGES.get(name.partition(".")[0])
         if known is not None and length > 0.0:
             sizes.append((length, known))
     return {"pattern.beyond_human": max(max(low / size, size / high) for size, (low, high) in sizes)}

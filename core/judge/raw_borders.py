@@ -11,11 +11,13 @@ from scipy.spatial import cKDTree
 from ..geometry import HalfEdges
 from ..people import GARMENTS, Part
 
-NEIGHBOURS = 8
-"""Points of a cloud that each point is joined to: as many as a mesh has around a vertex, and two more for gaps."""
+CLOUD_EDGE_COUNT = 8
+"""Number of points of a cloud that each point is joined to: as many as a mesh has around a vertex, and two more for
+gaps."""
 
-FAR = 3.0
-"""A neighbour in a cloud further off than so many median distances lies across a gap."""
+MAX_CLOUD_EDGE_RATIO = 3.0
+"""Largest ratio of the distance of a neighbour in a cloud to the median distance. A neighbour further off lies across a
+gap."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +47,9 @@ def find_edges(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """
     if len(faces):
         return HalfEdges.of(faces, len(points)).edges
-    distance, near = cKDTree(points).query(points, k=NEIGHBOURS + 1)
-    own = np.repeat(np.arange(len(points)), NEIGHBOURS)
-    close = distance[:, 1:].ravel() <= FAR * np.median(distance[:, 1:])
+    distance, near = cKDTree(points).query(points, k=CLOUD_EDGE_COUNT + 1)
+    own = np.repeat(np.arange(len(points)), CLOUD_EDGE_COUNT)
+    close = distance[:, 1:].ravel() <= MAX_CLOUD_EDGE_RATIO * np.median(distance[:, 1:])
     pairs = np.sort(np.stack([own, near[:, 1:].ravel()], axis=1)[close], axis=1)
     return np.unique(pairs, axis=0)
 

@@ -9,14 +9,15 @@ import numpy as np
 
 from ..people import GARMENTS, Part
 
-PEOPLE = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
+PERSON_PARTS = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
 """The parts that count: what is no person is left out, wherever it is so in truth."""
 
-SURE = 0.9
-"""From this confidence on a point is called sure."""
+MIN_SURE_CONFIDENCE = 0.9
+"""Least confidence (probability of the label) at which a point is called sure."""
 
-BINS = 15
-"""Of equal width, as the expected calibration error is usually stated (Guo et al. 2017)."""
+CALIBRATION_BIN_COUNT = 15
+"""Number of bins of confidence, of equal width, as the expected calibration error is usually stated (Guo et al.
+2017)."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,9 @@ class Calibration:
     """Compare the confidence of labels with how often they are right.
 
     Attributes:
-        error: Expected calibration error: mean over `BINS` bins of |share right - mean confidence|, weighted by points.
-        sure: Share of the points at `SURE` or above.
+        error: Expected calibration error: mean over `CALIBRATION_BIN_COUNT` bins of |share right - mean confidence|,
+            weighted by points.
+        sure: Share of the points at `MIN_SURE_CONFIDENCE` or above.
         sure_right: Share of these that are right; None where there are none.
         least_sure_right: Share of the others that are right; None likewise.
     """
@@ -57,7 +59,9 @@ def measure_labels(truth: np.ndarray, found: np.ndarray) -> LabelScore:
     """Measure labels, shape [n], against the true ones, shape [n]; intersection over union counts points."""
     person = truth != Part.OTHER
     truth, found = truth[person], found[person]
-    parts = {part.word: overlap for part in PEOPLE if (overlap := measure_overlap(truth, found, (part,))) is not None}
+    parts = {
+        part.word: overlap for part in PERSON_PARTS if (overlap := measure_overlap(truth, found, (part,))) is not None
+    }
     return LabelScore(
         accuracy=float(np.mean(truth == found)),
         cloth_iou=measure_overlap(truth, found, GARMENTS),
@@ -77,10 +81,10 @@ def measure_overlap(truth: np.ndarray, found: np.ndarray, parts: Iterable[int]) 
 def measure_calibration(truth: np.ndarray, found: np.ndarray, confidence: np.ndarray) -> Calibration:
     """Measure the confidence of labels, 0 to 1, shape [n]."""
     right = truth == found
-    place = np.clip((confidence * BINS).astype(int), 0, BINS - 1)
-    count = np.bincount(place, minlength=BINS)
-    gap = np.bincount(place, right, BINS) - np.bincount(place, confidence, BINS)
-    sure = confidence >= SURE
+    place = np.clip((confidence * CALIBRATION_BIN_COUNT).astype(int), 0, CALIBRATION_BIN_COUNT - 1)
+    count = np.bincount(place, minlength=CALIBRATION_BIN_COUNT)
+    gap = np.bincount(place, right, CALIBRATION_BIN_COUNT) - np.bincount(place, confidence, CALIBRATION_BIN_COUNT)
+    sure = confidence >= MIN_SURE_CONFIDENCE
 
     def share(mask: np.ndarray) -> float | None:
         return float(right[mask].mean()) if mask.any() else None

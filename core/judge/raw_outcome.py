@@ -7,8 +7,9 @@ from enum import Enum
 
 from ..people import Part
 
-FOUND = 0.5
-"""A garment counts as found from this overlap with its true points: below it most of what is recovered is not it."""
+MIN_FOUND_OVERLAP = 0.5
+"""Least overlap with its true points (intersection over union) at which a garment counts as found. Below it most of
+what is recovered is not the garment."""
 
 
 class Outcome(Enum):
@@ -36,5 +37,5 @@ def judge_outcome(
         return Outcome.REFUSED
     if code is not None:
         return Outcome.DOUBTFUL
-    right = dict(truth) == dict(found) and all(overlaps.get(part.word, 0.0) >= FOUND for part in truth)
+    right = dict(truth) == dict(found) and all(overlaps.get(part.word, 0.0) >= MIN_FOUND_OVERLAP for part in truth)
     return Outcome.RIGHT if right else Outcome.WRONG

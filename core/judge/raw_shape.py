@@ -63,10 +63,10 @@ def measure_true_body(
         "hidden": np.isin(cover, [int(Part.HAIR), int(Part.SHOES)]),
     }
     areas = surface.vertex_areas
-    return {name: _weigh(distance[mask], areas[mask]) for name, mask in masks.items() if mask.any()}
+    return {name: _score_by_area(distance[mask], areas[mask]) for name, mask in masks.items() if mask.any()}
 
 
-def _weigh(distance: np.ndarray, area: np.ndarray) -> BodyScore:
+def _score_by_area(distance: np.ndarray, area: np.ndarray) -> BodyScore:
     order = np.argsort(distance)
     share = np.cumsum(area[order]) / area.sum()
     at = min(int(np.searchsorted(share, 0.95)), len(order) - 1)

@@ -13,21 +13,21 @@ from ..scan.repair import repair_surface
 from .damage import HOLE_RADII, cut_holes
 from .raw_file import RawFile
 
-NOISE = 0.005
+POINT_NOISE_STD = 0.005
 """Standard deviation of the noise in each coordinate [m]: five times a studio scanner's, a phone's at arm's length."""
 
-HOLES = 0.10
+HOLE_AREA_SHARE = 0.10
 """Share of the surface that is lost in the state with holes."""
 
-FEW = 10_000
-"""Vertices of a scan that was decimated for the web."""
+DECIMATED_VERTEX_COUNT = 10_000
+"""Number of vertices of a scan that was decimated for the web."""
 
-CLOUD = 50_000
-"""Points of a cloud: a person then has one every 6 mm."""
+DRAWN_CLOUD_POINT_COUNT = 50_000
+"""Number of points of a cloud: a person then has one every 6 mm."""
 
 
 @dataclass(frozen=True)
-class State:
+class ScanState:
     """Name one state of a raw scan.
 
     Attributes:
@@ -41,7 +41,9 @@ class State:
     apply: Callable[[RawFile, np.ndarray, np.random.Generator], tuple[RawFile, np.ndarray]]
 
 
-def worsen(raw: RawFile, labels: np.ndarray, state: State, metre: float, seed: int = 0) -> tuple[RawFile, np.ndarray]:
+def degrade_scan(
+    raw: RawFile, labels: np.ndarray, state: ScanState, metre: float, seed: int = 0
+) -> tuple[RawFile, np.ndarray]:
     """Bring a file into a state; the same seed gives the same file.
 
     Args:
@@ -56,22 +58,22 @@ def worsen(raw: RawFile, labels: np.ndarray, state: State, metre: float, seed: i
     return replace(worse, points=worse.points / metre), kept
 
 
-def _leave(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
+def _keep_unchanged(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
     return raw, labels
 
 
 def _add_noise(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
     """Move every point; normals go, since they would still be those of the smooth surface."""
-    return replace(raw, points=raw.points + rng.normal(0.0, NOISE, raw.points.shape), normals=None), labels
+    return replace(raw, points=raw.points + rng.normal(0.0, POINT_NOISE_STD, raw.points.shape), normals=None), labels
 
 
 def _cut_holes(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
     if len(raw.faces):
-        _, faces = cut_holes(HOLES)(raw.points, raw.faces, rng)
+        _, faces = cut_holes(HOLE_AREA_SHARE)(raw.points, raw.faces, rng)
         kept = np.unique(faces)
         return replace(raw, faces=faces).take(kept), labels[kept]
     left = np.ones(len(raw.points), bool)
-    while left.mean() > 1.0 - HOLES:
+    while left.mean() > 1.0 - HOLE_AREA_SHARE:
         place = raw.points[rng.integers(len(raw.points))]
         left &= np.linalg.norm(raw.points - place, axis=1) > rng.uniform(*HOLE_RADII)
     kept = np.flatnonzero(left)
@@ -83,11 +85,13 @@ def _drop_colours(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) ->
 
 
 def _decimate(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
-    """Collapse the edges of a mesh by quadric error until it has `FEW` vertices; draw as many points of a cloud."""
+    """Collapse the edges of a mesh by quadric error until it has `DECIMATED_VERTEX_COUNT` vertices; draw as many points
+    of a cloud.
+    """
     if not len(raw.faces):
-        kept = np.sort(rng.choice(len(raw.points), min(FEW, len(raw.points)), replace=False))
+        kept = np.sort(rng.choice(len(raw.points), min(DECIMATED_VERTEX_COUNT, len(raw.points)), replace=False))
         return raw.take(kept), labels[kept]
-    points, faces = _collapse(raw.points, raw.faces, FEW)
+    points, faces = _collapse(raw.points, raw.faces, DECIMATED_VERTEX_COUNT)
     _, nearest = cKDTree(raw.points).query(points)
     colours = None if raw.colours is None else raw.colours[nearest]
     return RawFile(points, faces, None, colours), labels[nearest]
@@ -109,9 +113,9 @@ def _collapse(points: np.ndarray, faces: np.ndarray, count: int) -> tuple[np.nda
 def _to_cloud(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
     """Draw points evenly from the surface, or of the points of a cloud; no normals are handed on."""
     if not len(raw.faces):
-        kept = np.sort(rng.choice(len(raw.points), min(CLOUD, len(raw.points)), replace=False))
+        kept = np.sort(rng.choice(len(raw.points), min(DRAWN_CLOUD_POINT_COUNT, len(raw.points)), replace=False))
         return replace(raw.take(kept), normals=None), labels[kept]
-    points, face = TriangleSurface(raw.points, raw.faces).sample(CLOUD, rng)
+    points, face = TriangleSurface(raw.points, raw.faces).sample(DRAWN_CLOUD_POINT_COUNT, rng)
     corners = raw.faces[face]
     nearest = np.argmin(np.linalg.norm(raw.points[corners] - points[:, None], axis=2), axis=1)
     vertex = corners[np.arange(len(corners)), nearest]
@@ -119,12 +123,12 @@ def _to_cloud(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tup
     return RawFile(points, np.zeros((0, 3), np.int64), None, colours), labels[vertex]
 
 
-STATES = (
-    State("as_is", "nothing", _leave),
-    State("noise_5mm", "Gaussian noise of 5 mm in every coordinate, no normals", _add_noise),
-    State("holes_10", "10 % of the surface lost in holes of 2 to 5 cm radius", _cut_holes),
-    State("no_colours", "colours dropped", _drop_colours),
-    State("decimated_10k", "decimated to 10 000 vertices", _decimate),
-    State("cloud_50k", "50 000 points of the surface, without normals", _to_cloud),
+SCAN_STATES = (
+    ScanState("as_is", "nothing", _keep_unchanged),
+    ScanState("noise_5mm", "Gaussian noise of 5 mm in every coordinate, no normals", _add_noise),
+    ScanState("holes_10", "10 % of the surface lost in holes of 2 to 5 cm radius", _cut_holes),
+    ScanState("no_colours", "colours dropped", _drop_colours),
+    ScanState("decimated_10k", "decimated to 10 000 vertices", _decimate),
+    ScanState("cloud_50k", "50 000 points of the surface, without normals", _to_cloud),
 )
 """Every state; the first is the scan as it is."""

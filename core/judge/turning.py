@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-STRAIGHT = 1e-9
-"""A vertex that turns by less than this [rad] is part of a straight side and no corner of its own."""
+MIN_VERTEX_TURN_ANGLE = 1e-9
+"""Smallest turn of a vertex that counts as a corner [rad]. A vertex that turns by less is part of a straight side."""
 
-CHUNK = 4096
-"""Start points evaluated at once: bounds the memory of two outlines of a few hundred corners to some 20 MB."""
+TURNING_CHUNK_SIZE = 4096
+"""Number of start points that are evaluated at once. It bounds the memory of two outlines of a few hundred corners to
+some 20 MB."""
 
 
 def turning_distance(first: np.ndarray, second: np.ndarray) -> float:
@@ -37,8 +38,8 @@ def turning_distance(first: np.ndarray, second: np.ndarray) -> float:
     integral = np.concatenate([[0.0], np.cumsum(angles * np.diff(breaks))])
     square = np.concatenate([[0.0], np.cumsum(angles**2 * np.diff(breaks))])
     best = np.inf
-    for low in range(0, len(shifts), CHUNK):
-        at = ends[None] + shifts[low : low + CHUNK, None]
+    for low in range(0, len(shifts), TURNING_CHUNK_SIZE):
+        at = ends[None] + shifts[low : low + TURNING_CHUNK_SIZE, None]
         running = np.interp(at, breaks, integral)
         product = np.diff(running, axis=1) @ angle_b
         mean = running[:, -1] - running[:, 0] - mean_b
@@ -55,7 +56,7 @@ def _turning_function(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     side, length = side[keep], length[keep]
     heading = np.arctan2(side[:, 1], side[:, 0])
     turn = (heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi
-    corners = np.flatnonzero(np.abs(turn) > STRAIGHT)
+    corners = np.flatnonzero(np.abs(turn) > MIN_VERTEX_TURN_ANGLE)
     if len(corners) == 0:
         corners = np.array([0])
     turn, length = np.roll(turn, -corners[0]), np.roll(length, -corners[0])

@@ -6,19 +6,19 @@ import numpy as np
 
 from ..body import Body
 from ..geometry import TriangleSurface, collapse_edges, face_areas
+from ..run.units import MM_PER_M
 from ..scan.contours import Target
 
-SAMPLES = 20_000
-"""Samples of the scan: a quantile of the distances then scatters by less than 1 %."""
+WEAR_SAMPLE_COUNT = 20_000
+"""Number of samples of the scan: a quantile of the distances then scatters by less than 1 %."""
 
-HIGH = 0.75
-"""Share of the cloth below what must bear it: whatever its kind, a garment hangs from its uppermost quarter."""
+UPPER_CLOTH_QUANTILE = 0.75
+"""Share of the cloth that lies below what must bear it: whatever its kind, a garment hangs from its uppermost
+quarter."""
 
-BORNE = 0.25
-"""Share of that quarter whose distance counts: the shoulders bear a shirt, a belt's width a skirt, and the rest may
-stand away."""
-
-MM = 1e3
+BEARING_CLOTH_SHARE = 0.25
+"""Share of that quarter whose distance from the body counts: the shoulders bear a shirt, a belt's width a skirt, and
+the rest may stand away."""
 
 
 def measure_wear(
@@ -26,9 +26,9 @@ def measure_wear(
 ) -> dict[str, float | None]:
     """Measure whether a surface is worn as a garment is.
 
-    `wear.rest_gap_mm` is the distance from the body within which a quarter (`BORNE`) of the uppermost cloth lies.
-    `wear.layers` is the scan's area over the detail mesh's; the scan is thinned to as many faces first, so that noise
-    adds none.
+    `wear.rest_gap_mm` is the distance from the body within which a quarter (`BEARING_CLOTH_SHARE`) of the uppermost
+    cloth lies. `wear.layers` is the scan's area over the detail mesh's; the scan is thinned to as many faces first, so
+    that noise adds none.
 
     Args:
         target: The scan's surface and contours.
@@ -37,13 +37,13 @@ def measure_wear(
         faces: Its faces, shape [face_count, 3].
         seed: Seeds the samples.
     """
-    points, _ = TriangleSurface(target.vertices, target.faces).sample(SAMPLES, np.random.default_rng(seed))
-    upper = points[points[:, 1] >= np.quantile(points[:, 1], HIGH)]
-    gap = np.quantile(TriangleSurface(body.vertices, body.faces).distance(upper), BORNE)
+    points, _ = TriangleSurface(target.vertices, target.faces).sample(WEAR_SAMPLE_COUNT, np.random.default_rng(seed))
+    upper = points[points[:, 1] >= np.quantile(points[:, 1], UPPER_CLOTH_QUANTILE)]
+    gap = np.quantile(TriangleSurface(body.vertices, body.faces).distance(upper), BEARING_CLOTH_SHARE)
     even = collapse_edges(target.vertices, target.faces, len(faces))
     area = float(face_areas(even.vertices, even.faces).sum())
     return {
-        "wear.rest_gap_mm": MM * float(gap),
+        "wear.rest_gap_mm": MM_PER_M * float(gap),
         "wear.layers": area / max(float(face_areas(nodes, faces).sum()), 1e-12),
     }
 

@@ -1,7 +1,7 @@
 """A dressed person's raw scan taken apart: the wearer, and the parts of what is seen."""
 
 from .part import CLOTH, GARMENTS, PARTS, Part
-from .separation import FoundContour, FoundGarment, Outfit, Separation
+from .separation import FoundContour, FoundGarment, LabelledPerson, Outfit
 
 __all__ = [
     "CLOTH",
@@ -9,7 +9,7 @@ __all__ = [
     "PARTS",
     "FoundContour",
     "FoundGarment",
+    "LabelledPerson",
     "Outfit",
     "Part",
-    "Separation",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .colour import LEAST
-from .features import LENGTH, Features
+from .features import FEATURE_LENGTH_SCALE, Features
 
 LIKE_SKIN = (0.6, 0.9)
 """Share of a top's samples that have the skin's colour, up to which it is cloth and from which on it may be skin. Of
@@ -31,6 +31,6 @@ def bare_chest_probability(features: Features, tone: np.ndarray | None, worn: np
     if tone is None or worn.sum() < LEAST:
         return 0.0
     like = (float((tone[worn] > 0.0).mean()) - LIKE_SKIN[0]) / (LIKE_SKIN[1] - LIKE_SKIN[0])
-    height = float(np.quantile(features.column("offset")[worn] * LENGTH, 0.8))
+    height = float(np.quantile(features.column("offset")[worn] * FEATURE_LENGTH_SCALE, 0.8))
     near = (ON_BODY[1] - height) / (ON_BODY[1] - ON_BODY[0])
     return MOST * float(np.clip(like, 0.0, 1.0) * np.clip(near, 0.0, 1.0))

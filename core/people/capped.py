@@ -12,18 +12,19 @@ from ..geometry import vertex_normals
 from ..scan import Scan, cut_garment
 from ..scan.contours import Contour, name_contours
 
-LEGS = {"leg.left", "leg.right"}
+LEG_CONTOURS = {"leg.left", "leg.right"}
 """The openings that a capped hem has: the cap has a hole around each leg."""
 
-CELL = 0.005
-"""Side of the cells whose vertices are averaged first [m], so that a dense scan costs no more than a coarse one."""
-AROUND = 0.02
-"""Radius over which normals are averaged [m]: scans with 4 mm of noise have faces that point anywhere."""
-FACING = 0.7
-"""Least share of a cap's normal that points down: 45 degrees. The mean over a disk at a hem's edge, half wall and half
-cap, has just that."""
-BELOW = 0.13
-"""How far below the joints of the hips a cap lies at least [m], 5 cm below the crotch: what is above is the seat."""
+CAP_CELL_SIZE = 0.005
+"""Side of the cells whose vertices are averaged before normals are compared [m]: a dense scan then costs no more than a
+coarse one."""
+CAP_NORMAL_RADIUS = 0.02
+"""Radius over which normals are averaged [m]: of scans with 4 mm of noise, single faces point in any direction."""
+MIN_CAP_NORMAL_COSINE = 0.7
+"""Least cosine between a cap's mean normal and the direction down: 45 degrees. The mean over a disk at a hem's edge,
+half wall and half cap, has just that."""
+MIN_CAP_DEPTH = 0.13
+"""Least depth of a cap below the joints of the hips [m], 5 cm below the crotch: what lies above is the seat."""
 
 
 class CutPart(NamedTuple):
@@ -52,18 +53,18 @@ def cut_part(whole: Scan, own: np.ndarray, body: Body) -> CutPart:
         own: The garment's vertices, bool, shape [vertex_count].
         body: The wearer.
     """
-    part = _cut(whole, own, body)
-    if not LEGS <= {contour.name for contour in part.contours}:
+    part = _cut_and_name(whole, own, body)
+    if not LEG_CONTOURS <= {contour.name for contour in part.contours}:
         return part
-    cap = find_cap(whole, own, body)
+    cap = find_hem_cap(whole, own, body)
     if not cap.any():
         return part
-    opened = _cut(whole, own & ~cap, body)
+    opened = _cut_and_name(whole, own & ~cap, body)
     names = {contour.name for contour in opened.contours}
-    return opened if "hem" in names and not names & LEGS else part
+    return opened if "hem" in names and not names & LEG_CONTOURS else part
 
 
-def find_cap(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
+def find_hem_cap(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
     """Find what of a garment faces down below the crotch, bool, shape [vertex_count].
 
     Args:
@@ -72,25 +73,25 @@ def find_cap(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
         body: The wearer.
     """
     hips = 0.5 * (body.joint("left_hip")[1] + body.joint("right_hip")[1])
-    low = np.flatnonzero(own & (whole.vertices[:, 1] < hips - BELOW))
+    low = np.flatnonzero(own & (whole.vertices[:, 1] < hips - MIN_CAP_DEPTH))
     cap = np.zeros(len(own), bool)
     if not len(low):
         return cap
     points, normals = whole.vertices[low], vertex_normals(whole.vertices, whole.faces)[low]
-    _, cell = np.unique(np.floor(points / CELL).astype(np.int64), axis=0, return_inverse=True)
+    _, cell = np.unique(np.floor(points / CAP_CELL_SIZE).astype(np.int64), axis=0, return_inverse=True)
     cell = np.ravel(cell)
     size = np.bincount(cell)
     middle, mean = (
         np.stack([np.bincount(cell, values[:, axis]) for axis in range(3)], axis=1) / size[:, None]
         for values in (points, normals)
     )
-    near = cKDTree(middle).sparse_distance_matrix(cKDTree(middle), AROUND, output_type="coo_matrix")
+    near = cKDTree(middle).sparse_distance_matrix(cKDTree(middle), CAP_NORMAL_RADIUS, output_type="coo_matrix")
     sums = np.stack([np.bincount(near.row, mean[near.col, axis], len(middle)) for axis in range(3)], axis=1) + mean
     length = np.linalg.norm(sums, axis=1)
-    cap[low] = (-sums[:, 1] > FACING * length)[cell]
+    cap[low] = (-sums[:, 1] > MIN_CAP_NORMAL_COSINE * length)[cell]
     return cap
 
 
-def _cut(whole: Scan, own: np.ndarray, body: Body) -> CutPart:
+def _cut_and_name(whole: Scan, own: np.ndarray, body: Body) -> CutPart:
     garment = cut_garment(whole, own)
     return CutPart(garment, *name_contours(garment.vertices, garment.faces, body, garment.unseen, scanned=True))

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from .diffusion import Links, diffuse
-from .limbs import FOLDED, BodyPlace
+from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .part import GARMENTS, PARTS, Part
 
 BINS = (14, 52, 52)
@@ -161,7 +161,7 @@ def find_doubt(place: BodyPlace) -> np.ndarray:
     """Return the least probability of each part by geometry that colour starts from, shape [n, part_count]."""
 
     def on(names: tuple[str, ...]) -> np.ndarray:
-        return np.asarray(place.parts[:, [list(FOLDED).index(name) for name in names]].sum(axis=1) > 0.5)
+        return np.asarray(place.parts[:, [list(FOLDED_BODY_PARTS).index(name) for name in names]].sum(axis=1) > 0.5)
 
     doubt = np.full((len(place.parts), len(PARTS)), DOUBT[0])
     doubt[on(KNOWN)] = DOUBT[1]
@@ -172,7 +172,7 @@ def find_doubt(place: BodyPlace) -> np.ndarray:
 
 def find_sources(place: BodyPlace) -> np.ndarray:
     """Mark which points may show the colours of which part, shape [n, part_count]: skin is shown by head and hands."""
-    head, hand = (place.parts[:, list(FOLDED).index(name)] for name in ("head", "hand"))
+    head, hand = (place.parts[:, list(FOLDED_BODY_PARTS).index(name)] for name in ("head", "hand"))
     sources = np.ones((len(place.parts), len(PARTS)), bool)
     sources[:, PARTS.index(Part.SKIN)] = head + hand > 0.5
     return sources

@@ -8,42 +8,45 @@ from ..run.errors import BadInput
 from .part import Part
 from .separation import FoundGarment, Outfit
 
-TEMPERATURE = 0.5
-"""Divisor of a point's log-probabilities within a reading of the outfit. Smoothing blurs what the networks tell: on 94
-scans of simulated persons of held-out designs 0.967 of the samples are right where the outfit is read rightly, and are
-said with 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5. Less would promise 0.9 where less than 0.97 are right.
-"""
+POSTERIOR_TEMPERATURE = 0.5
+"""Divisor of a point's log-probabilities within a reading of the outfit (temperature scaling). Smoothing lowers the
+networks' confidence: on 94 scans of simulated persons of held-out designs 0.967 of the samples are right where the
+outfit is read rightly. Their mean confidence is 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5. A lower value would give a
+confidence of 0.9 where less than 0.97 are right."""
 
-STEP = 2e-3
-"""Step at a border [m] that shows it as well as `CONTRAST` does: a thin hem is 1 to 2 mm thick, and stands off more."""
+BORDER_STEP_SCALE = 2e-3
+"""Step at a border that alone makes its evidence 1 [m], as a contrast of `BORDER_CONTRAST_SCALE` does: a thin hem is 1
+to 2 mm thick, and stands off more."""
 
-CONTRAST = 12.0
-"""Difference of colour at a border, of L*a*b* with the lightness by 0.4, that shows it: three times what shadows make
-between neighbouring patches of one cloth."""
+BORDER_CONTRAST_SCALE = 12.0
+"""Difference of colour at a border that alone makes its evidence 1 [CIE76 in L*a*b*, the lightness weighted by 0.4]:
+three times what shadows make between neighbouring patches of one cloth."""
 
-SHOWN = 0.5
-"""Least share of a border that has to be shown: less, and it is inferred."""
+MIN_SHOWN_BORDER_SHARE = 0.5
+"""Least share of a border that the scan has to show; where less is shown, the border is inferred."""
 
-UNSURE_GARMENT = 0.6
-"""Mean probability of a garment's points below which a person should look at it first."""
+MIN_GARMENT_CONFIDENCE = 0.6
+"""Mean probability of a garment's points below which the labels are refused as unsure, until a person has looked at
+them."""
 
-WARN_GARMENT = 0.8
-"""The same, below which it is said."""
+GARMENT_WARNING_CONFIDENCE = 0.8
+"""Mean probability of a garment's points below which the user is warned."""
 
-SHAPING = ("cuff", "armhole", "leg")
+CATEGORY_CONTOURS = ("cuff", "armhole", "leg")
 """Openings that a garment's category hangs on; of a skirt and a dress the hem is one more. A top's may be tucked."""
 
-GUESSED = 0.4
-"""Confidence of an opening below which it is a guess: half of the step that shows one."""
+MIN_OPENING_CONFIDENCE = 0.4
+"""Confidence below which an inferred opening counts as guessed: that of half of the evidence that shows an opening."""
 
-UNSURE_OUTFIT = 0.7
-"""Log-odds of the two best readings below which a person should look first: two to one."""
+MIN_OUTFIT_LOG_ODDS = 0.7
+"""Log-odds of the two best readings below which the labels are refused as unsure, until a person has looked at them:
+two to one."""
 
-WARN_OUTFIT = 2.0
-"""Log-odds of the two best readings below which both are named."""
+OUTFIT_WARNING_LOG_ODDS = 2.0
+"""Log-odds of the two best readings below which the user is warned and both are named."""
 
 
-class Unsure(BadInput):
+class LabelsUnsure(BadInput):
     """It is not clear what is worn; look at the picture, then say --wearing, or mend labels.npz and give --labels."""
 
     code = "segment.unsure"
@@ -55,34 +58,34 @@ class NoCloth(BadInput):
     code = "segment.no_cloth"
 
 
-def temper(posterior: np.ndarray, temperature: float = TEMPERATURE) -> np.ndarray:
+def apply_temperature(posterior: np.ndarray, temperature: float = POSTERIOR_TEMPERATURE) -> np.ndarray:
     """Return a posterior, shape [n, k], with its log-probabilities divided by a temperature."""
     log = np.log(np.maximum(posterior, 1e-9)) / temperature
     scaled = np.exp(log - log.max(axis=1, keepdims=True))
     return np.asarray(scaled / scaled.sum(axis=1, keepdims=True))
 
 
-def evidence(step: np.ndarray, contrast: np.ndarray) -> np.ndarray:
+def border_evidence(step: np.ndarray, contrast: np.ndarray) -> np.ndarray:
     """Return the evidence of each place of a border: sqrt((step / STEP)^2 + (contrast / CONTRAST)^2), 1 is enough.
 
     Args:
         step: By how much the garment stands out over what is beyond [m], shape [n].
         contrast: Difference of the colours of the two sides, shape [n].
     """
-    return np.asarray(np.hypot(np.maximum(step, 0.0) / STEP, contrast / CONTRAST))
+    return np.asarray(np.hypot(np.maximum(step, 0.0) / BORDER_STEP_SCALE, contrast / BORDER_CONTRAST_SCALE))
 
 
 def is_shown(step: np.ndarray, contrast: np.ndarray) -> bool:
     """Return whether a border is there to see."""
-    return bool((evidence(step, contrast) >= 1.0).mean() >= SHOWN)
+    return bool((border_evidence(step, contrast) >= 1.0).mean() >= MIN_SHOWN_BORDER_SHARE)
 
 
 def contour_confidence(step: np.ndarray, contrast: np.ndarray) -> float:
     """Return the probability that a border lies within 2 cm of where it was found: 1 - exp(-median evidence)."""
-    return float(1.0 - np.exp(-np.median(evidence(step, contrast))))
+    return float(1.0 - np.exp(-np.median(border_evidence(step, contrast))))
 
 
-def judge(
+def check_confidence(
     garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], told: bool
 ) -> tuple[tuple[str, ...], BadInput | None]:
     """Return what the user should know, and why nothing should be recovered, or None.
@@ -95,11 +98,11 @@ def judge(
     warnings = []
     if not garments:
         return (), NoCloth()
-    if len(outfits) > 1 and outfits[0].score - outfits[1].score < WARN_OUTFIT:
+    if len(outfits) > 1 and outfits[0].score - outfits[1].score < OUTFIT_WARNING_LOG_ODDS:
         first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
         warnings.append(f"It is taken for {first}, but may be {second}; say --wearing {second.replace(' and ', ',')}.")
     for garment in garments:
-        if garment.confidence < WARN_GARMENT:
+        if garment.confidence < GARMENT_WARNING_CONFIDENCE:
             warnings.append(f"The {garment.part.word} is unsure ({garment.confidence:.2f}); look at the picture.")
         hidden = [contour.name for contour in garment.contours if contour.is_inferred]
         if hidden:
@@ -109,28 +112,32 @@ def judge(
 
 def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> BadInput | None:
     """Return why a person should look first, or None."""
-    weak = [garment.part.word for garment in garments if garment.confidence < UNSURE_GARMENT]
+    weak = [garment.part.word for garment in garments if garment.confidence < MIN_GARMENT_CONFIDENCE]
     if weak:
-        return Unsure(f"What was found of {', '.join(weak)} is unsure. {Unsure().message}")
+        return LabelsUnsure(f"What was found of {', '.join(weak)} is unsure. {LabelsUnsure().message}")
     if any(garment.part is Part.OUTER for garment in garments):
-        return Unsure(f"An outer layer seems to be open in front, as no base pattern is. {Unsure().message}")
+        return LabelsUnsure(
+            f"An outer layer seems to be open in front, as no base pattern is. {LabelsUnsure().message}"
+        )
     shapeless = [garment.part.word for garment in garments if not garment.category]
     if shapeless:
-        return Unsure(f"The openings of {', '.join(shapeless)} could not be made out. {Unsure().message}")
+        return LabelsUnsure(f"The openings of {', '.join(shapeless)} could not be made out. {LabelsUnsure().message}")
     guessed = [garment.part.word for garment in garments if _is_guessed(garment)]
     if guessed:
-        return Unsure(f"Nothing shows where sleeves or legs of {', '.join(guessed)} end. {Unsure().message}")
-    if len(outfits) > 1 and outfits[0].score - outfits[1].score < UNSURE_OUTFIT:
+        return LabelsUnsure(
+            f"Nothing shows where sleeves or legs of {', '.join(guessed)} end. {LabelsUnsure().message}"
+        )
+    if len(outfits) > 1 and outfits[0].score - outfits[1].score < MIN_OUTFIT_LOG_ODDS:
         first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
-        return Unsure(f"It may be {first}, or {second}. {Unsure().message}")
+        return LabelsUnsure(f"It may be {first}, or {second}. {LabelsUnsure().message}")
     return None
 
 
 def _is_guessed(garment: FoundGarment) -> bool:
     """Return whether nothing shows at least half of the openings that a garment's category hangs on."""
-    stems = SHAPING if garment.part is Part.UPPER else (*SHAPING, "hem")
+    stems = CATEGORY_CONTOURS if garment.part is Part.UPPER else (*CATEGORY_CONTOURS, "hem")
     shaping = [contour for contour in garment.contours if contour.name.partition(".")[0] in stems]
-    weak = [contour for contour in shaping if contour.is_inferred and contour.confidence < GUESSED]
+    weak = [contour for contour in shaping if contour.is_inferred and contour.confidence < MIN_OPENING_CONFIDENCE]
     return bool(shaping) and 2 * len(weak) >= len(shaping)
 
 

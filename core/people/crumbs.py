@@ -8,13 +8,13 @@ from scipy.spatial import cKDTree
 from ..geometry import find_components
 from .diffusion import Links
 
-SMALLEST = 15e-4
-"""Area below which a piece is no part [m2]: a hand's back has 80 cm2, a toddler's shoe 100; a pocket or a knee that
-looks like something else has less."""
+MIN_LABEL_PIECE_AREA = 15e-4
+"""Area below which a connected piece of one label is relabelled [m2]: the back of a hand has 80 cm2, a toddler's shoe
+100; a pocket or a knee that looks like something else has less."""
 
 
-def give_crumbs(column: np.ndarray, points: np.ndarray, area: np.ndarray, links: Links) -> np.ndarray:
-    """Return the labels with each piece below `SMALLEST` changed to the label most frequent around it.
+def relabel_small_pieces(column: np.ndarray, points: np.ndarray, area: np.ndarray, links: Links) -> np.ndarray:
+    """Return the labels with each piece below `MIN_LABEL_PIECE_AREA` changed to the label most frequent around it.
 
     Args:
         column: Label of each point, any integers, shape [n].
@@ -27,17 +27,17 @@ def give_crumbs(column: np.ndarray, points: np.ndarray, area: np.ndarray, links:
         same = links.pairs[column[links.pairs[:, 0]] == column[links.pairs[:, 1]]]
         count, piece = find_components(links.count, same[:, 0], same[:, 1])
         size = np.bincount(piece, area, count)
-        small = size < SMALLEST
+        small = size < MIN_LABEL_PIECE_AREA
         if not small.any() or small.all():
             break
-        given = _ask_around(column, points, piece, small, links)
+        given = _relabel_by_neighbours(column, points, piece, small, links)
         if (given == column).all():
             break
         column = given
     return column
 
 
-def _ask_around(
+def _relabel_by_neighbours(
     column: np.ndarray, points: np.ndarray, piece: np.ndarray, small: np.ndarray, links: Links
 ) -> np.ndarray:
     """Return the labels with every small piece's taken from the large pieces that it touches, or else is nearest to."""

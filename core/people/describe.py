@@ -8,10 +8,10 @@ import numpy as np
 
 from ..scan.raw import RawScan
 from .part import Part
-from .separation import FoundGarment, Separation
+from .separation import FoundGarment, LabelledPerson
 
 
-def describe_person(raw: RawScan, separation: Separation) -> dict[str, Any]:
+def describe_person(raw: RawScan, separation: LabelledPerson) -> dict[str, Any]:
     """Return garments, readings, body and warnings of a person taken apart."""
     values, counts = np.unique(separation.label[raw.place >= 0], return_counts=True)
     problem = separation.problem

@@ -11,16 +11,16 @@ from scipy.spatial import cKDTree
 
 from ..geometry import Factor, factor_symmetric
 
-NEIGHBOURS = 8
-"""Points that each is linked with: about the ring of a triangulation."""
+LINK_NEIGHBOUR_COUNT = 8
+"""Number of neighbours that each point is linked with: about the ring of a triangulation."""
 
-REACH = 0.02
-"""Longest link [m]: the samples lie 7 mm apart, and where a hole tears them 2 cm still is the same cloth."""
+MAX_LINK_LENGTH = 0.02
+"""Largest length of a link [m]: the samples lie 7 mm apart, and across a hole 2 cm wide the cloth is still the same."""
 
-FACING = 0.3
+MIN_LINK_NORMAL_COSINE = 0.3
 """Least cosine between the normals of linked points: an arm beside the trunk and the inside of a sleeve face away."""
 
-STRENGTH = 4.0
+DIFFUSION_STRENGTH = 4.0
 """Weight of the differences between neighbours against the points' own evidence: 40 % wrong points of a patch of 40K
 become 1 % at 4, and the border between two parts is 4 samples, 3 cm, wide before it is sharpened by the labels."""
 
@@ -43,8 +43,10 @@ class Links:
 
     @cached_property
     def factor(self) -> Factor:
-        """The factors of I + `STRENGTH` L: 0.1 s of a person's samples, and a hundredth of it to solve with them."""
-        return factor_symmetric((identity(self.count) + STRENGTH * self.laplacian()).tocsc())
+        """The factors of I + `DIFFUSION_STRENGTH` L: 0.1 s of a person's samples, and a hundredth of it to solve with
+        them.
+        """
+        return factor_symmetric((identity(self.count) + DIFFUSION_STRENGTH * self.laplacian()).tocsc())
 
     def laplacian(self) -> coo_matrix:
         """Return L = D - W, shape [count, count]."""
@@ -60,7 +62,9 @@ class Links:
         return Links(self.pairs, self.weight * np.exp(-0.5 * square / scale**2), self.count)
 
 
-def link_points(points: np.ndarray, normals: np.ndarray, neighbours: int = NEIGHBOURS, reach: float = REACH) -> Links:
+def link_points(
+    points: np.ndarray, normals: np.ndarray, neighbours: int = LINK_NEIGHBOUR_COUNT, reach: float = MAX_LINK_LENGTH
+) -> Links:
     """Link each point with its nearest neighbours on the same sheet.
 
     Args:
@@ -75,14 +79,14 @@ def link_points(points: np.ndarray, normals: np.ndarray, neighbours: int = NEIGH
     pairs = np.sort(np.stack([own[found], other[found]], axis=1), axis=1)
     pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
     facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1)
-    pairs = pairs[facing > FACING]
+    pairs = pairs[facing > MIN_LINK_NORMAL_COSINE]
     return Links(pairs, np.ones(len(pairs)), len(points))
 
 
 def diffuse(posterior: np.ndarray, links: Links) -> np.ndarray:
     """Return the posterior smoothed over the links, shape [n, k]: the u with the least
 
-        sum_i |u_i - p_i|^2 + s sum_ij w_ij |u_i - u_j|^2,  s = `STRENGTH`.
+        sum_i |u_i - p_i|^2 + s sum_ij w_ij |u_i - u_j|^2,  s = `DIFFUSION_STRENGTH`.
 
     It solves (I + s L) u = p, and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an
     M-matrix with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.) The matrix is

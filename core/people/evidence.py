@@ -11,11 +11,20 @@ from scipy.spatial import cKDTree
 from ..body import JOINTS
 from ..geometry import unit
 from .colour import CONTRAST, to_lab
-from .features import LENGTH, Features
+from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
 from .prior import below_hair
-from .rings import Ring, contrasts, edge_evidence, find_ring, measure_noise, ridges, score_ring, step_heights
+from .rings import (
+    Ring,
+    colour_contrasts,
+    edge_evidence,
+    find_ring,
+    measure_noise,
+    ridge_strengths,
+    score_ring,
+    step_heights,
+)
 from .unrolled import UnrolledGrid, unroll
 
 COUPLING = 0.5
@@ -200,12 +209,12 @@ def find_rings(
 
 
 def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, tone: np.ndarray | None) -> _Cells:
-    offset = grid.spread(features.column("offset") * LENGTH)
+    offset = grid.spread(features.column("offset") * FEATURE_LENGTH_SCALE)
     contrast = None
     if colours is not None:
-        contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
-    ridge = ridges(grid.spread(features.column("curvature_12")))
-    broad_ridge = ridges(grid.spread(features.column("curvature_40")), BROAD_ROWS)
+        contrast = colour_contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
+    ridge = ridge_strengths(grid.spread(features.column("curvature_12")))
+    broad_ridge = ridge_strengths(grid.spread(features.column("curvature_40")), BROAD_ROWS)
     spread = None if tone is None else grid.spread(tone)
     return _Cells(step_heights(offset), ridge, broad_ridge, contrast, offset, grid.is_near, spread)
 

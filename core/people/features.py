@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .limbs import FOLDED, BodyPlace, Limb, place_on_body
-from .neighbourhood import RADII, gather
+from .limbs import FOLDED_BODY_PARTS, BodyPlace, Limb, place_on_body
+from .neighbourhood import NEIGHBOURHOOD_RADII, neighbourhood_statistics
 from .points import FittedPerson, PersonPoints
 
-VERSION = 1
+FEATURE_LAYOUT_VERSION = 1
 """Layout of the features; weights that were trained on another one are refused."""
 
 OFFSET_RANGE = (-0.06, 0.30)
@@ -24,21 +24,22 @@ SLICE_SHARES = (0.2, 0.5, 0.8)
 SLICE_STEP = 4
 """Slices between the middles of a slice's two sides that a step is measured over: 4 cm."""
 
-NAMES: tuple[str, ...] = (
+FEATURE_NAMES: tuple[str, ...] = (
     "offset", "distance", "normal_agreement",
     "normal_along", "normal_front", "normal_side", "gap_along", "gap_front", "gap_side",
     "rest_aside", "rest_up", "rest_forward", "station", "around_front", "around_side",
-    *(f"part_{name}" for name in FOLDED),
-    *(f"{value}_{1000 * radius:.0f}" for radius in RADII
+    *(f"part_{name}" for name in FOLDED_BODY_PARTS),
+    *(f"{value}_{1000 * radius:.0f}" for radius in NEIGHBOURHOOD_RADII
       for value in ("offset_mean", "offset_spread", "offset_step", "curvature", "normal_spread", "crowding")),
     "border", "height_over_floor", "height_share",
     *(f"slice_{100 * share:.0f}" for share in SLICE_SHARES), "slice_excess", "slice_step", "slice_both",
-    *(f"typical_{name}" for name in FOLDED),
+    *(f"typical_{name}" for name in FOLDED_BODY_PARTS),
 )  # fmt: skip
-"""What each column is; lengths in units of `LENGTH`, directions folded so that left and right are alike."""
+"""What each column is; lengths in units of `FEATURE_LENGTH_SCALE`, directions folded so that left and right are
+alike."""
 
-LENGTH = 0.02
-"""Length [m] that offsets and steps are counted in: the scale of ease."""
+FEATURE_LENGTH_SCALE = 0.02
+"""Length by which offsets and steps are divided [m]: the scale of ease."""
 
 
 @dataclass(frozen=True)
@@ -47,15 +48,15 @@ class Features:
 
     Attributes:
         values: One row for each sample, float32, shape [n, F].
-        names: What each column is, `NAMES`.
+        names: What each column is, `FEATURE_NAMES`.
         place: Where on the body each sample lies.
-        version: `VERSION`.
+        version: `FEATURE_LAYOUT_VERSION`.
     """
 
     values: np.ndarray
     names: tuple[str, ...]
     place: BodyPlace
-    version: int = VERSION
+    version: int = FEATURE_LAYOUT_VERSION
 
     def column(self, name: str) -> np.ndarray:
         """Return one feature of all samples by its name, shape [n]."""
@@ -78,27 +79,27 @@ def describe_points(points: PersonPoints, fit: FittedPerson) -> Features:
     frame = np.stack([place.along, place.front, side], axis=1)
     height = float(np.ptp(body.rest_vertices[:, 1]))
     floor = float(body.vertices[:, 1].min())
-    local = gather(points.positions, points.normals, offset, place.along)
+    local = neighbourhood_statistics(points.positions, points.normals, offset, place.along)
     columns = [
-        offset[:, None] / LENGTH,
-        np.minimum(place.distance, OFFSET_RANGE[1])[:, None] / LENGTH,
+        offset[:, None] / FEATURE_LENGTH_SCALE,
+        np.minimum(place.distance, OFFSET_RANGE[1])[:, None] / FEATURE_LENGTH_SCALE,
         np.einsum("na,na->n", points.normals, place.normal)[:, None],
         np.einsum("nka,na->nk", frame, points.normals),
-        np.clip(np.einsum("nka,na->nk", frame, points.positions - place.foot), -0.3, 0.3) / LENGTH,
+        np.clip(np.einsum("nka,na->nk", frame, points.positions - place.foot), -0.3, 0.3) / FEATURE_LENGTH_SCALE,
         np.abs(place.rest[:, :1]) / height,
         place.rest[:, 1:] / height,
         place.station[:, None] / height,
         np.einsum("nka,na->nk", frame[:, 1:], place.normal),
         place.parts,
-        *(_scaled(values) for values in local),
-        points.border[:, None] / LENGTH,
-        (points.positions[:, 1:2] - floor) / LENGTH / 10,
+        *(_scale_statistics(values) for values in local),
+        points.border[:, None] / FEATURE_LENGTH_SCALE,
+        (points.positions[:, 1:2] - floor) / FEATURE_LENGTH_SCALE / 10,
         (points.positions[:, 1:2] - floor) / height,
-        _slices(place, offset) / LENGTH,
-        np.broadcast_to(_typical_offsets(place, offset) / LENGTH, place.parts.shape),
+        _slice_features(place, offset) / FEATURE_LENGTH_SCALE,
+        np.broadcast_to(_typical_offsets(place, offset) / FEATURE_LENGTH_SCALE, place.parts.shape),
     ]
     values = np.hstack(columns).astype(np.float32)
-    return Features(values=values, names=NAMES, place=place)
+    return Features(values=values, names=FEATURE_NAMES, place=place)
 
 
 def _handedness(place: BodyPlace) -> np.ndarray:
@@ -108,15 +109,15 @@ def _handedness(place: BodyPlace) -> np.ndarray:
     return np.where(place.limb == Limb.NECK, -sign, sign)
 
 
-def _scaled(local: np.ndarray) -> np.ndarray:
-    """Bring the neighbourhood's sums to numbers about 1, columns as `gather` returns them."""
+def _scale_statistics(local: np.ndarray) -> np.ndarray:
+    """Bring the neighbourhood's sums to numbers about 1, columns as `neighbourhood_statistics` returns them."""
     out = local.copy()
-    out[:, :3] /= LENGTH
-    out[:, 3] = np.clip(out[:, 3] * LENGTH, -3.0, 3.0)
+    out[:, :3] /= FEATURE_LENGTH_SCALE
+    out[:, 3] = np.clip(out[:, 3] * FEATURE_LENGTH_SCALE, -3.0, 3.0)
     return out
 
 
-def _slices(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
+def _slice_features(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
     """Compute what the slice of the limb around each sample looks like [m], shape [n, 6].
 
     Quantiles of its offsets; the sample's offset beyond the middle one; how much higher the middle one is 2 cm further

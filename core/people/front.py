@@ -8,21 +8,21 @@ import numpy as np
 
 from ..body import JOINTS, Body
 from .colour import CONTRAST, to_lab
-from .features import LENGTH, Features
+from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import BodyPlace, Limb
 from .rings import (
     BEND_COST,
     CONTRAST_NOISE,
-    CORRELATION,
-    contrasts,
+    CORRELATED_COLUMN_COUNT,
+    colour_contrasts,
     edge_evidence,
     measure_noise,
-    ridges,
+    ridge_strengths,
     step_heights,
 )
-from .unrolled import ANGLES, STATION_STEP, Chart, UnrolledGrid, cut_chart
+from .unrolled import LIMB_COLUMN_COUNT, STATION_STEP, Chart, UnrolledGrid, cut_chart
 
-WIDTH = ANGLES * STATION_STEP
+WIDTH = LIMB_COLUMN_COUNT * STATION_STEP
 """Width of the chart [m]: cells are as wide as high. Around the trunk they are 2 cm wide, and an edge is lost."""
 ASIDE = 0.17
 """Distance from the middle [m] up to which an edge is looked for; further aside the chart's ends meet."""
@@ -70,17 +70,19 @@ def find_front_edges(features: Features, rgb: np.ndarray, body: Body) -> FrontEd
     if grid is None:
         return None
     columns = [grid.spread(channel) for channel in (to_lab(rgb) * CONTRAST).T]
-    step = step_heights(grid.spread(features.column("offset") * LENGTH).T).T
-    ridge = ridges(grid.spread(features.column("curvature_12")).T).T
-    contrast = contrasts(np.stack(columns, axis=2).transpose(1, 0, 2), WINDOW).T
+    step = step_heights(grid.spread(features.column("offset") * FEATURE_LENGTH_SCALE).T).T
+    ridge = ridge_strengths(grid.spread(features.column("curvature_12")).T).T
+    contrast = colour_contrasts(np.stack(columns, axis=2).transpose(1, 0, 2), WINDOW).T
     contrast *= CONTRAST_NOISE / measure_noise(contrast, CONTRAST_NOISE)  # printed cloth has edges everywhere
-    x = (np.arange(ANGLES) - 0.5 * ANGLES) * STATION_STEP  # of the border before each cell, as the differences are
+    x = (
+        np.arange(LIMB_COLUMN_COUNT) - 0.5 * LIMB_COLUMN_COUNT
+    ) * STATION_STEP  # of the border before each cell, as the differences are
     paths, scores = [], []
     for sign in (-1.0, 1.0):
         edge = np.where(grid.is_near, edge_evidence(sign * step, sign * ridge, contrast), 0.0)
         edge[:, (sign * x > 0.0) | (np.abs(x) > ASIDE)] = -np.inf
         edge[grid.stations < BELOW_NECK] = -np.inf
-        score, path = find_path(edge / CORRELATION, BEND_COST / CORRELATION)
+        score, path = find_path(edge / CORRELATED_COLUMN_COUNT, BEND_COST / CORRELATED_COLUMN_COUNT)
         scores.append(score)
         paths.append(path)
     rows = np.flatnonzero((paths[0] >= 0) & (paths[1] >= 0))

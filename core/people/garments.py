@@ -12,32 +12,33 @@ from ..garment.reading import Reading
 from ..geometry import face_areas, lump, vertex_normals
 from ..geometry.point_normals import estimate_normals, orient_normals
 from ..run.errors import BadInput
-from ..run.hooks import SILENT, Hooks
-from ..scan import Pieces, Scan
+from ..run.hooks import SILENT_HOOKS, Hooks
+from ..scan import Scan, ScanInput
 from ..scan.contours import Contour, choose_category
 from ..scan.raw import RawScan
 from ..scan.reconstruct import reconstruct
-from ..scan.thin import thin
+from ..scan.thin import thin_raw_scan
 from .capped import cut_part
 from .confidence import garment_confidence
 from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
 from .part import GARMENTS, Part
-from .separation import FoundContour, FoundGarment, Separation
+from .separation import FoundContour, FoundGarment, LabelledPerson
 
-LEAST_AREA = 0.02
-"""Area below which what looks like a garment is none [m2]: a bandeau or a brief has 0.05."""
+MIN_GARMENT_AREA = 0.02
+"""Area below which a part of the surface is no garment [m2]: a bandeau or a brief has 0.05."""
 
 
-CLOUD_FACES = 300_000
-"""Triangles, two a point, that a cloud's surface is made of at most: 4 mm of a person, where the noise of the points
-that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
+MAX_CLOUD_FACE_COUNT = 300_000
+"""Largest number of triangles, two a point, of the surface that is made of a cloud: 4 mm of a person. There the noise
+of the points that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
 
-OTHER_HALF = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"}}
+EXCLUDED_CONTOURS = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"}}
 """Openings that a top and a bottom do not have."""
 
-BORDERING = 0.015
-"""Median distance from a border to the points of another garment up to which that one covers it [m]: two samples."""
+MAX_COVERED_BORDER_DISTANCE = 0.015
+"""Largest median distance between a border and the points of another garment at which that garment covers it [m]: two
+samples."""
 
 
 class PartNotWorn(BadInput):
@@ -59,7 +60,9 @@ class PersonSurface:
     origin: np.ndarray
 
 
-def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, hooks: Hooks = SILENT) -> Reading:
+def extract_garment(
+    person: PersonSurface, separation: LabelledPerson, part: Part, hooks: Hooks = SILENT_HOOKS
+) -> Reading:
     """Cut one garment out of a person's surface along a smooth line, without what is seen of its inner side.
 
     Args:
@@ -82,10 +85,10 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
     own = label == part
     inner = find_inner_side(whole, own, separation.body, label == Part.OTHER)
     garment, contours, holes = cut_part(whole, own & ~inner, separation.body)
-    hidden = _mark_hidden(garment, contours, found[0].contours)
-    hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
+    hidden = _mark_inferred_contours(garment, contours, found[0].contours)
+    hidden |= mark_covered_borders(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)
-    return Reading(Pieces(garment, None), body=separation.body, category=found[0].category or None)
+    return Reading(ScanInput(garment, None), body=separation.body, category=found[0].category or None)
 
 
 def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:
@@ -98,14 +101,14 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
         body: The wearer.
     """
     sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
-    surface = find_surface(thin(raw), body)
+    surface = build_person_surface(thin_raw_scan(raw), body)
     whole, label = surface.scan, label[raw.place[surface.origin]]
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, body)
     found = []
     for part in GARMENTS:
         own = label == part
-        if part not in sure or area[own].sum() < LEAST_AREA:
+        if part not in sure or area[own].sum() < MIN_GARMENT_AREA:
             continue
         garment, contours, _ = cut_part(whole, own, body)
         category = choose_part_category(part, contours, garment, body)
@@ -121,7 +124,7 @@ def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Sca
     and ends at the legs has swallowed a bottom, and the other way round: it has no category, so that it is doubted.
     """
     stems = {contour.name.partition(".")[0] for contour in contours}
-    if not contours or stems & OTHER_HALF.get(part, set()):
+    if not contours or stems & EXCLUDED_CONTOURS.get(part, set()):
         return ""
     category = choose_category(contours, garment.vertices, body)
     if category == "dress" and part is not Part.ONE_PIECE:
@@ -130,7 +133,7 @@ def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Sca
     return category
 
 
-def mark_covered(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarray) -> np.ndarray:
+def mark_covered_borders(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarray) -> np.ndarray:
     """Mark the vertices of borders without a name along which another garment lies, bool, shape [vertex_count].
 
     So the two tubes of trousers below a long top end above.
@@ -138,19 +141,19 @@ def mark_covered(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarra
     covered = np.zeros(len(garment.vertices), bool)
     tree = cKDTree(others) if len(others) else None
     for hole in holes:
-        if tree is not None and np.median(tree.query(garment.vertices[hole])[0]) < BORDERING:
+        if tree is not None and np.median(tree.query(garment.vertices[hole])[0]) < MAX_COVERED_BORDER_DISTANCE:
             covered[hole] = True
     return covered
 
 
-def find_surface(raw: RawScan, body: Body) -> PersonSurface:
+def build_person_surface(raw: RawScan, body: Body) -> PersonSurface:
     """Find a person's surface: a mesh has one, of a cloud it is made.
 
     Args:
         raw: The person.
         body: The wearer: its normals say which side of a cloud is outside where the file does not.
     """
-    raw = thin(raw, CLOUD_FACES) if raw.is_cloud else raw
+    raw = thin_raw_scan(raw, MAX_CLOUD_FACE_COUNT) if raw.is_cloud else raw
     points, faces, colours, origin = raw.points, raw.faces, raw.colours, raw.origin
     if raw.is_cloud:
         normals = estimate_normals(points) if raw.normals is None else raw.normals
@@ -171,7 +174,9 @@ def find_surface(raw: RawScan, body: Body) -> PersonSurface:
     return PersonSurface(scan, origin)
 
 
-def _mark_hidden(garment: Scan, contours: tuple[Contour, ...], openings: tuple[FoundContour, ...]) -> np.ndarray:
+def _mark_inferred_contours(
+    garment: Scan, contours: tuple[Contour, ...], openings: tuple[FoundContour, ...]
+) -> np.ndarray:
     """Mark the vertices of the contours that are only inferred, bool, shape [vertex_count]."""
     inferred = {opening.name for opening in openings if opening.is_inferred}
     hidden = np.zeros(len(garment.vertices), bool)

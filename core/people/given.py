@@ -18,8 +18,8 @@ from ..scan.raw import RawScan
 from ..scan.refusal import LabelsMismatch
 from .labels import read_parts
 
-SHOWN_NOTES = 20
-"""Notes of a scan that are listed."""
+MAX_LISTED_NOTES = 20
+"""Number of a scan's notes that a description lists at most."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class PersonFiles:
 
 
 @dataclass(frozen=True)
-class Given:
+class PersonInput:
     """What the files of a person hold.
 
     Attributes:
@@ -62,7 +62,7 @@ class Given:
     patterns: Mapping[str, Pattern] = field(default_factory=dict)
 
 
-def read_given(files: PersonFiles, limits: Limits | None = None) -> Given:
+def read_person_input(files: PersonFiles, limits: Limits | None = None) -> PersonInput:
     """Read all files of a person.
 
     Raises:
@@ -82,10 +82,10 @@ def read_given(files: PersonFiles, limits: Limits | None = None) -> Given:
         body = load_smpl(files.body)
     elif files.body is not None:
         wearer = load_scan(files.body, units=files.units, up=files.up, kind="body", limits=limits)
-    return Given(raw, label, wearer, body, {word: load_pattern(path) for word, path in files.patterns.items()})
+    return PersonInput(raw, label, wearer, body, {word: load_pattern(path) for word, path in files.patterns.items()})
 
 
-def describe_given(given: Given) -> dict[str, Any]:
+def describe_person_input(given: PersonInput) -> dict[str, Any]:
     """Return what was understood of the files, as JSON values."""
     raw = given.raw
     low, high = raw.points.min(axis=0), raw.points.max(axis=0)
@@ -95,7 +95,7 @@ def describe_given(given: Given) -> dict[str, Any]:
             "name": raw.name, "units": raw.units, "up": raw.up_axis, "is_cloud": raw.is_cloud,
             "vertex_count": len(raw.points), "face_count": len(raw.faces), "file_count": len(raw.place),
             "extent_m": [round(float(side), 4) for side in high - low], "has_colours": raw.colours is not None,
-            "notes": list(raw.notes[:SHOWN_NOTES]),
+            "notes": list(raw.notes[:MAX_LISTED_NOTES]),
         },
     }  # fmt: skip
     if given.label is not None:
@@ -106,26 +106,26 @@ def describe_given(given: Given) -> dict[str, Any]:
     return found
 
 
-def save_given(given: Given, path: Path) -> None:
+def save_person_input(given: PersonInput, path: Path) -> None:
     """Write what was read as plain arrays."""
     write_record(given, path)
 
 
-def load_given(path: Path) -> Given:
-    """Read what `save_given` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+def load_person_input(path: Path) -> PersonInput:
+    """Read what `save_person_input` wrote in a limited process, which is not believed: no pickle, nothing compressed.
 
     Raises:
         ReaderCrashed: where it is something else.
     """
-    given = read_record(Given, path)
+    given = read_record(PersonInput, path)
     try:
-        _check(given.raw)
+        _check_scan_arrays(given.raw)
     except (ValueError, TypeError) as error:
         raise ReaderCrashed() from error
     return given
 
 
-def _check(raw: RawScan) -> None:
+def _check_scan_arrays(raw: RawScan) -> None:
     """Check that the arrays of a scan fit each other.
 
     Raises:

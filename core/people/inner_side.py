@@ -9,32 +9,35 @@ from ..body import Body
 from ..geometry import HalfEdges, TriangleSurface, find_components, vertex_normals
 from ..scan import Scan
 
-THICKNESS = 0.015
+MAX_SCANNED_CLOTH_THICKNESS = 0.015
 """Largest distance between the two sides of one cloth in a scan [m]: three cells of 4 mm of a fused surface, and
 noise."""
 
-LEAST = 0.3
-"""Share of a piece that faces the skin behind which the outer side must be found: less is a fold, or noise."""
+MIN_BACKED_SHARE = 0.3
+"""Least share of an inward-facing piece behind which the outer side must be found: with less, the piece is a fold, or
+noise."""
 
-AROUND = 2.0 / np.pi
-"""Largest length of the mean of an inner side's unit normals: what half a tube's have. It goes around a limb or the
-trunk; the back of a pleat, which faces the skin with the pleat's front behind it, faces one way."""
+MAX_MEAN_NORMAL_LENGTH = 2.0 / np.pi
+"""Largest length of the mean of an inner side's unit normals: that of half a tube. An inner side goes around a limb or
+the trunk. The back of a pleat, which faces the skin with the pleat's front behind it, faces one way."""
 
-ASKED = 20_000
-"""Vertices that are asked for an outer side, about: the share of a piece is known from every n-th of a dense scan."""
+INNER_SIDE_QUERY_COUNT = 20_000
+"""Number of vertices, about, at which an outer side is searched: every n-th of a dense scan is enough to know the share
+of a piece."""
 
-FACING = 0.3
-"""Least cosine between a normal and the way to the skin, and between the two sides' normals, turned over: 73 degrees.
-Of a person whose insides have a label of their own 86 % are found so, and 0.3 % of the outer side."""
+MIN_INNER_SIDE_COSINE = 0.3
+"""Least cosine between a normal and the direction to the skin, and between one side's normal and the other side's,
+reversed: 73 degrees. Of a person whose insides have a label of their own 86 % are found so, and 0.3 % of the outer
+side."""
 
 
 def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray | None = None) -> np.ndarray:
     """Find the inner side of a garment's cloth, as far as it is seen through an opening, bool, shape [vertex_count].
 
     A piece that faces the skin is an inner side where it goes around the wearer, and the outer side of the same cloth
-    lies within `THICKNESS`, farther from the skin, for more than `LEAST` of it. A recovery is of one sheet: with both,
-    the sheet turns inward at the hem, and its contours lie up inside the garment. Of an inner side in another colour a
-    part may pass for nothing that is known, so a piece goes on there.
+    lies within `MAX_SCANNED_CLOTH_THICKNESS`, farther from the skin, for more than `MIN_BACKED_SHARE` of it. A recovery
+    is of one sheet: with both, the sheet turns inward at the hem, and its contours lie up inside the garment. Of an
+    inner side in another colour a part may pass for nothing that is known, so a piece goes on there.
 
     Args:
         whole: The person's surface.
@@ -50,22 +53,22 @@ def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray 
     feet = TriangleSurface(body.vertices, body.faces).closest(whole.vertices[mine])
     away = whole.vertices[mine] - feet.foot
     height = np.linalg.norm(away, axis=1)
-    facing = (normals[mine] * away).sum(axis=1) < -FACING * height
+    facing = (normals[mine] * away).sum(axis=1) < -MIN_INNER_SIDE_COSINE * height
     tree = cKDTree(whole.vertices[mine])
     asked = np.flatnonzero(facing)
-    asked = asked[:: max(1, len(asked) // ASKED)]
+    asked = asked[:: max(1, len(asked) // INNER_SIDE_QUERY_COUNT)]
     backed = np.zeros(len(asked), bool)
     for number, row in enumerate(asked):
-        near = np.array(tree.query_ball_point(whole.vertices[mine[row]], THICKNESS))
-        opposite = normals[mine[near]] @ normals[mine[row]] < -FACING
+        near = np.array(tree.query_ball_point(whole.vertices[mine[row]], MAX_SCANNED_CLOTH_THICKNESS))
+        opposite = normals[mine[near]] @ normals[mine[row]] < -MIN_INNER_SIDE_COSINE
         backed[number] = bool((opposite & own[mine[near]] & (height[near] > height[row])).any())
     turned = np.zeros(len(whole.vertices), bool)
     turned[mine[facing]] = True
     linked = turned[edges.tail] & turned[edges.head]
     count, piece = find_components(len(whole.vertices), edges.tail[linked], edges.head[linked])
     of_asked = piece[mine[asked]]
-    shown = np.bincount(of_asked, backed, count) > LEAST * np.bincount(of_asked, minlength=count)
+    shown = np.bincount(of_asked, backed, count) > MIN_BACKED_SHARE * np.bincount(of_asked, minlength=count)
     mean = np.stack([np.bincount(piece, turned * normals[:, axis], count) for axis in range(3)], axis=1)
     size = np.bincount(piece, turned, count)
-    around = np.linalg.norm(mean, axis=1) <= AROUND * size
+    around = np.linalg.norm(mean, axis=1) <= MAX_MEAN_NORMAL_LENGTH * size
     return np.asarray(own & turned & (shown & around)[piece])

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from ..body import BodyMissing, NotHuman, Wearer, fit_person, read_wearer
-from ..body.presence import LOW, ScanPartial
+from ..body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
 from ..run.errors import BadInput
-from ..scan import Limits, Scan, describe_scan, load_pieces, load_scan
+from ..scan import Limits, Scan, describe_scan, load_scan, load_scan_input
 from ..scan.load_raw import load_raw
 from ..scan.raw import RawScan
 from ..scan.refusal import MeshEmpty, NoFaces
-from .given import SHOWN_NOTES, Given, describe_given
+from .given import MAX_LISTED_NOTES, PersonInput, describe_person_input
 from .inspect_garment import find_body, inspect_file
-from .separate import check_alone
-from .whole import LEAST_HEIGHT, TALL, shows_person, stands_tall
+from .separate import check_single_person
+from .whole import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
 
 PERSON, GARMENT = "person", "garment"
 """What a file can be taken for."""
@@ -33,7 +33,7 @@ def inspect_person(path: Path, units: str | None = None, up: str | None = None) 
         BadInput: where it is no person, or cannot be used.
     """
     raw = load_raw(path, units, up)
-    return describe_given(Given(raw)) | {"body": _describe_wearer(raw)}
+    return describe_person_input(PersonInput(raw)) | {"body": _describe_wearer(raw)}
 
 
 def inspect_order(
@@ -64,15 +64,17 @@ def inspect_order(
     """
     path, limits, wearer = Path(source), Limits(is_confined=True), read_wearer(body)
     raw = _read_person(path, given_as, units, up)
-    is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (LOW if wearer is None else TALL * LEAST_HEIGHT)
+    is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (
+        MIN_WHOLE_PERSON_HEIGHT if wearer is None else MIN_PERSON_HEIGHT_SHARE * MIN_ADULT_HEIGHT
+    )
     what = given_as or (PERSON if is_high else GARMENT)
     if what == PERSON and given_as is None and wearer is not None and not is_quick:
-        what = find_what(path, wearer, units, up, limits)
+        what = classify_file(path, wearer, units, up, limits)
     needs = {"code": BodyMissing.code, "message": BodyMissing().message} if what == GARMENT and wearer is None else None
     found = dict.fromkeys(("body", "category", "contours_m")) | {"as": what, "needs": needs, "remarks": []}
     found["is_sure"] = given_as is not None or not is_high or not is_quick
     if what == PERSON and raw is not None:
-        found["scan"] = describe_given(Given(raw))["scan"] | {"has_labels": raw.labels is not None}
+        found["scan"] = describe_person_input(PersonInput(raw))["scan"] | {"has_labels": raw.labels is not None}
         return found if is_quick else found | {"body": _find_wearer(raw, given_as is None and wearer is None)}
     scan = load_scan(path, units=units, up=up, limits=limits)
     found["scan"] = _describe_garment(scan)
@@ -103,7 +105,7 @@ def _describe_garment(scan: Scan) -> dict[str, Any]:
     known = describe_scan(scan)
     shared = ("name", "units", "up", "extent_m", "vertex_count", "face_count", "has_colours", "has_labels")
     return {name: known[name] for name in shared} | {
-        "is_cloud": False, "file_count": len(scan.vertices), "notes": list(scan.repairs[:SHOWN_NOTES]),
+        "is_cloud": False, "file_count": len(scan.vertices), "notes": list(scan.repairs[:MAX_LISTED_NOTES]),
     }  # fmt: skip
 
 
@@ -116,8 +118,8 @@ def _find_wearer(raw: RawScan, may_be_garment: bool) -> dict[str, Any]:
     try:
         return _describe_wearer(raw)
     except BadInput as error:
-        if may_be_garment and is_no_person(error):
-            error.message = explain_garment(error)
+        if may_be_garment and is_garment_refusal(error):
+            error.message = explain_missing_body(error)
         raise
 
 
@@ -127,7 +129,7 @@ def _describe_wearer(raw: RawScan) -> dict[str, Any]:
     Raises:
         BadInput: where it shows no person, or more than one.
     """
-    check_alone(raw)
+    check_single_person(raw)
     fit = fit_person(raw.points, raw.normals, raw.is_oriented)
     return {
         "source": f"scan:{raw.name}",
@@ -136,7 +138,7 @@ def _describe_wearer(raw: RawScan) -> dict[str, Any]:
     }
 
 
-def find_what(
+def classify_file(
     path: Path, body: Wearer, units: str | None = None, up: str | None = None, limits: Limits | None = None
 ) -> str:
     """Return what a file that came with a body is taken for, as a job does: who shows head, hands or feet is a person.
@@ -152,20 +154,20 @@ def find_what(
         BadInput: where a file cannot be used.
     """
     try:
-        pieces = load_pieces(path, body if isinstance(body, Path) else None, units=units, up=up, limits=limits)
+        pieces = load_scan_input(path, body if isinstance(body, Path) else None, units=units, up=up, limits=limits)
     except NoFaces:
         return PERSON  # a garment is a surface
-    if not stands_tall(pieces.garment, pieces.wearer):
+    if not has_person_height(pieces.garment, pieces.wearer):
         return GARMENT
     worn = find_body(body, pieces)
     return PERSON if worn is not None and shows_person(pieces.garment, worn) else GARMENT
 
 
-def is_no_person(error: BadInput) -> bool:
+def is_garment_refusal(error: BadInput) -> bool:
     """Return whether a refusal may be of a garment that was scanned alone."""
     return error.code in (NotHuman.code, ScanPartial.code)
 
 
-def explain_garment(error: BadInput) -> str:
+def explain_missing_body(error: BadInput) -> str:
     """Return why a file that came without a body is no person, and what it needs where it is a garment."""
     return f"{error.message} A garment that was scanned alone needs its wearer: --body."

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..body import Body, BuiltinWearer, Wearer, is_smpl, load_smpl
-from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
-from ..scan.contours import find_loops, find_remarks, segment_garment, smoothed_length
+from ..scan import Limits, Scan, ScanInput, Selection, describe_scan, load_scan_input
+from ..scan.contours import find_loops, find_misfit_warnings, segment_garment, smoothed_length
 from ..scan.contours.rounded_rims import straighten_scan
 from .wearer import FoundWearer, fit_wearer
 
@@ -96,7 +96,7 @@ def inspect_file(
         BadInput: where a file cannot be used, or no contour is found on the given body.
     """
     mesh = body if isinstance(body, Path) else None
-    pieces = load_pieces(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
+    pieces = load_scan_input(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
     scan, wearer = straighten_scan(pieces.garment), pieces.wearer  # as the recovery will
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
     known = _describe(scan, boundaries)
@@ -113,7 +113,7 @@ def inspect_file(
         category=target.category,
         remarks=(
             *(one.describe() for one in found.undeclared or () if one.is_off_body),
-            *find_remarks(scan.vertices, who),
+            *find_misfit_warnings(scan.vertices, who),
         ),
         body={
             "source": who.source,
@@ -130,13 +130,13 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
 
 
-def find_body(body: Body | Wearer | None, pieces: Pieces) -> Body | None:
+def find_body(body: Body | Wearer | None, pieces: ScanInput) -> Body | None:
     """Return the body that `find_wearer` finds."""
     found = find_wearer(body, pieces)
     return None if found is None else found.body
 
 
-def find_wearer(body: Body | Wearer | None, pieces: Pieces) -> FoundWearer | None:
+def find_wearer(body: Body | Wearer | None, pieces: ScanInput) -> FoundWearer | None:
     """Return who came with a garment, or the wearer of a scan that it was cut out of; None without either."""
     if isinstance(body, Body):
         return FoundWearer(body)

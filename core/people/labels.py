@@ -10,7 +10,7 @@ import numpy as np
 from ..scan import LabelsUnreadable, Limits, read_labels
 from .part import Part
 
-COUNT = max(Part) + 1
+LABEL_NAME_COUNT = max(Part) + 1
 """Length of `names`: a label is the index of its name."""
 
 
@@ -32,7 +32,7 @@ def write_labels(
         origin: For each point of the cleaned scan the point of the file that it came from, shape [point_count]; None:
             not written.
     """
-    names = np.full(COUNT, "", dtype="<U16")
+    names = np.full(LABEL_NAME_COUNT, "", dtype="<U16")
     for part in Part:
         names[part] = part.word
     arrays = {"label": label.astype(np.uint8), "confidence": confidence.astype(np.float32), "names": names}

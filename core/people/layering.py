@@ -7,7 +7,7 @@ from typing import Any
 
 from .part import Part
 
-OUTWARD = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
+LAYER_ORDER = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
 """The garments from the innermost to the outermost where nothing says otherwise."""
 
 
@@ -21,7 +21,7 @@ def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
         person: What was found, as `describe_person` says it.
     """
     found = {str(garment["part"]): garment for garment in person["garments"]}
-    words = [part.word for part in OUTWARD if part.word in found]
+    words = [part.word for part in LAYER_ORDER if part.word in found]
     upper, lower = Part.UPPER.word, Part.LOWER.word
     if upper in found and lower in found and is_tucked(found[upper], found[lower]):
         words.remove(upper)

@@ -18,57 +18,58 @@ from pathlib import Path
 import numpy as np
 
 from ..run.errors import GarmentqError
-from .features import VERSION, Features
+from .features import FEATURE_LAYOUT_VERSION, Features
 from .limbs import Limb
 from .part import GARMENTS, PARTS, Part
 from .points import FittedPerson, PersonPoints
 from .rules import tell_by_rules
 
-ASSET = Path(__file__).parent / "kinds.npz"
+NETWORK_FILE = Path(__file__).parent / "kinds.npz"
 """The networks that ship, with `kinds.json` beside them: hash, seeds, generator and figures."""
-STATION = 0.02
+LIMB_CELL_LENGTH = 0.02
 """Length of a cell along a limb [m]: three samples, and half a hem's step."""
-START = -0.12
-"""Station of the first cell [m]: armpits and crotch lie before their limb's joint."""
-STATIONS = 62
-"""Cells along a limb: to 1.12 m, a leg of a person of 2.10 m."""
-SECTORS = 4
-"""Sectors around a limb: front, back, and the two sides."""
-PARTNER = (Limb.TRUNK, Limb.NECK, Limb.RIGHT_ARM, Limb.LEFT_ARM, Limb.RIGHT_LEG, Limb.LEFT_LEG)
+FIRST_CELL_STATION = -0.12
+"""Station at which the first cell of a limb begins [m]: armpits and crotch lie before their limb's joint."""
+LIMB_STATION_COUNT = 62
+"""Number of cells along a limb: to 1.12 m, a leg of a person of 2.10 m."""
+LIMB_SECTOR_COUNT = 4
+"""Number of sectors around a limb: front, back, and the two sides."""
+OPPOSITE_LIMBS = (Limb.TRUNK, Limb.NECK, Limb.RIGHT_ARM, Limb.LEFT_ARM, Limb.RIGHT_LEG, Limb.LEFT_LEG)
 """The limb on the other side, of each of `Limb`."""
-GROUPS = ((Limb.TRUNK,), (Limb.NECK,), (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG))
+LIMB_GROUPS = ((Limb.TRUNK,), (Limb.NECK,), (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG))
 """Limbs that are summed up together for the whole person."""
-ROUNDS = 2
-"""Times that samples, cells and the whole person exchange what they know."""
-DILATIONS = (1, 3)
-"""Distances between the five taps of the two filters along a limb: they see 4 and 12 cm to either side."""
-REACH = 8.0
-"""Features are clipped to so many standard deviations: an odd scan must not leave the range that was trained."""
-LEAST = 1.0e-3
-"""Probability that the rules' are not believed below."""
-SLOPE = 0.1
-"""Slope of the rectifier below zero."""
-UNREAD = ("tightness", "border", "present")
+EXCHANGE_ROUND_COUNT = 2
+"""Number of rounds in which samples, cells and the whole person exchange features."""
+FILTER_DILATIONS = (1, 3)
+"""Distances between the five taps of the two filters along a limb [cells]: they reach 4 and 12 cm to either side."""
+MAX_FEATURE_DEVIATION = 8.0
+"""Number of standard deviations at which features are clipped: an unusual scan must not leave the range that was
+trained."""
+MIN_RULE_PROBABILITY = 1.0e-3
+"""Lower bound of the rules' probabilities in the networks' input, before their logarithm is taken."""
+RECTIFIER_SLOPE = 0.1
+"""Slope of the leaky rectifier below zero."""
+TRAINING_HEADS = ("tightness", "border", "present")
 """Heads that training has and nothing reads at run time."""
 KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
 """What a network of kinds tells apart: any garment is one kind."""
-KIND = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
+KIND_OF_COLUMN = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
 """Place in `KINDS` of each column of a posterior."""
-GARMENT = int(KIND[PARTS.index(Part.UPPER)])
+GARMENT_KIND = int(KIND_OF_COLUMN[PARTS.index(Part.UPPER)])
 """Place of garments in `KINDS`."""
-BARE = [int(KIND[PARTS.index(part)]) for part in (Part.SKIN, Part.SHOES)]
+BARE_KINDS = [int(KIND_OF_COLUMN[PARTS.index(part)]) for part in (Part.SKIN, Part.SHOES)]
 """Places of what lies beyond the ends of garments."""
-MOST = float(np.log(50.0))
-"""Most by which the networks change the log-odds of skin, or shoes, to garments: as a colour, they never speak against
-any by more than 1 : 50. A smooth sheet 12 mm over the legs was skin and boots to them, however sure of it the rules
-were: none of the persons that they were trained on wears anything so close. Of hair and other things rules know less.
-"""
-TINY = 1e-12
-"""Probability below which none is told from 0."""
+MAX_LOG_ODDS_CHANGE = float(np.log(50.0))
+"""Largest change by the networks of the log-odds of skin, or shoes, to garments: like colour, the networks count
+against garments by 1 : 50 at most. They took a smooth sheet 12 mm over the legs for skin and boots, however sure of it
+the rules were: none of the persons that they were trained on wears anything so close. Of hair and other things rules
+know less."""
+MIN_KIND_PROBABILITY = 1e-12
+"""Lower bound of a kind's probability before its logarithm is taken."""
 
 
 @dataclass(frozen=True)
-class Cells:
+class LimbCells:
     """Describe in which cell of the unrolled limbs each sample lies.
 
     Attributes:
@@ -84,44 +85,44 @@ class Cells:
     share: np.ndarray
 
     @classmethod
-    def of(cls, limb: np.ndarray, station: np.ndarray, front: np.ndarray, side: np.ndarray) -> Cells:
+    def of(cls, limb: np.ndarray, station: np.ndarray, front: np.ndarray, side: np.ndarray) -> LimbCells:
         """Find the cells of samples from their limb, station [m], and the directions around it, shape [n] each."""
         sector = np.where(np.abs(front) >= np.abs(side), np.where(front >= 0, 0, 1), np.where(side >= 0, 2, 3))
-        row = (limb.astype(np.int64) * SECTORS + sector) * STATIONS
-        along = np.clip((station - START) / STATION, 0.0, STATIONS - 1e-3)
-        before = np.clip(np.floor(along - 0.5), 0, STATIONS - 2).astype(np.int64)
+        row = (limb.astype(np.int64) * LIMB_SECTOR_COUNT + sector) * LIMB_STATION_COUNT
+        along = np.clip((station - FIRST_CELL_STATION) / LIMB_CELL_LENGTH, 0.0, LIMB_STATION_COUNT - 1e-3)
+        before = np.clip(np.floor(along - 0.5), 0, LIMB_STATION_COUNT - 2).astype(np.int64)
         share = np.clip(along - 0.5 - before, 0.0, 1.0)
         return cls(row + np.floor(along).astype(np.int64), row + before, row + before + 1, share.astype(np.float32))
 
 
-CELLS = len(Limb) * SECTORS * STATIONS
+TOTAL_CELL_COUNT = len(Limb) * LIMB_SECTOR_COUNT * LIMB_STATION_COUNT
 """Number of cells."""
 
 
-def cells_of(features: Features) -> Cells:
+def find_limb_cells(features: Features) -> LimbCells:
     """Find the cells of described samples."""
     place = features.place
-    return Cells.of(place.limb, place.station, features.column("around_front"), features.column("around_side"))
+    return LimbCells.of(place.limb, place.station, features.column("around_front"), features.column("around_side"))
 
 
 def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
     """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, k]."""
-    return np.hstack([values, np.log(np.maximum(rules, LEAST))]).astype(np.float32)
+    return np.hstack([values, np.log(np.maximum(rules, MIN_RULE_PROBABILITY))]).astype(np.float32)
 
 
-def sum_kinds(posterior: np.ndarray) -> np.ndarray:
+def parts_to_kinds(posterior: np.ndarray) -> np.ndarray:
     """Return the probability of each of `KINDS`, shape [n, 5], from that of each part, shape [n, 8]."""
-    return np.stack([posterior[:, KIND == k].sum(axis=1) for k in range(len(KINDS))], axis=1)
+    return np.stack([posterior[:, KIND_OF_COLUMN == k].sum(axis=1) for k in range(len(KINDS))], axis=1)
 
 
-def share_kinds(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
+def kinds_to_parts(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return the posterior of the parts, shape [n, 8], from that of `KINDS`, shape [n, 5].
 
     Args:
         kinds: Rows sum to 1.
         share: Which garment each sample is if it is one, as `RulesTold.share`, shape [n, 8].
     """
-    return np.asarray(kinds[:, KIND] * np.where(KIND == GARMENT, share, 1.0))
+    return np.asarray(kinds[:, KIND_OF_COLUMN] * np.where(KIND_OF_COLUMN == GARMENT_KIND, share, 1.0))
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ class Network:
     weights: dict[str, np.ndarray]
     temperature: float
 
-    def logits(self, values: np.ndarray, cells: Cells) -> np.ndarray:
+    def logits(self, values: np.ndarray, cells: LimbCells) -> np.ndarray:
         """Compute what the network says of each sample, divided by the temperature, shape [n, heads].
 
         Args:
@@ -145,35 +146,35 @@ class Network:
         """
         return np.asarray(self._apply("part", self.embed(values, cells)) / self.temperature)
 
-    def embed(self, values: np.ndarray, cells: Cells) -> np.ndarray:
+    def embed(self, values: np.ndarray, cells: LimbCells) -> np.ndarray:
         """Compute what the heads read, shape [n, width]."""
         w = self.weights
-        hidden = np.clip((values - w["mean"]) / w["spread"], -REACH, REACH)
-        hidden = _bend(self._apply("second", _bend(self._apply("first", hidden))))
+        hidden = np.clip((values - w["mean"]) / w["spread"], -MAX_FEATURE_DEVIATION, MAX_FEATURE_DEVIATION)
+        hidden = _leaky_relu(self._apply("second", _leaky_relu(self._apply("first", hidden))))
         pooling = _Pooling.of(cells)
-        for turn in range(ROUNDS):
+        for turn in range(EXCHANGE_ROUND_COUNT):
             hidden = hidden + self._exchange(f"round{turn}", hidden, cells, pooling)
         return hidden
 
-    def _exchange(self, name: str, hidden: np.ndarray, cells: Cells, pooling: _Pooling) -> np.ndarray:
+    def _exchange(self, name: str, hidden: np.ndarray, cells: LimbCells, pooling: _Pooling) -> np.ndarray:
         """Pool samples to cells, filter along limbs, join with the other side and the whole, and hand back."""
         width = hidden.shape[1]
-        cell = _bend(self._apply(f"{name}.pool", pooling.pool(hidden)))
-        cell = cell.reshape(len(Limb), SECTORS, STATIONS, width)
+        cell = _leaky_relu(self._apply(f"{name}.pool", pooling.pool(hidden)))
+        cell = cell.reshape(len(Limb), LIMB_SECTOR_COUNT, LIMB_STATION_COUNT, width)
         slices = np.broadcast_to(cell.mean(axis=1, keepdims=True), cell.shape)
-        other = slices[list(PARTNER)]
-        cell = _bend(self._apply(f"{name}.mix", np.concatenate([cell, slices, other], axis=-1)))
-        for i, dilation in enumerate(DILATIONS):
-            cell = cell + _bend(self._filter(f"{name}.along{i}", cell, dilation))
-        weight = pooling.full.reshape(len(Limb), SECTORS, STATIONS, 1)
-        sums = [(cell[list(group)] * weight[list(group)]).sum(axis=(0, 1, 2)) for group in GROUPS]
-        counts = [max(float(weight[list(group)].sum()), 1.0) for group in GROUPS]
+        other = slices[list(OPPOSITE_LIMBS)]
+        cell = _leaky_relu(self._apply(f"{name}.mix", np.concatenate([cell, slices, other], axis=-1)))
+        for i, dilation in enumerate(FILTER_DILATIONS):
+            cell = cell + _leaky_relu(self._filter(f"{name}.along{i}", cell, dilation))
+        weight = pooling.full.reshape(len(Limb), LIMB_SECTOR_COUNT, LIMB_STATION_COUNT, 1)
+        sums = [(cell[list(group)] * weight[list(group)]).sum(axis=(0, 1, 2)) for group in LIMB_GROUPS]
+        counts = [max(float(weight[list(group)].sum()), 1.0) for group in LIMB_GROUPS]
         whole = np.concatenate([total / count for total, count in zip(sums, counts, strict=True)])
-        whole = _bend(self._apply(f"{name}.whole1", _bend(self._apply(f"{name}.whole0", whole))))
+        whole = _leaky_relu(self._apply(f"{name}.whole1", _leaky_relu(self._apply(f"{name}.whole0", whole))))
         flat = cell.reshape(-1, width)
         near = flat[cells.low] * (1 - cells.share[:, None]) + flat[cells.high] * cells.share[:, None]
         joined = np.concatenate([hidden, near, np.broadcast_to(whole, hidden.shape)], axis=1)
-        return self._apply(f"{name}.back1", _bend(self._apply(f"{name}.back0", joined)))
+        return self._apply(f"{name}.back1", _leaky_relu(self._apply(f"{name}.back0", joined)))
 
     def _apply(self, name: str, values: np.ndarray) -> np.ndarray:
         return np.asarray(values @ self.weights[f"{name}.weight"].T + self.weights[f"{name}.bias"])
@@ -183,12 +184,15 @@ class Network:
         taps, bias = self.weights[f"{name}.weight"], self.weights[f"{name}.bias"]
         reach = dilation * (taps.shape[2] // 2)
         padded = np.pad(cell, ((0, 0), (0, 0), (reach, reach), (0, 0)))
-        shifted = (padded[:, :, k * dilation : k * dilation + STATIONS] @ taps[:, :, k].T for k in range(taps.shape[2]))
+        shifted = (
+            padded[:, :, k * dilation : k * dilation + LIMB_STATION_COUNT] @ taps[:, :, k].T
+            for k in range(taps.shape[2])
+        )
         return np.asarray(sum(shifted) + bias)
 
 
 @dataclass(frozen=True)
-class Committee:
+class NetworkEnsemble:
     """Networks of kinds that were trained alike but for the seed.
 
     Attributes:
@@ -204,10 +208,10 @@ class Committee:
             features: The samples' description.
             rules: The posterior by rules, shape [n, 8].
         """
-        kinds = sum_kinds(rules)
-        return self.tell(network_inputs(features.values, kinds), kinds, cells_of(features))
+        kinds = parts_to_kinds(rules)
+        return self.tell(network_inputs(features.values, kinds), kinds, find_limb_cells(features))
 
-    def tell(self, values: np.ndarray, kinds: np.ndarray, cells: Cells) -> np.ndarray:
+    def tell(self, values: np.ndarray, kinds: np.ndarray, cells: LimbCells) -> np.ndarray:
         """Compute the geometric mean of the members' posteriors; each is the rules' times what it learnt.
 
         Args:
@@ -216,23 +220,24 @@ class Committee:
             cells: Where the samples lie.
         """
         told = [np.log(kinds) / each.temperature + each.logits(values, cells) for each in self.networks]
-        return keep_cloth(soften(np.mean(told, axis=0)), kinds)
+        return limit_log_odds_change(softmax(np.mean(told, axis=0)), kinds)
 
 
-def keep_cloth(posterior: np.ndarray, rules: np.ndarray) -> np.ndarray:
-    """Return a posterior no more than `MOST` further from the rules' in the log-odds of skin, and shoes, to garments.
+def limit_log_odds_change(posterior: np.ndarray, rules: np.ndarray) -> np.ndarray:
+    """Return a posterior no more than `MAX_LOG_ODDS_CHANGE` further from the rules' in the log-odds of skin, and shoes,
+    to garments.
 
     Args:
         posterior: Of `KINDS`, shape [n, 5].
         rules: The rules', shape [n, 5].
     """
-    log = np.log(np.maximum(posterior, TINY))
+    log = np.log(np.maximum(posterior, MIN_KIND_PROBABILITY))
     # What is told too little is raised, not what is told too much lowered: else what is neither would gain.
-    change = (log - np.log(rules))[:, BARE] - (log - np.log(rules))[:, [GARMENT]]
-    raised = np.maximum(change.max(axis=1) - MOST, 0.0)
-    log[:, GARMENT] += raised
-    log[:, BARE] += np.maximum(-MOST - (change - raised[:, None]), 0.0)
-    return soften(log)
+    change = (log - np.log(rules))[:, BARE_KINDS] - (log - np.log(rules))[:, [GARMENT_KIND]]
+    raised = np.maximum(change.max(axis=1) - MAX_LOG_ODDS_CHANGE, 0.0)
+    log[:, GARMENT_KIND] += raised
+    log[:, BARE_KINDS] += np.maximum(-MAX_LOG_ODDS_CHANGE - (change - raised[:, None]), 0.0)
+    return softmax(log)
 
 
 @dataclass(frozen=True)
@@ -246,32 +251,32 @@ class _Pooling:
     full: np.ndarray
 
     @classmethod
-    def of(cls, cells: Cells) -> _Pooling:
+    def of(cls, cells: LimbCells) -> _Pooling:
         """Sort samples by cell."""
         order = np.argsort(cells.index, kind="stable")
         cell, begin, count = np.unique(cells.index[order], return_index=True, return_counts=True)
-        full = np.zeros((CELLS, 1), np.float32)
+        full = np.zeros((TOTAL_CELL_COUNT, 1), np.float32)
         full[cell] = 1.0
         return cls(order, begin, cell, count, full)
 
     def pool(self, hidden: np.ndarray) -> np.ndarray:
         """Compute mean and maximum in each cell, 0 in empty ones, and which are not, shape [cells, 2 * width + 1]."""
         sorted_ = hidden[self.order]
-        mean = np.zeros((CELLS, hidden.shape[1]), hidden.dtype)
+        mean = np.zeros((TOTAL_CELL_COUNT, hidden.shape[1]), hidden.dtype)
         highest = np.zeros_like(mean)
         mean[self.cell] = np.add.reduceat(sorted_, self.begin) / self.count[:, None]
         highest[self.cell] = np.maximum.reduceat(sorted_, self.begin)
         return np.concatenate([mean, highest, self.full], axis=1)
 
 
-def soften(logits: np.ndarray) -> np.ndarray:
+def softmax(logits: np.ndarray) -> np.ndarray:
     """Return the posterior of logits, shape [n, k]."""
     chance = np.exp(logits - logits.max(axis=1, keepdims=True))
     return np.asarray(chance / chance.sum(axis=1, keepdims=True))
 
 
-def _bend(values: np.ndarray) -> np.ndarray:
-    return np.maximum(values, SLOPE * values)
+def _leaky_relu(values: np.ndarray) -> np.ndarray:
+    return np.maximum(values, RECTIFIER_SLOPE * values)
 
 
 class WrongWeights(GarmentqError):
@@ -285,25 +290,25 @@ def load_network(path: Path) -> Network | None:
     if not path.exists():
         return None
     with np.load(path) as kept:
-        if int(kept["version"]) != VERSION:
+        if int(kept["version"]) != FEATURE_LAYOUT_VERSION:
             return None
         weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
         return Network(weights, float(kept["temperature"]))
 
 
-def save_committee(committee: Committee, path: Path) -> None:
+def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
     """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, only what is run."""
-    arrays: dict[str, np.ndarray] = {"version": np.array(VERSION)}
+    arrays: dict[str, np.ndarray] = {"version": np.array(FEATURE_LAYOUT_VERSION)}
     for i, network in enumerate(committee.networks):
         arrays[f"{i}.temperature"] = np.array(network.temperature)
         for name, value in network.weights.items():
-            if name.split(".")[0] not in UNREAD:
+            if name.split(".")[0] not in TRAINING_HEADS:
                 arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
 
 
 @cache
-def load_committee(path: Path = ASSET) -> Committee:
+def load_ensemble(path: Path = NETWORK_FILE) -> NetworkEnsemble:
     """Read the networks that ship.
 
     Raises:
@@ -314,17 +319,17 @@ def load_committee(path: Path = ASSET) -> Committee:
         raise WrongWeights
     members: dict[str, dict[str, np.ndarray]] = {}
     with np.load(path) as kept:
-        if int(kept["version"]) != VERSION:
+        if int(kept["version"]) != FEATURE_LAYOUT_VERSION:
             raise WrongWeights
         for key in kept.files:
             member, _, name = key.partition(".")
             if name:
                 members.setdefault(member, {})[name] = kept[key].astype(np.float32)
-    return Committee(tuple(Network(each, float(each.pop("temperature"))) for each in members.values()))
+    return NetworkEnsemble(tuple(Network(each, float(each.pop("temperature"))) for each in members.values()))
 
 
-def predict_parts_of(
-    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None, committee: Committee
+def predict_by_networks(
+    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None, committee: NetworkEnsemble
 ) -> np.ndarray:
     """Compute the posterior of the parts: kinds by rules and networks together, garments by the rules alone.
 
@@ -339,4 +344,4 @@ def predict_parts_of(
         Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
     """
     rules = tell_by_rules(points, features, fit, tone)
-    return share_kinds(committee.predict_kinds(features, rules.posterior), rules.share)
+    return kinds_to_parts(committee.predict_kinds(features, rules.posterior), rules.share)

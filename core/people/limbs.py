@@ -24,7 +24,7 @@ class Limb(IntEnum):
     RIGHT_LEG = 5
 
 
-FOLDED = {
+FOLDED_BODY_PARTS = {
     "pelvis": ("pelvis",), "waist": ("spine1", "spine2"), "chest": ("spine3", "left_collar", "right_collar"),
     "neck": ("neck",), "head": ("head",), "thigh": ("left_hip", "right_hip"), "shank": ("left_knee", "right_knee"),
     "foot": ("left_ankle", "right_ankle", "left_foot", "right_foot"),
@@ -33,11 +33,12 @@ FOLDED = {
 }  # fmt: skip
 """Parts of the body by the joints whose skinning weights they add up, left and right folded."""
 
-NORMAL_LENGTH = 0.06
-"""Length [m] that a unit of difference in normals counts as when the body's point below the scan's is looked for: an
-arm that hangs 6 cm from the trunk is told from it by its normal alone, and a fold's flank still finds its own limb."""
-TRIED = 12
-"""Triangles of the body whose nearest point is computed for each of ours: those around two neighbouring vertices."""
+BODY_MATCH_NORMAL_LENGTH = 0.06
+"""Length that a unit of difference in normals counts as when a scanned point is matched to the body [m]: an arm that
+hangs 6 cm from the trunk is told from it by its normal alone, and the flank of a fold still finds its own limb."""
+CANDIDATE_TRIANGLE_COUNT = 12
+"""Number of the body's triangles whose nearest point is computed for each sample: those around two neighbouring
+vertices."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class BodyPlace:
         offset: Height over the body along that normal, negative inside [m], shape [n].
         distance: Distance to it [m], shape [n].
         rest: The body's point in the T-pose [m], feet at y = 0, shape [n, 3].
-        parts: Share of each part of `FOLDED`, rows sum to 1, shape [n, 11].
+        parts: Share of each part of `FOLDED_BODY_PARTS`, rows sum to 1, shape [n, 11].
         weights: Skinning weights of the body's point, shape [n, 24].
         limb: A `Limb` for each point: the one it belongs to, int8, shape [n].
         along: Unit vector along the limb, away from the body's middle, in the pose, shape [n, 3].
@@ -83,9 +84,9 @@ def place_on_body(points: PersonPoints, body: Body) -> BodyPlace:
     faces = body.rest_faces
     normals = vertex_normals(posed, faces)
     corners = posed[faces]
-    keys = np.hstack([corners.mean(axis=1), NORMAL_LENGTH * unit(normals[faces].sum(axis=1))])
-    ours = np.hstack([points.positions, NORMAL_LENGTH * points.normals])
-    _, tried = cKDTree(keys).query(ours, k=TRIED)
+    keys = np.hstack([corners.mean(axis=1), BODY_MATCH_NORMAL_LENGTH * unit(normals[faces].sum(axis=1))])
+    ours = np.hstack([points.positions, BODY_MATCH_NORMAL_LENGTH * points.normals])
+    _, tried = cKDTree(keys).query(ours, k=CANDIDATE_TRIANGLE_COUNT)
     share = closest_in_triangles(points.positions[:, None], corners[tried])
     feet = np.einsum("ntk,ntka->nta", share, corners[tried])
     miss = ((points.positions[:, None] - feet) ** 2).sum(axis=2)
@@ -121,8 +122,10 @@ def place_on_body(points: PersonPoints, body: Body) -> BodyPlace:
 
 
 def fold_parts(weights: np.ndarray) -> np.ndarray:
-    """Add skinning weights, shape [n, 24], up to the parts of `FOLDED`, shape [n, 11]."""
-    return np.stack([weights[:, [JOINTS.index(j) for j in joints]].sum(axis=1) for joints in FOLDED.values()], axis=1)
+    """Add skinning weights, shape [n, 24], up to the parts of `FOLDED_BODY_PARTS`, shape [n, 11]."""
+    return np.stack(
+        [weights[:, [JOINTS.index(j) for j in joints]].sum(axis=1) for joints in FOLDED_BODY_PARTS.values()], axis=1
+    )
 
 
 def _limb_frame(
@@ -170,7 +173,7 @@ def closest_in_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
         Coordinates, 0 to 1, rows sum to 1, shape [n, t, 3].
     """
     a, b, c = (corners[..., k, :] for k in range(3))
-    inside = _in_plane(points - a, b - a, c - a)
+    inside = _plane_barycentric(points - a, b - a, c - a)
     within = np.asarray((inside >= 0).all(axis=-1))
     best = np.full(inside.shape[:-1], np.inf)
     edges = np.zeros_like(inside)
@@ -187,7 +190,7 @@ def closest_in_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
     return np.asarray(np.where(within[..., None], inside, edges))
 
 
-def _in_plane(arm: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _plane_barycentric(arm: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Compute coordinates (1 - s - t, s, t) of arm = s u + t v + rest across, by the normal equations."""
     uu, uv, vv = ((x * y).sum(axis=-1) for x, y in ((u, u), (u, v), (v, v)))
     au, av = (arm * u).sum(axis=-1), (arm * v).sum(axis=-1)

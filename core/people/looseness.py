@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..body import JOINTS, Body
-from .features import LENGTH, Features
+from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import Limb
 
 AROUND_WAIST = (-0.10, 0.25)
@@ -37,7 +37,7 @@ def measure_looseness(features: Features, cloth: np.ndarray, body: Body) -> floa
     pelvis, neck = (float(body.rest_joints[JOINTS.index(name), 1]) for name in ("pelvis", "neck"))
     height = (place.rest[:, 1] - pelvis) / (neck - pelvis)
     own = cloth & (place.limb == Limb.TRUNK) & (height > AROUND_WAIST[0]) & (height < AROUND_WAIST[1])
-    return float(np.median(features.column("offset")[own])) * LENGTH if own.sum() >= LEAST else None
+    return float(np.median(features.column("offset")[own])) * FEATURE_LENGTH_SCALE if own.sum() >= LEAST else None
 
 
 def loose_evidence(offset: float | None) -> float:

@@ -16,15 +16,15 @@ from .hints import HintBad, Mark
 from .part import GARMENTS, PARTS, Part
 from .points import PersonPoints
 
-REACH = 0.1
-"""Distance from the scan up to which a mark is believed to mean it [m]: a place read off a picture is that good."""
+MAX_MARK_DISTANCE = 0.1
+"""Largest distance between a mark and the scan [m]: a place read off a picture is that good."""
 
-PATCH = 0.15
-"""Radius around a mark within which what was taken for skin is changed [m]: skin hangs together from head to foot, so
-that a mark cannot mean all of it."""
+MARK_SKIN_RADIUS = 0.15
+"""Radius around a mark within which skin is relabelled [m]: skin is connected from head to foot, so that a mark cannot
+mean all of it."""
 
 
-def garments_marked(marks: Sequence[Mark]) -> tuple[Part, ...]:
+def list_marked_garments(marks: Sequence[Mark]) -> tuple[Part, ...]:
     """Return the garments that marks name, in the order of `GARMENTS`."""
     named = {mark.part for mark in marks}
     return tuple(part for part in GARMENTS if part in named)
@@ -35,7 +35,8 @@ def apply_marks(
 ) -> np.ndarray:
     """Return the columns with the piece at each mark changed to the part that the mark names.
 
-    A piece is what hangs together and was taken for one part; of skin only what lies within `PATCH` of the mark.
+    A piece is what hangs together and was taken for one part; of skin only what lies within `MARK_SKIN_RADIUS` of the
+    mark.
 
     Args:
         column: Of each sample's part, shape [n].
@@ -52,7 +53,7 @@ def apply_marks(
     for mark in marks:
         place = turn_upright(mark.place[None], raw.up_axis)[0] * UNITS.get(raw.units, 1.0)
         distance, nearest = tree.query(place)
-        if distance > REACH:
+        if distance > MAX_MARK_DISTANCE:
             raise HintBad(
                 f"The mark {mark.part.word} lies {distance:.2f} m from the scan; give it in the file's coordinates."
             )
@@ -60,6 +61,6 @@ def apply_marks(
         _, piece = find_components(links.count, same[:, 0], same[:, 1])
         chosen = piece == piece[nearest]
         if PARTS[column[nearest]] is Part.SKIN:
-            chosen &= np.linalg.norm(points.positions - place, axis=1) < PATCH
+            chosen &= np.linalg.norm(points.positions - place, axis=1) < MARK_SKIN_RADIUS
         column[chosen] = PARTS.index(mark.part)
     return column

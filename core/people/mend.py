@@ -14,8 +14,8 @@ from ..scan.refusal import LabelsMismatch
 from .labels import write_labels
 from .part import Part
 
-MOST = 50_000_000
-"""Points of a scan at most; more than any file within the limits has."""
+MAX_CORRECTED_LABEL_COUNT = 50_000_000
+"""Largest number of labels that are read; more than the points of any file within the limits."""
 
 
 class LabelsOld(BadInput):
@@ -24,7 +24,7 @@ class LabelsOld(BadInput):
     code = "labels.old"
 
 
-def read_mended(path: Path) -> np.ndarray:
+def read_corrected_labels(path: Path) -> np.ndarray:
     """Read an untrusted `.npy` file with a `Part` for each point of the cleaned scan, uint8, shape [point_count].
 
     Raises:
@@ -32,7 +32,7 @@ def read_mended(path: Path) -> np.ndarray:
     """
 
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
-        if len(shape) != 1 or not 0 < shape[0] <= MOST or kind != np.uint8:
+        if len(shape) != 1 or not 0 < shape[0] <= MAX_CORRECTED_LABEL_COUNT or kind != np.uint8:
             raise ValueError("it is no row of bytes")
 
     try:
@@ -46,7 +46,7 @@ def read_mended(path: Path) -> np.ndarray:
     return label
 
 
-def mend_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
+def apply_corrected_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
     """Write a labels file as it was stored, with mended labels where the cleaned scan has points.
 
     Copies of a vertex that was split are one point of the file; a label that is changed at any of them is its label.

@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-RADII = (0.012, 0.02, 0.04, 0.06)
+NEIGHBOURHOOD_RADII = (0.012, 0.02, 0.04, 0.06)
 """Radii of the neighbourhoods [m]: a hem's edge, its step, a fold, a slice of a limb."""
 
 STEP_SHARE = 0.25
 """Neighbours nearer than this share of the radius along the limb belong to neither side of a step."""
 
 
-def gather(positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, ...]:
+def neighbourhood_statistics(
+    positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """Sum up the neighbours on a sample's own side of the cloth, those whose normal is within 90 degrees.
 
     With q the neighbours of p within r, n the normal of p, o the offsets and t = (q - p) . along:
@@ -27,9 +29,9 @@ def gather(positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along
         along: Unit vectors along the limb, shape [n, 3].
 
     Returns:
-        For each of `RADII` the six values in this order, shape [n, 6].
+        For each of `NEIGHBOURHOOD_RADII` the six values in this order, shape [n, 6].
     """
-    reach = RADII[-1]
+    reach = NEIGHBOURHOOD_RADII[-1]
     low = positions.min(axis=0)
     cell = np.floor((positions - low) / reach).astype(np.int64)
     shape = cell.max(axis=0) + 1
@@ -37,7 +39,9 @@ def gather(positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along
     order = np.argsort(key, kind="stable")
     rows = [np.ascontiguousarray(values[order], dtype=np.float64) for values in (positions, normals, offset, along)]
     position, normal, height, axis = rows
-    sums = _gather(position, normal, height, axis, key[order], cell[order], shape, np.array(RADII) ** 2)
+    sums = _sum_neighbours(
+        position, normal, height, axis, key[order], cell[order], shape, np.array(NEIGHBOURHOOD_RADII) ** 2
+    )
     out = np.zeros_like(sums)
     out[:, order] = sums
     count = out[:, :, 5]
@@ -47,7 +51,7 @@ def gather(positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along
 
 
 @njit(cache=True)
-def _gather(positions, normals, offset, along, key, cell, shape, squares):  # type: ignore[no-untyped-def]
+def _sum_neighbours(positions, normals, offset, along, key, cell, shape, squares):  # type: ignore[no-untyped-def]
     """Walk the 27 cells around each point; everything is sorted by cell."""
     count, scales = len(positions), len(squares)
     out = np.zeros((scales, count, 6))

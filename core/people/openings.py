@@ -16,27 +16,28 @@ from .confidence import contour_confidence, is_shown
 from .part import GARMENTS, Part
 from .separation import FoundContour
 
-BESIDE = 0.012
-"""Distance on either side of a border at which its two sides are compared [m]: beyond the cut's own softness of 8 mm,
-and less than half of the narrowest strap."""
+BORDER_SIDE_DISTANCE = 0.012
+"""Distance from a border at which its two sides are compared [m]: beyond the cut's own softness of 8 mm, and less than
+half of the narrowest strap."""
 
-AROUND = 0.012
-"""Radius of what is averaged there [m]: some ten points, and a fold is wider."""
+BORDER_AVERAGING_RADIUS = 0.012
+"""Radius over which height and colour of each side are averaged [m]: some ten points, and a fold is wider."""
 
-SPAN = 3
-"""Vertices of a border on either side of one that tell its direction: a centimetre."""
+TANGENT_VERTEX_COUNT = 3
+"""Number of vertices on either side of a border's vertex that its tangent is computed from: a centimetre."""
 
-FREE = 0.2
-"""Distance up to which something else that was scanned shows that a border without anything near it is a free edge [m]:
-a wide skirt's hem hangs that far from the legs. Beyond, the scan ends there and not the garment."""
+MAX_FREE_EDGE_DISTANCE = 0.2
+"""Largest distance between a free edge and the nearest other surface [m]: a wide skirt's hem hangs that far from the
+legs. Where nothing else was scanned within it, the scan ends there and not the garment."""
 
-LEVEL = 2e-3
-"""Step at a border that tells which side lies on the other [m]: the thickness of cloth and a scan's noise."""
+MIN_LAYER_STEP = 2e-3
+"""Step at a border from which on it shows which side lies on the other [m]: the thickness of cloth and a scan's
+noise."""
 
-WAISTBAND = (0.04, 0.03)
-"""Height over the hip joints from which on a border of two garments is more likely a waistband than a hem, and how
-sharply [m]: waistbands that are seen sit 8 to 20 cm above them, tops that hang over end below, and a tucked top blouses
-over the band, so that the step alone would say that it hangs."""
+WAISTBAND_HEIGHT_LOGISTIC = (0.04, 0.03)
+"""Centre and scale of a logistic function of the height over the hip joints [m]: from the centre on, a border of two
+garments is more likely a waistband than a hem. Waistbands that are seen sit 8 to 20 cm above the joints, tops that hang
+over end below; and a tucked top blouses over the band, so that by the step alone it would seem to hang over."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Surroundings:
 
 
 @dataclass(frozen=True)
-class _Sides:
+class _BorderSides:
     """What lies beyond a border, place by place.
 
     Attributes:
@@ -107,23 +108,23 @@ def find_openings(
     found = []
     for contour in contours:
         points, loop = garment.vertices[contour.vertices], contour.vertices
-        tangent = np.roll(points, -SPAN, axis=0) - np.roll(points, SPAN, axis=0)
-        left = BESIDE * unit(np.cross(normals[loop], unit(tangent)))  # into the garment
-        own = [inside[near] for near in trees[0].query_ball_point(points + left, AROUND)]
-        other = [outside[near] for near in trees[1].query_ball_point(points - left, AROUND)]
-        is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=FREE)[0])
-        sides = _compare(around, own, other, is_free, float(np.median(points[:, 1]) - around.hips))
-        found.append(_judge(contour.name, part, sides))
+        tangent = np.roll(points, -TANGENT_VERTEX_COUNT, axis=0) - np.roll(points, TANGENT_VERTEX_COUNT, axis=0)
+        left = BORDER_SIDE_DISTANCE * unit(np.cross(normals[loop], unit(tangent)))  # into the garment
+        own = [inside[near] for near in trees[0].query_ball_point(points + left, BORDER_AVERAGING_RADIUS)]
+        other = [outside[near] for near in trees[1].query_ball_point(points - left, BORDER_AVERAGING_RADIUS)]
+        is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=MAX_FREE_EDGE_DISTANCE)[0])
+        sides = _compare_sides(around, own, other, is_free, float(np.median(points[:, 1]) - around.hips))
+        found.append(_classify_opening(contour.name, part, sides))
     return tuple(found)
 
 
-def _compare(
+def _compare_sides(
     around: Surroundings, own: list[np.ndarray], other: list[np.ndarray], is_free: np.ndarray, level: float
-) -> _Sides:
+) -> _BorderSides:
     """Compare the two sides of a border, each given by the points near each of its places."""
     step, contrast = np.zeros(len(own)), np.zeros(len(own))
     beyond = np.where(is_free, -1, -2)
-    step[is_free] = FREE
+    step[is_free] = MAX_FREE_EDGE_DISTANCE
     for i, (a, b) in enumerate(zip(own, other, strict=True)):
         if not len(b):
             continue
@@ -131,14 +132,14 @@ def _compare(
         step[i] = around.height[a].mean() - around.height[b].mean() if len(a) else 0.0
         if around.lab is not None and len(a):
             contrast[i] = np.linalg.norm(around.lab[a].mean(axis=0) - around.lab[b].mean(axis=0))
-    return _Sides(step, contrast, beyond, level)
+    return _BorderSides(step, contrast, beyond, level)
 
 
-def _judge(name: str, part: Part, sides: _Sides) -> FoundContour:
+def _classify_opening(name: str, part: Part, sides: _BorderSides) -> FoundContour:
     worn = np.isin(sides.beyond, GARMENTS)
     covered = worn.mean() > 0.5 and _lies_below(part, sides.beyond[worn], sides.step[worn], sides.level)
     # hair lies over clothes; of what else is none, that over which a garment stands out may be its own inside
-    over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < LEVEL))
+    over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < MIN_LAYER_STEP))
     covered |= bool(over.mean() > 0.5)
     step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
     shown = not covered and is_shown(step, sides.contrast)
@@ -151,8 +152,8 @@ def _lies_below(part: Part, beyond: np.ndarray, step: np.ndarray, height: float)
     The step tells, and where it is none the border's height: below the waist the upper garment hangs over the lower.
     """
     other = Part(int(np.bincount(beyond).argmax()))
-    below = -float(np.median(step)) / LEVEL
+    below = -float(np.median(step)) / MIN_LAYER_STEP
     if Part.OUTER in (part, other):
         return below + (2.0 if other is Part.OUTER else -2.0) > 0.0
-    hanging = (WAISTBAND[0] - height) / WAISTBAND[1]
+    hanging = (WAISTBAND_HEIGHT_LOGISTIC[0] - height) / WAISTBAND_HEIGHT_LOGISTIC[1]
     return below + (hanging if part is Part.LOWER else -hanging) > 0.0

@@ -8,12 +8,12 @@ import numpy as np
 
 from ..body import JOINTS, Body
 from .coat import Coat
-from .confidence import temper
+from .confidence import apply_temperature
 from .limbs import BodyPlace
 from .part import GARMENTS, PARTS, Part
 from .separation import Outfit
 
-READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
+OUTFIT_READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
     ((Part.UPPER, Part.LOWER), 0.0),
     ((Part.ONE_PIECE,), 0.0),
     ((Part.UPPER,), -3.0),
@@ -23,39 +23,43 @@ READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
 or a bottom alone is one person in twenty. How much oftener two pieces are than one is in the posterior already
 (`rules.two_piece_probability`)."""
 
-WAIST = 0.10
+WAIST_LINE_HEIGHT = 0.10
 """Height of the waist line over the hip joints on the T-pose [m]: where a dress would be cut in two."""
 
-PATCHES = 12.0
-"""Independent observations that all points of a scan count as: errors are alike over a limb or a side of the trunk, so
-that thousands of points say little more than a dozen would."""
+INDEPENDENT_OBSERVATION_COUNT = 12.0
+"""Number of independent observations that all points of a scan count as: errors are alike over a limb or a side of the
+trunk, so that thousands of points hold little more information than a dozen."""
 
-COVERED = 0.7
-"""Share of what looks like a top that is an outer layer's where one is worn: it hides the top but for an open front."""
+OUTER_LAYER_SHARE = 0.7
+"""Share of what looks like a top that is given to an outer layer where one is worn: the layer hides the top but for an
+open front."""
 
-LEAST_SHARE = 1e-3
-"""Least probability of one piece and of two: what a waist shows can be a belt, or be hidden."""
+MIN_OUTFIT_PROBABILITY = 1e-3
+"""Least probability of one piece and of two, and of a garment on a bare chest: what a waist shows can be a belt, or be
+hidden."""
 
-FAINT = 0.05
-"""Probability of upper and lower together up to which the waist line decides where a dress is cut, and not they."""
+WAIST_LINE_PRIOR_WEIGHT = 0.05
+"""Probability that the waist line has as a prior where a one-piece garment is split into upper and lower: up to that
+probability of both together the line decides, beyond it they do."""
 
-CHEST = (Part.UPPER, Part.ONE_PIECE, Part.OUTER)
+CHEST_GARMENTS = (Part.UPPER, Part.ONE_PIECE, Part.OUTER)
 """Garments that are worn on the chest."""
 
-TRACES = 0.02
-"""Least share of the samples that these show above the waist, together: on a bare chest there are traces."""
+MIN_CHEST_GARMENT_SHARE = 0.02
+"""Least share of the samples that lie above the waist and are labelled as one of `CHEST_GARMENTS`; with less the chest
+counts as bare, where a few samples are labelled wrongly."""
 
-FLOOR = 0.01
-"""Least probability of a point under a reading: a bag or a bad spot speaks against each alike."""
+MIN_POINT_PROBABILITY = 0.01
+"""Least probability of a point under a reading: a bag or a bad spot then counts against all readings alike."""
 
-UNTOLD = Coat()
+UNKNOWN_COAT = Coat()
 """What is known of an outer layer before anything is seen."""
 
-COLUMN = {part: k for k, part in enumerate(PARTS)}
+PART_COLUMN = {part: k for k, part in enumerate(PARTS)}
 """The column of each part in a posterior."""
 
 
-def read_as(
+def condition_on_outfit(
     posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray, over: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the posterior where just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
@@ -69,33 +73,33 @@ def read_as(
         above: Probability that a point lies above the waist line, shape [n].
         over: Probability of each point's cloth to be the outer layer's where one is worn, shape [n], or None.
     """
-    upper, lower, whole = (COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
+    upper, lower, whole = (PART_COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
     if over is not None and Part.OUTER in outfit:
-        posterior = _lay_over(posterior, over)
+        posterior = _assign_outer_layer(posterior, over)
     read = posterior.copy()
     if Part.ONE_PIECE in outfit:
         read[:, whole] = posterior[:, [upper, lower, whole]].sum(axis=1)
     else:
         both = posterior[:, upper] + posterior[:, lower]
-        share = (posterior[:, upper] + FAINT * above) / (both + FAINT)
+        share = (posterior[:, upper] + WAIST_LINE_PRIOR_WEIGHT * above) / (both + WAIST_LINE_PRIOR_WEIGHT)
         read[:, upper] += posterior[:, whole] * share
         read[:, lower] += posterior[:, whole] * (1.0 - share)
-    read[:, [COLUMN[part] for part in GARMENTS if part not in outfit]] = 0.0
+    read[:, [PART_COLUMN[part] for part in GARMENTS if part not in outfit]] = 0.0
     return read
 
 
-def _lay_over(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
+def _assign_outer_layer(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
     """Return the posterior, shape [n, part_count], with a share of each garment given to the outer layer."""
-    laid, inner = posterior.copy(), [COLUMN[part] for part in GARMENTS if part is not Part.OUTER]
-    laid[:, COLUMN[Part.OUTER]] += over * posterior[:, inner].sum(axis=1)
+    laid, inner = posterior.copy(), [PART_COLUMN[part] for part in GARMENTS if part is not Part.OUTER]
+    laid[:, PART_COLUMN[Part.OUTER]] += over * posterior[:, inner].sum(axis=1)
     laid[:, inner] *= (1.0 - over)[:, None]
     return laid
 
 
-def above_waist(place: BodyPlace, body: Body) -> np.ndarray:
+def above_waist_probability(place: BodyPlace, body: Body) -> np.ndarray:
     """Return the probability that each point lies above the waist line, shape [n]."""
     hips = 0.5 * (body.rest_joints[JOINTS.index("left_hip"), 1] + body.rest_joints[JOINTS.index("right_hip"), 1])
-    return np.asarray(1.0 / (1.0 + np.exp(-np.clip((place.rest[:, 1] - hips - WAIST) / 0.02, -30.0, 30.0))))
+    return np.asarray(1.0 / (1.0 + np.exp(-np.clip((place.rest[:, 1] - hips - WAIST_LINE_HEIGHT) / 0.02, -30.0, 30.0))))
 
 
 def rank_outfits(
@@ -103,15 +107,16 @@ def rank_outfits(
     above: np.ndarray,
     wearing: tuple[Part, ...] | None = None,
     marked: tuple[Part, ...] = (),
-    coat: Coat = UNTOLD,
+    coat: Coat = UNKNOWN_COAT,
 ) -> tuple[Outfit, ...]:
     """Return the readings, the likeliest first.
 
     score(H) = log p(H) + log p(outer layer or none) + log p(one piece or several)
-    + `PATCHES` mean_i log sum_k p(k | i, H), with p(k | i, H) as `read_as`: what H has no place for speaks against it.
-    Whether there is an outer layer is one fact of the whole person, and so is whether there is one piece or several,
-    the mean over what is garment at all: they count once, however many points repeat them. The difference of two scores
-    is therefore the log-odds of the readings. On a bare chest nothing that is worn there is likely (`LEAST_SHARE`).
+    + `INDEPENDENT_OBSERVATION_COUNT` mean_i log sum_k p(k | i, H), with p(k | i, H) as `condition_on_outfit`: what H
+    has no place for speaks against it. Whether there is an outer layer is one fact of the whole person, and so is
+    whether there is one piece or several, the mean over what is garment at all: they count once, however many points
+    repeat them. The difference of two scores is therefore the log-odds of the readings. On a bare chest nothing that is
+    worn there is likely (`MIN_OUTFIT_PROBABILITY`).
 
     Args:
         posterior: Of the samples, which are even, shape [n, part_count].
@@ -122,17 +127,22 @@ def rank_outfits(
     """
     if wearing is not None:
         return (Outfit(wearing, 0.0),)
-    several, is_bare = several_probability(posterior), _is_chest_bare(posterior, above)
+    several, is_bare = several_pieces_probability(posterior), _is_chest_bare(posterior, above)
     found = []
-    for (inner, prior), outer in product(READINGS, (False, True)):
+    for (inner, prior), outer in product(OUTFIT_READINGS, (False, True)):
         outfit = tuple(part for part in GARMENTS if part in inner or (outer and part is Part.OUTER))
-        allowed = read_as(posterior, outfit, above, coat.over).sum(axis=1)
+        allowed = condition_on_outfit(posterior, outfit, above, coat.over).sum(axis=1)
         two = several if not outer or coat.several is None else coat.several
         worn = 1.0 - two if Part.ONE_PIECE in outfit else two
         layered = -np.logaddexp(0.0, -coat.odds if outer else coat.odds)
-        score = prior + layered + np.log(worn) + PATCHES * np.log(np.maximum(allowed, FLOOR)).mean()
-        if is_bare and set(outfit) & set(CHEST):
-            score += np.log(LEAST_SHARE)
+        score = (
+            prior
+            + layered
+            + np.log(worn)
+            + INDEPENDENT_OBSERVATION_COUNT * np.log(np.maximum(allowed, MIN_POINT_PROBABILITY)).mean()
+        )
+        if is_bare and set(outfit) & set(CHEST_GARMENTS):
+            score += np.log(MIN_OUTFIT_PROBABILITY)
         found.append(Outfit(outfit, float(score)))
     fitting = [outfit for outfit in found if set(marked) <= set(outfit.parts)]
     return tuple(sorted(fitting or [Outfit(marked, 0.0)], key=lambda outfit: -outfit.score))
@@ -140,19 +150,21 @@ def rank_outfits(
 
 def _is_chest_bare(posterior: np.ndarray, above: np.ndarray) -> bool:
     """Return whether nothing that is worn on the chest shows above the waist."""
-    worn = np.isin(posterior.argmax(axis=1), [COLUMN[part] for part in CHEST])
-    return bool((worn & (above > 0.5)).mean() < TRACES)
+    worn = np.isin(posterior.argmax(axis=1), [PART_COLUMN[part] for part in CHEST_GARMENTS])
+    return bool((worn & (above > 0.5)).mean() < MIN_CHEST_GARMENT_SHARE)
 
 
-def several_probability(posterior: np.ndarray) -> float:
+def several_pieces_probability(posterior: np.ndarray) -> float:
     """Return the probability that what is worn below an outer layer is several garments and not one piece.
 
     Args:
         posterior: Of the samples, shape [n, part_count].
     """
-    upper, lower, whole = posterior[:, [COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE)]].sum(axis=0)
+    upper, lower, whole = posterior[:, [PART_COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE)]].sum(
+        axis=0
+    )
     share = (upper + lower) / max(upper + lower + whole, 1e-9)
-    return float(np.clip(share, LEAST_SHARE, 1.0 - LEAST_SHARE))
+    return float(np.clip(share, MIN_OUTFIT_PROBABILITY, 1.0 - MIN_OUTFIT_PROBABILITY))
 
 
 def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
@@ -162,22 +174,22 @@ def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
     return np.asarray(likely / likely.sum())
 
 
-def read_all(
+def marginalise_outfits(
     posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray, over: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the posterior over all readings, sum_H p(H) p(k | i, H), rows sum to 1, shape [n, part_count].
 
     Each reading's is tempered, and not the sum: smoothing blurs the parts, but not what is known of the outfit.
     A label that only the best reading gives is no likelier than that reading. Where nothing tells an outer layer from a
-    top and one is worn, `COVERED` of what looks like a top, or like one piece above the waist, is it.
+    top and one is worn, `OUTER_LAYER_SHARE` of what looks like a top, or like one piece above the waist, is it.
     """
-    upper, whole, outer = (COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
+    upper, whole, outer = (PART_COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
     total = np.zeros_like(posterior)
     for outfit, likely in zip(outfits, outfit_probabilities(outfits), strict=True):
-        read = read_as(posterior, outfit.parts, above, over)
+        read = condition_on_outfit(posterior, outfit.parts, above, over)
         if over is None and Part.OUTER in outfit.parts and len(outfits) > 1:
-            hidden = COVERED * np.stack([read[:, upper], read[:, whole] * above], axis=1)
+            hidden = OUTER_LAYER_SHARE * np.stack([read[:, upper], read[:, whole] * above], axis=1)
             read[:, [upper, whole]] -= hidden
             read[:, outer] += hidden.sum(axis=1)
-        total += likely * temper(read / read.sum(axis=1, keepdims=True))
+        total += likely * apply_temperature(read / read.sum(axis=1, keepdims=True))
     return total

@@ -7,23 +7,23 @@ from dataclasses import dataclass, field
 from ..body import Body, BuiltinWearer, builtin_body, register_body
 from ..garment.reading import Reading
 from ..run.clock import Clock
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from ..run.report import ResultReport
 from ..scan import Scan, lies_on
 from ..scan.raw import RawScan
 from ..scan.refusal import BodyApart
-from .garments import cut_garment_of, find_surface
-from .given import Given
+from .garments import build_person_surface, extract_garment
+from .given import PersonInput
 from .hints import Hints, parse_mark, parse_wearing
-from .separate import separate
-from .separation import Separation
+from .separate import label_person
+from .separation import LabelledPerson
 
 STAGES = ("body", "separate", "garments")
 """The stages beside the reading of the files; progress and seconds are reported by these names."""
 
 
 @dataclass(frozen=True)
-class Wanted:
+class UnparsedHints:
     """What the user says of a person beyond the files.
 
     Attributes:
@@ -38,7 +38,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Apart:
+class SegmentedPerson:
     """A person taken apart, and what each garment's recovery starts from.
 
     Attributes:
@@ -49,12 +49,12 @@ class Apart:
     """
 
     raw: RawScan
-    separation: Separation
+    separation: LabelledPerson
     readings: dict[str, Reading] = field(default_factory=dict)
     report: ResultReport = field(default_factory=ResultReport)
 
 
-def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
+def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SILENT_HOOKS) -> SegmentedPerson:
     """Find the wearer, tell the parts apart, and cut out each garment.
 
     Args:
@@ -67,7 +67,7 @@ def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
     """
     clock, raw = Clock(hooks), given.raw
     with clock.stage("body", "finding the wearer") as stage:
-        body = find_wearer(given, wanted.body, stage)
+        body = register_given_body(given, wanted.body, stage)
     hints = Hints(
         label=given.label,
         wearing=None if wanted.wearing is None else parse_wearing(wanted.wearing),
@@ -75,25 +75,27 @@ def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
         body=body,
     )
     with clock.stage("separate", "telling skin, hair, shoes and garments apart") as stage:
-        separation = separate(raw, hints, stage)
+        separation = label_person(raw, hints, stage)
     readings: dict[str, Reading] = {}
     with clock.stage("garments", "cutting out the garments") as stage:
         if separation.problem is None:
             readings = _cut_garments(raw, separation, stage)
-    return Apart(raw, separation, readings, ResultReport.of(clock, {}, (), (*raw.notes, *separation.warnings), {}))
+    return SegmentedPerson(
+        raw, separation, readings, ResultReport.of(clock, {}, (), (*raw.notes, *separation.warnings), {})
+    )
 
 
-def _cut_garments(raw: RawScan, separation: Separation, hooks: Hooks) -> dict[str, Reading]:
+def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dict[str, Reading]:
     """Cut every garment out of the person's surface, which is made once where the scan is a cloud."""
-    surface = find_surface(raw, separation.body)
+    surface = build_person_surface(raw, separation.body)
     readings: dict[str, Reading] = {}
     for garment in separation.garments:
         hooks.progress("garments", len(readings) / len(separation.garments), garment.part.word)
-        readings[garment.part.word] = cut_garment_of(surface, separation, garment.part, hooks)
+        readings[garment.part.word] = extract_garment(surface, separation, garment.part, hooks)
     return readings
 
 
-def find_wearer(given: Given, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
+def register_given_body(given: PersonInput, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
     """Return the wearer that the user gave, in the scan's place; None where he is to be found under the clothes.
 
     Raises:

@@ -11,24 +11,25 @@ from scipy.spatial import cKDTree
 
 from ..body import Body
 from ..geometry import TriangleSurface, barycentric_coordinates, unit, vertex_normals
-from ..geometry.point_normals import calm_normals, estimate_normals, orient_normals
+from ..geometry.point_normals import denoise_normals, estimate_normals, orient_normals
 from ..scan.raw import RawScan
 
-SPACING = 0.007
-"""Least distance of two samples [m]: a cuff's hem of 2 cm still spans three, and a person has about 25,000."""
-COUNT_LIMIT = 30_000
-"""Samples at most: beyond, the spacing grows, so that time does not depend on what is scanned."""
-CANDIDATES = 6
-"""Candidates per sample: their mean position lowers the scanner's noise of one point by more than half."""
-CANDIDATE_LIMIT = 400_000
-"""Points of a cloud that are looked at: 16 for each sample."""
-NORMAL_LENGTH = 0.008
-"""Length [m] that a unit of difference in normals counts as when points are matched: two layers whose faces are turned
-away from each other are then never nearer than 16 mm."""
-CELL_LIMIT = 8_000_000
-"""Cells of the search grid at most, 32 MB: a flyer far away makes the cells larger, not the memory."""
-CARRIED = 3
-"""Samples that a file point's value is interpolated from: the corners of a triangle around it."""
+MIN_SAMPLE_SPACING = 0.007
+"""Least distance between two samples [m]: a cuff's hem of 2 cm still spans three, and a person has about 25,000."""
+MAX_SAMPLE_COUNT = 30_000
+"""Largest number of samples: beyond it the spacing grows, so that time does not depend on what is scanned."""
+CANDIDATES_PER_SAMPLE = 6
+"""Number of candidates for each sample: their mean position lowers the scanner's noise of one point by more than
+half."""
+MAX_CANDIDATE_COUNT = 400_000
+"""Largest number of a cloud's points that become candidates: 16 for each sample."""
+SAMPLE_MATCH_NORMAL_LENGTH = 0.008
+"""Length that a unit of difference in normals counts as when samples are matched to the scan's points [m]: two layers
+whose faces are turned away from each other are then never nearer than 16 mm."""
+MAX_GRID_CELL_COUNT = 8_000_000
+"""Largest number of cells of the search grid, 32 MB: an outlier far away makes the cells larger, not the memory."""
+INTERPOLATION_SAMPLE_COUNT = 3
+"""Number of samples from which a value at a point of the file is interpolated: the corners of a triangle around it."""
 
 
 class FittedPerson(Protocol):
@@ -49,7 +50,7 @@ class PersonPoints:
         normals: Outward unit normals, shape [n, 3].
         colours: RGB in 0..1, shape [n, 3], or None.
         spacing: Least distance of two samples [m].
-        border: Distance to the scan's border, of holes too [m], at most `BORDER_REACH`, shape [n].
+        border: Distance to the scan's border, of holes too [m], at most `MAX_SAMPLE_BORDER_DISTANCE`, shape [n].
         nearest: Samples that each point of the raw scan lies between, int32, shape [m, 3].
         weights: Their weights, rows sum to 1, float32, shape [m, 3].
     """
@@ -65,14 +66,16 @@ class PersonPoints:
     def carry(self, values: np.ndarray) -> np.ndarray:
         """Interpolate values at the samples, shape [n, k], at the raw scan's points, shape [m, k]."""
         weights = self.weights.astype(values.dtype)
-        return np.asarray(sum(weights[:, k, None] * values[self.nearest[:, k]] for k in range(CARRIED)))
+        return np.asarray(
+            sum(weights[:, k, None] * values[self.nearest[:, k]] for k in range(INTERPOLATION_SAMPLE_COUNT))
+        )
 
 
-BORDER_REACH = 0.1
-"""Distance [m] beyond which the border says nothing about a point."""
-BORDER_GAP = np.radians(120)
-"""Angle around a sample without neighbours that makes it one of the border: 180 degrees along a straight border, and
-below 90 degrees inside an even sampling."""
+MAX_SAMPLE_BORDER_DISTANCE = 0.1
+"""Distance at which the distance to the border is cut off [m]: farther away the border says nothing about a point."""
+BORDER_GAP_ANGLE = np.radians(120)
+"""Angle around a sample without neighbours beyond which it lies on the border [rad]: 180 degrees along a straight
+border, and below 90 degrees inside an even sampling."""
 
 
 def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoints:
@@ -89,11 +92,11 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
     """
     rng = np.random.default_rng(seed)
     positions, normals, colours = _draw_candidates(raw, fit.body, rng)
-    spacing = SPACING
-    owner, chosen = _throw(positions, normals, spacing)
-    while len(chosen) > COUNT_LIMIT:
-        spacing *= 1.05 * np.sqrt(len(chosen) / COUNT_LIMIT)
-        owner, chosen = _throw(positions, normals, spacing)
+    spacing = MIN_SAMPLE_SPACING
+    owner, chosen = _assign_to_samples(positions, normals, spacing)
+    while len(chosen) > MAX_SAMPLE_COUNT:
+        spacing *= 1.05 * np.sqrt(len(chosen) / MAX_SAMPLE_COUNT)
+        owner, chosen = _assign_to_samples(positions, normals, spacing)
     count = np.bincount(owner, minlength=len(chosen))[:, None]
 
     def average(values: np.ndarray) -> np.ndarray:
@@ -101,8 +104,8 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
 
     centres, outward = average(positions), unit(average(normals))
     outward = np.where(np.isfinite(outward).all(axis=1, keepdims=True), outward, normals[chosen])
-    outward = calm_normals(centres, outward)
-    nearest, weights = _interpolation(centres, outward, raw)
+    outward = denoise_normals(centres, outward)
+    nearest, weights = _interpolation_weights(centres, outward, raw)
     return PersonPoints(
         positions=centres,
         normals=outward,
@@ -119,14 +122,16 @@ def _draw_candidates(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Draw positions [m], outward normals and colours, each of shape [c, 3], in random order."""
     if raw.is_cloud:
-        take = rng.permutation(len(raw.points))[:CANDIDATE_LIMIT]
+        take = rng.permutation(len(raw.points))[:MAX_CANDIDATE_COUNT]
         positions = raw.points[take]
         normals = estimate_normals(positions) if raw.normals is None else raw.normals[take]
         if raw.normals is None or not raw.is_oriented:
             normals = orient_normals(positions, normals, body.vertices, vertex_normals(body.vertices, body.faces))
         return positions, normals, None if raw.colours is None else raw.colours[take]
     surface = TriangleSurface(raw.points, raw.faces)
-    count = int(np.clip(CANDIDATES * surface.face_areas.sum() / SPACING**2, 100, CANDIDATE_LIMIT))
+    count = int(
+        np.clip(CANDIDATES_PER_SAMPLE * surface.face_areas.sum() / MIN_SAMPLE_SPACING**2, 100, MAX_CANDIDATE_COUNT)
+    )
     positions, face = surface.sample(count, rng)
     shuffle = rng.permutation(count)
     positions, corners = positions[shuffle], raw.faces[face[shuffle]]
@@ -137,11 +142,11 @@ def _draw_candidates(
     return positions, normals, colours
 
 
-def _throw(positions: np.ndarray, normals: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+def _assign_to_samples(positions: np.ndarray, normals: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the sample each candidate belongs to, shape [c], and the candidate each sample began as, shape [n]."""
     low = positions.min(axis=0)
     extent = np.ptp(positions, axis=0)
-    cell = max(spacing, float(np.prod(extent + spacing) / CELL_LIMIT) ** (1 / 3))
+    cell = max(spacing, float(np.prod(extent + spacing) / MAX_GRID_CELL_COUNT) ** (1 / 3))
     shape = np.floor(extent / cell).astype(np.int64) + 1
     place = np.floor((positions - low) / cell).astype(np.int64)
     owner, chosen = _throw_darts(positions, normals, place, shape, spacing**2)
@@ -183,21 +188,21 @@ def _throw_darts(positions, normals, place, shape, square):  # type: ignore[no-u
     return owner, chosen[:found]
 
 
-def _interpolation(centres: np.ndarray, normals: np.ndarray, raw: RawScan) -> tuple[np.ndarray, np.ndarray]:
+def _interpolation_weights(centres: np.ndarray, normals: np.ndarray, raw: RawScan) -> tuple[np.ndarray, np.ndarray]:
     """Find the samples nearest to each raw point, on its own side where that is known, and their weights."""
     ours, theirs = centres, raw.points
     if not raw.is_cloud or (raw.normals is not None and raw.is_oriented):
         at = raw.normals if raw.normals is not None else vertex_normals(raw.points, raw.faces)
-        ours = np.hstack([ours, NORMAL_LENGTH * normals])
-        theirs = np.hstack([theirs, NORMAL_LENGTH * at])
-    distance, nearest = cKDTree(ours).query(theirs, k=CARRIED)
+        ours = np.hstack([ours, SAMPLE_MATCH_NORMAL_LENGTH * normals])
+        theirs = np.hstack([theirs, SAMPLE_MATCH_NORMAL_LENGTH * at])
+    distance, nearest = cKDTree(ours).query(theirs, k=INTERPOLATION_SAMPLE_COUNT)
     weights = 1.0 / (distance**2 + 1e-8)  # a tenth of a millimetre: where a point is a sample, its value is taken
     weights /= weights.sum(axis=1, keepdims=True)
     return nearest.astype(np.int32), weights.astype(np.float32)
 
 
 def _border_distance(positions: np.ndarray, normals: np.ndarray, spacing: float) -> np.ndarray:
-    """Compute each sample's distance [m] to the nearest one of the border, at most `BORDER_REACH`."""
+    """Compute each sample's distance [m] to the nearest one of the border, at most `MAX_SAMPLE_BORDER_DISTANCE`."""
     count = min(24, len(positions))
     distance, index = cKDTree(positions).query(positions, k=count, distance_upper_bound=3.0 * spacing)
     there = np.isfinite(distance)
@@ -212,7 +217,7 @@ def _border_distance(positions: np.ndarray, normals: np.ndarray, spacing: float)
     largest = np.where(there, angle, -np.pi).max(axis=1, keepdims=True)
     angle = np.sort(np.where(there, angle, largest), axis=1)
     gap = np.diff(angle, axis=1, append=angle[:, :1] + 2 * np.pi).max(axis=1)
-    is_border = (gap > BORDER_GAP) | (there.sum(axis=1) < 3)
+    is_border = (gap > BORDER_GAP_ANGLE) | (there.sum(axis=1) < 3)
     if not is_border.any():
-        return np.full(len(positions), BORDER_REACH)
-    return np.minimum(cKDTree(positions[is_border]).query(positions)[0], BORDER_REACH)
+        return np.full(len(positions), MAX_SAMPLE_BORDER_DISTANCE)
+    return np.minimum(cKDTree(positions[is_border]).query(positions)[0], MAX_SAMPLE_BORDER_DISTANCE)

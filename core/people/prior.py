@@ -7,11 +7,11 @@ from scipy.spatial import cKDTree
 
 from ..body import JOINTS, Body
 from ..geometry import find_components
-from .features import LENGTH, Features
-from .limbs import FOLDED, BodyPlace
+from .features import FEATURE_LENGTH_SCALE, Features
+from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .points import PersonPoints
 
-PART_NAMES = tuple(FOLDED)
+PART_NAMES = tuple(FOLDED_BODY_PARTS)
 
 
 def scalp(place: BodyPlace, body: Body) -> np.ndarray:
@@ -54,7 +54,7 @@ def scalp_hair_probability(features: Features, grows: np.ndarray, tone: np.ndarr
     own = grows > 0.5
     if tone is None or not own.any():
         return float(_soft(HAIR_ODDS))
-    thick = float(np.median(features.column("offset_mean_20")[own])) * LENGTH
+    thick = float(np.median(features.column("offset_mean_20")[own])) * FEATURE_LENGTH_SCALE
     colour = SCALP_PATCHES * float(np.median(tone[own]))
     return float(_soft(HAIR_ODDS - colour + np.clip((thick - CROPPED[0]) / CROPPED[1], 0.0, 4.0)))
 
@@ -69,7 +69,7 @@ def hair_probability(features: Features, body: Body, tone: np.ndarray | None = N
     """
     place = features.place
     grows = scalp(place, body)
-    thick = _soft((features.column("offset_mean_20") * LENGTH - HAIR_OFFSET) / 0.003)
+    thick = _soft((features.column("offset_mean_20") * FEATURE_LENGTH_SCALE - HAIR_OFFSET) / 0.003)
     head = np.clip(2.0 * _head(place), 0.0, 1.0)
     return np.asarray(head * (grows * scalp_hair_probability(features, grows, tone) + (1 - grows) * 0.9 * thick))
 
@@ -95,7 +95,7 @@ def long_hair(points: PersonPoints, features: Features, body: Body, hair: np.nda
     """
     place = features.place
     waist = body.rest_joints[JOINTS.index("spine2"), 1]
-    offset, lowest = (features.column(name) * LENGTH for name in ("offset_mean_20", "slice_20"))
+    offset, lowest = (features.column(name) * FEATURE_LENGTH_SCALE for name in ("offset_mean_20", "slice_20"))
     stands = (offset > np.maximum(lowest, 0.0) + LOCK) & (place.rest[:, 1] > waist)
     stands &= place.parts[:, [PART_NAMES.index(name) for name in ("forearm", "hand")]].sum(axis=1) < 0.1
     own = np.flatnonzero(stands | (hair > 0.5))
@@ -124,7 +124,7 @@ def below_hair(points: PersonPoints, features: Features, body: Body, tone: np.nd
     """
     hair = hair_probability(features, body, tone)
     stands = (hair > 0.5) | (long_hair(points, features, body, hair) > 0.5)
-    stands &= features.column("offset_mean_20") * LENGTH > HAIR_OFFSET
+    stands &= features.column("offset_mean_20") * FEATURE_LENGTH_SCALE > HAIR_OFFSET
     if not stands.any():
         return stands
     away = cKDTree(points.positions[stands]).query(points.positions, distance_upper_bound=HAIR_WEB)[0]
@@ -165,7 +165,7 @@ def stray_probability(points: PersonPoints, features: Features) -> np.ndarray:
     """
     parts = features.place.parts
     low = parts[:, PART_NAMES.index("foot")] + parts[:, PART_NAMES.index("shank")] > 0.5
-    distance = features.column("distance") * LENGTH
+    distance = features.column("distance") * FEATURE_LENGTH_SCALE
     height = points.positions[:, 1] - np.quantile(points.positions[:, 1], 0.002)
     floor = (height < GROUND) & (points.normals[:, 1] > LEVEL) & (distance > CLEAR)
     if floor[low].sum() < REMAINS * low.sum():
@@ -179,7 +179,7 @@ def shoe_probability(features: Features) -> float:
     foot = features.place.parts[:, PART_NAMES.index("foot")] > 0.7
     if foot.sum() < 50:
         return 0.5
-    size = float(np.quantile(np.abs(features.column("offset")[foot]) * LENGTH, 0.7))
+    size = float(np.quantile(np.abs(features.column("offset")[foot]) * FEATURE_LENGTH_SCALE, 0.7))
     forward = features.column("rest_forward")
     front = foot & (forward > 0.75 * forward[foot].max())
     toes = float(np.median(features.column("normal_spread_20")[front]))

@@ -8,31 +8,35 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import correlate1d, uniform_filter1d
 
-from .unrolled import ANGLES, STATION_STEP
+from .unrolled import LIMB_COLUMN_COUNT, STATION_STEP
 
-SIDE = 6
-"""Rows on either side that a step's height is read from, 5 cm: a hem is straight over such a length."""
-STEEPEST = 3
-"""Rows that a ring may go up or down from one column to the next: 45 degrees and more on every limb."""
+STEP_ROW_COUNT = 6
+"""Number of rows on either side to which lines are fitted to read a step's height, 5 cm: a hem is straight over such a
+length."""
+MAX_RING_SLOPE = 3
+"""Largest number of rows that a ring goes up or down from one column to the next: 45 degrees and more on every limb."""
 BEND_COST = 0.8
 """Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what five columns of a
 clear step gain."""
-DOUBT = 8.0
-"""Margin at which a ring is as likely wrong as right. On simulated persons sleeves' and legs' rings of margins 0 to 5,
-5 to 15, 15 to 30 and beyond lay within 2 cm of the true end in 0.21, 0.65, 0.67 and 0.81 of cases."""
-CORRELATION = 4.0
-"""Columns whose evidence is as good as one's: folds and the fit's errors are 3 to 8 cm wide."""
-APART = 0.04
-"""Rings nearer than this [m] on average are one: the second best is looked for beyond."""
+HALF_CONFIDENCE_MARGIN = 8.0
+"""Margin of the log-probability at which a ring is as likely wrong as right. On simulated persons the rings of sleeves
+and legs with margins of 0 to 5, 5 to 15, 15 to 30 and beyond lay within 2 cm of the true end in 0.21, 0.65, 0.67 and
+0.81 of cases."""
+CORRELATED_COLUMN_COUNT = 4.0
+"""Number of columns whose evidence is as good as that of one: folds and the fit's errors are 3 to 8 cm wide."""
+MIN_RING_DISTANCE = 0.04
+"""Mean distance below which two rings count as one [m]: the second best ring is searched beyond it."""
 
-STEP_NOISE = 0.001
-"""Least noise of a step [m]: a fit's errors make as much on a smooth scan. A scan's own is measured on it."""
-RIDGE_NOISE = 0.05
-"""Least noise of a difference of curvature between rows, times 2 cm."""
+MIN_STEP_NOISE = 0.001
+"""Least standard deviation of a step's noise [m]: a fit's errors make as much on a smooth scan. A scan's own noise is
+measured on it."""
+MIN_RIDGE_NOISE = 0.05
+"""Least standard deviation of the noise of a difference of curvature between rows, times 2 cm (a pure number)."""
 CONTRAST_NOISE = 6.0
 """Difference of mean colour (CIE76, lightness by 0.4) that shade and prints make over 10 cm."""
-QUIET = 0.6
-"""Share of a limb's cells that have no edge: their size gives the noise, so that a frilled limb asks for more."""
+EDGELESS_CELL_SHARE = 0.6
+"""Share of a limb's cells that have no edge: the size of their values gives the noise, so that a limb with frills needs
+stronger edges."""
 
 
 @dataclass(frozen=True)
@@ -40,11 +44,11 @@ class Ring:
     """The best ring and how sure it is.
 
     Attributes:
-        rows: Row of its first cell beyond, for each column, shape [ANGLES].
+        rows: Row of its first cell beyond, for each column, shape [LIMB_COLUMN_COUNT].
         score: Its log-probability against no ring at all.
         second: The same of the best ring that lies elsewhere.
         weights: Probability of each start row's best ring, shape [rows].
-        paths: Those rings, shape [rows, ANGLES].
+        paths: Those rings, shape [rows, LIMB_COLUMN_COUNT].
     """
 
     rows: np.ndarray
@@ -55,19 +59,24 @@ class Ring:
 
     @property
     def confidence(self) -> float:
-        """Return the probability that it lies within 2 cm of the true one: m / (m + `DOUBT`), m the margin.
+        """Return the probability that it lies within 2 cm of the true one: m / (m + `HALF_CONFIDENCE_MARGIN`), m the
+        margin.
 
         The margin is the score beyond the second best ring's, or beyond none's where that is better.
         """
         margin = max(self.score - max(self.second, 0.0), 0.0)
-        return margin / (margin + DOUBT)
+        return margin / (margin + HALF_CONFIDENCE_MARGIN)
 
     def beyond(self, rows: int) -> np.ndarray:
-        """Compute the probability that each cell lies beyond the ring (at a larger station), shape [rows, ANGLES]."""
-        count = np.zeros((rows + 1, ANGLES))
+        """Compute the probability that each cell lies beyond the ring, at a larger station.
+
+        Returns:
+            Shape [rows, LIMB_COLUMN_COUNT].
+        """
+        count = np.zeros((rows + 1, LIMB_COLUMN_COUNT))
         for weight, path in zip(self.weights, self.paths, strict=True):
             if weight > 1e-4:
-                count[np.clip(path, 0, rows), np.arange(ANGLES)] += weight
+                count[np.clip(path, 0, rows), np.arange(LIMB_COLUMN_COUNT)] += weight
         return np.asarray(np.clip(np.cumsum(count[:rows], axis=0), 0.0, 1.0))
 
 
@@ -77,24 +86,24 @@ def find_ring(
     """Find the best closed ring on an unrolled limb.
 
     A ring r(a) maximises sum over columns a of edge[r(a), a] + region gain - bend_cost |r(a + 1) - r(a)|, with steps of
-    at most `STEEPEST` rows and r closed. The best one through each row of the first column is found by dynamic
+    at most `MAX_RING_SLOPE` rows and r closed. The best one through each row of the first column is found by dynamic
     programming, so the best of all is the true one, and their scores are a distribution over rings.
 
     Args:
-        edge: Log-probability of an edge at each cell against none, shape [rows, ANGLES].
+        edge: Log-probability of an edge at each cell against none, shape [rows, LIMB_COLUMN_COUNT].
         region: Log-probability of each cell's being inside (smaller station) against beyond; a ring gains what lies
             on its right side. None: nothing is known.
         warmth: What scores are divided by for the probabilities of rings: above 1, evidence is believed less.
         bend_cost: Log-probability that each row up or down costs.
     """
-    gain = edge / CORRELATION
+    gain = edge / CORRELATED_COLUMN_COUNT
     if region is not None:
         before = np.cumsum(region, axis=0) - region
         gain = gain + 2.0 * before - region.sum(axis=0)
     gain = np.ascontiguousarray(gain)
-    scores, paths = _closed_paths(gain, bend_cost / CORRELATION, STEEPEST)
+    scores, paths = _closed_paths(gain, bend_cost / CORRELATED_COLUMN_COUNT, MAX_RING_SLOPE)
     best = int(scores.argmax())
-    away = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > APART
+    away = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > MIN_RING_DISTANCE
     second = float(scores[away].max()) if away.any() else -np.inf
     weights = np.exp((scores - scores[best]) / warmth)
     return Ring(paths[best], float(scores[best]), second, weights / weights.sum(), paths)
@@ -104,12 +113,12 @@ def score_ring(edge: np.ndarray, rows: np.ndarray, bend_cost: float = BEND_COST)
     """Compute the log-probability of a given ring against none, as `find_ring` does without a region.
 
     Args:
-        edge: Log-probability of an edge at each cell against none, shape [rows, ANGLES].
-        rows: Row of the ring's first cell beyond, for each column, shape [ANGLES].
+        edge: Log-probability of an edge at each cell against none, shape [rows, LIMB_COLUMN_COUNT].
+        rows: Row of the ring's first cell beyond, for each column, shape [LIMB_COLUMN_COUNT].
         bend_cost: Log-probability that each row up or down costs.
     """
     bends = np.abs(np.diff(rows, append=rows[:1])).sum()
-    return float(edge[rows, np.arange(len(rows))].sum() - bend_cost * bends) / CORRELATION
+    return float(edge[rows, np.arange(len(rows))].sum() - bend_cost * bends) / CORRELATED_COLUMN_COUNT
 
 
 @njit(cache=True)
@@ -148,44 +157,44 @@ def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
 
 
 def step_heights(offset: np.ndarray) -> np.ndarray:
-    """Compute how much higher the side before each cell is than the side beyond [m], shape [rows, ANGLES].
+    """Compute how much higher the side before each cell is than the side beyond [m], shape [rows, LIMB_COLUMN_COUNT].
 
-    Straight lines are laid through the `SIDE` rows before and those from the cell on, and compared at the cell's near
-    edge: what changes evenly along the limb (a sleeve that widens, a fit that is off) is no step.
+    Straight lines are laid through the `STEP_ROW_COUNT` rows before and those from the cell on, and compared at the
+    cell's near edge: what changes evenly along the limb (a sleeve that widens, a fit that is off) is no step.
     """
-    k = np.arange(SIDE) + 0.5
-    line = 1 / SIDE - k.mean() * (k - k.mean()) / ((k - k.mean()) ** 2).sum()
+    k = np.arange(STEP_ROW_COUNT) + 0.5
+    line = 1 / STEP_ROW_COUNT - k.mean() * (k - k.mean()) / ((k - k.mean()) ** 2).sum()
     kernel = np.concatenate([line[::-1], -line])
     # The kernel is even in length: its middle lies before the cell.
-    return _around(correlate1d(offset, kernel, axis=0, mode="nearest", origin=0))
+    return _smooth_columns(correlate1d(offset, kernel, axis=0, mode="nearest", origin=0))
 
 
-def ridges(curvature: np.ndarray, rows: int = 2) -> np.ndarray:
+def ridge_strengths(curvature: np.ndarray, rows: int = 2) -> np.ndarray:
     """Compute how much more convex the rows before each cell are than those beyond it, shape as given.
 
     Args:
-        curvature: Mean of each cell, shape [rows, ANGLES].
+        curvature: Mean of each cell, shape [rows, LIMB_COLUMN_COUNT].
         rows: How many are compared on either side.
     """
     kernel = np.concatenate([np.full(rows, 1 / rows), np.full(rows, -1 / rows)])
-    return _around(correlate1d(curvature, kernel, axis=0, mode="nearest", origin=0))
+    return _smooth_columns(correlate1d(curvature, kernel, axis=0, mode="nearest", origin=0))
 
 
-def _around(values: np.ndarray) -> np.ndarray:
+def _smooth_columns(values: np.ndarray) -> np.ndarray:
     """Average over five columns: a ring is nearly level over 3 to 10 cm, and noise is not."""
     return np.asarray(correlate1d(values, np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9, axis=1, mode="wrap"))
 
 
-WINDOW = (12, 17)
-"""Rows on either side and columns around, 10 cm and a third of the way, whose colours are averaged before they are
-compared: wider than stripes and most prints, so that they are no edge."""
+CONTRAST_WINDOW_SIZE = (12, 17)
+"""Number of rows on either side and of columns around, 10 cm and a third of the way, whose colours are averaged before
+they are compared: wider than stripes and most prints, so that they are no edge."""
 
 
-def contrasts(colours: np.ndarray, window: tuple[int, int] = WINDOW) -> np.ndarray:
-    """Compute the difference of mean colour before and beyond each cell, shape [rows, ANGLES].
+def colour_contrasts(colours: np.ndarray, window: tuple[int, int] = CONTRAST_WINDOW_SIZE) -> np.ndarray:
+    """Compute the difference of mean colour before and beyond each cell, shape [rows, LIMB_COLUMN_COUNT].
 
     Args:
-        colours: CIE Lab, shape [rows, ANGLES, 3].
+        colours: CIE Lab, shape [rows, LIMB_COLUMN_COUNT, 3].
         window: Rows on either side and columns around whose colours are averaged.
     """
     rows, columns = window
@@ -205,12 +214,14 @@ def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | No
         ridge: Convexity of the garment's side over the other's, times 2 cm.
         contrast: Difference of colour, or None where there is none.
     """
-    cues = [step / measure_noise(step, STEP_NOISE), ridge / measure_noise(ridge, RIDGE_NOISE)]
+    cues = [step / measure_noise(step, MIN_STEP_NOISE), ridge / measure_noise(ridge, MIN_RIDGE_NOISE)]
     if contrast is not None:
         cues.append(contrast / CONTRAST_NOISE)
     return np.asarray(sum(np.clip(2.0 * cue - 2.0, -1.5, 4.0) for cue in cues))
 
 
 def measure_noise(values: np.ndarray, least: float) -> float:
-    """Measure a limb's noise: a normal's standard deviation that has the `QUIET` share of values where they are."""
-    return max(float(np.quantile(np.abs(values), QUIET)) / 0.8416, least)
+    """Measure a limb's noise: a normal's standard deviation that has the `EDGELESS_CELL_SHARE` share of values where
+    they are.
+    """
+    return max(float(np.quantile(np.abs(values), EDGELESS_CELL_SHARE)) / 0.8416, least)

@@ -12,7 +12,7 @@ from .bare_chest import bare_chest_probability
 from .cloths import overlap_of_cloths
 from .evidence import PersonRings, Waist, find_rings, spread_over
 from .features import Features
-from .limbs import FOLDED, Limb
+from .limbs import FOLDED_BODY_PARTS, Limb
 from .part import PARTS, Part
 from .points import FittedPerson, PersonPoints
 from .prior import hair_probability, long_hair, shoe_probability, stray_probability
@@ -150,7 +150,7 @@ def find_cloth(rings: PersonRings, features: Features, tone: np.ndarray | None =
     """
     count = len(features.values)
     below = _below_waist(rings, count)
-    cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED).index("head")] - 0.5, 0.0, 1.0)
+    cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED_BODY_PARTS).index("head")] - 0.5, 0.0, 1.0)
     for limb, ring in zip(_ARMS + _LEGS, rings.sleeves + rings.hems, strict=True):
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]

@@ -9,55 +9,56 @@ from scipy.spatial import cKDTree
 
 from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
 from ..body.presence import SeveralPersons
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
-from .confidence import judge
-from .crumbs import give_crumbs
+from .confidence import check_confidence
+from .crumbs import relabel_small_pieces
 from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
 from .garments import find_garments
 from .hints import Hints
-from .learnt import Committee, load_committee, predict_parts_of
+from .learnt import NetworkEnsemble, load_ensemble, predict_by_networks
 from .limbs import BodyPlace
-from .marks import apply_marks, garments_marked
-from .outfit import above_waist, rank_outfits, read_all, read_as
+from .marks import apply_marks, list_marked_garments
+from .outfit import above_waist_probability, condition_on_outfit, marginalise_outfits, rank_outfits
 from .part import CLOTH, PARTS, Part
 from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
-from .separation import Separation
+from .separation import LabelledPerson
 from .tone import skin_evidence
 
 STAGE = "separate"
 """Name under which progress is reported."""
 
-ROUNDS = 2
-"""Times that the body is fitted with what was told apart on the one before; then the parts are told apart once more."""
+BODY_REFIT_ITERATIONS = 2
+"""Number of times that the body is fitted again below the cloth that was found on the fit before; then the parts are
+predicted once more."""
 
-COVERS = (*CLOTH, Part.SHOES)
+COVERING_PARTS = (*CLOTH, Part.SHOES)
 """What the body lies closely below. A shoe covers a foot that stands: where it hardly counted, nothing held the feet of
 suits' wearers down, and legs rose by 13 cm within their trousers."""
 
-IGNORED = (Part.HAIR, Part.OTHER)
+IGNORED_PARTS = (Part.HAIR, Part.OTHER)
 """What is neither skin nor cover: the body lies somewhere below."""
 
-NUMBERS = np.array([int(part) for part in PARTS], np.uint8)
+PART_NUMBERS = np.array([int(part) for part in PARTS], np.uint8)
 """The label of each column of a posterior."""
 
-TOLD = 0.98
+USER_LABEL_PROBABILITY = 0.98
 """Probability of a label that the user gave: a border drawn by hand is off by a few millimetres."""
 
 
 @dataclass(frozen=True)
-class _Given:
+class _GivenBody:
     """A wearer that the user gave, who is not fitted again."""
 
     body: Body
 
 
-def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) -> Separation:
+def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT_HOOKS) -> LabelledPerson:
     """Find the wearer under the clothes, and tell skin, hair, shoes and garments apart.
 
     The body is fitted as if bare; the parts are predicted by rules from where each point lies on it and from the scan's
@@ -77,10 +78,10 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     """
     hints = hints or Hints()
     if hints.label is None:
-        check_alone(raw)
-    fit: PersonFit | _Given
+        check_single_person(raw)
+    fit: PersonFit | _GivenBody
     if hints.body is not None:
-        fit = _Given(hints.body)
+        fit = _GivenBody(hints.body)
     else:
         fit = fit_person(raw.points, raw.normals, raw.is_oriented, hooks)
     points = sample_person(raw, fit)
@@ -88,44 +89,42 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     if points.colours is not None:
         links = link_alike(links, points.colours)
     told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
-    if not isinstance(fit, _Given):
+    if not isinstance(fit, _GivenBody):
         fit = fit_below_clothes(fit, points, links, told, hooks)
     posterior, features = (
-        (told, describe_points(points, fit))
-        if told is not None
-        else predict_parts(points, fit, links, load_committee())
+        (told, describe_points(points, fit)) if told is not None else predict_parts(points, fit, links, load_ensemble())
     )
     hooks.progress(STAGE, 0.8, "choosing the outfit")
-    above = above_waist(features.place, fit.body)
+    above = above_waist_probability(features.place, fit.body)
     coat = Coat() if told is not None else find_coat(points, features, posterior, links, fit.body)
-    outfits = rank_outfits(posterior, above, _worn(hints), garments_marked(hints.marks), coat)
-    believed = read_all(posterior, outfits, above, coat.over)
-    posterior = read_as(posterior, outfits[0].parts, above, coat.over)
+    outfits = rank_outfits(posterior, above, _hinted_garments(hints), list_marked_garments(hints.marks), coat)
+    believed = marginalise_outfits(posterior, outfits, above, coat.over)
+    posterior = condition_on_outfit(posterior, outfits[0].parts, above, coat.over)
     posterior /= posterior.sum(axis=1, keepdims=True)
     area = np.full(len(posterior), points.spacing**2)
     column = posterior.argmax(axis=1)
     if told is None:
-        column = give_crumbs(column, points.positions, area, links)
+        column = relabel_small_pieces(column, points.positions, area, links)
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
-    believed, posterior = (_exchange(one, first, column) for one in (believed, posterior))
-    if not isinstance(fit, _Given):
-        fit = refit_person(fit, points.positions, points.normals, weigh(posterior, features.place), hooks)
+    believed, posterior = (_swap_probabilities(one, first, column) for one in (believed, posterior))
+    if not isinstance(fit, _GivenBody):
+        fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior, features.place), hooks)
     best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
-    at, sure = NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
+    at, sure = PART_NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
     if hints.label is not None:
-        at, sure = hints.label[raw.origin], np.full(len(at), TOLD, np.float32)
+        at, sure = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
     hooks.progress(STAGE, 0.9, "looking at the garments' openings")
-    body = fit.body if isinstance(fit, _Given) else replace(fit.body, source=f"scan:{raw.name}")
+    body = fit.body if isinstance(fit, _GivenBody) else replace(fit.body, source=f"scan:{raw.name}")
     garments = find_garments(raw, at, sure, body)
-    warnings, problem = judge(garments, outfits, hints.wearing is not None or hints.label is not None)
-    label, confidence = to_file(raw, at, sure)
+    warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
+    label, confidence = expand_to_file(raw, at, sure)
     if hints.label is not None:
         label = hints.label.astype(np.uint8)
-    return Separation(body, label, confidence, garments, outfits, warnings, problem)
+    return LabelledPerson(body, label, confidence, garments, outfits, warnings, problem)
 
 
-def check_alone(raw: RawScan) -> None:
+def check_single_person(raw: RawScan) -> None:
     """Check that one person is in a scan, as far as that is known before any body is fitted.
 
     Raises:
@@ -136,9 +135,9 @@ def check_alone(raw: RawScan) -> None:
 
 
 def fit_below_clothes(
-    fit: PersonFit, points: PersonPoints, links: Links, told: np.ndarray | None = None, hooks: Hooks = SILENT
+    fit: PersonFit, points: PersonPoints, links: Links, told: np.ndarray | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> PersonFit:
-    """Return the body fitted again, `ROUNDS` times, below what is told to be cloth on the one before.
+    """Return the body fitted again, `BODY_REFIT_ITERATIONS` times, below what is told to be cloth on the one before.
 
     Args:
         fit: As if bare.
@@ -147,14 +146,14 @@ def fit_below_clothes(
         told: The posterior where it is known, shape [n, part_count]; else it is predicted.
         hooks: Progress and cancellation.
     """
-    for turn in range(ROUNDS):
-        hooks.progress(STAGE, turn / (ROUNDS + 1), "telling the parts apart")
+    for turn in range(BODY_REFIT_ITERATIONS):
+        hooks.progress(STAGE, turn / (BODY_REFIT_ITERATIONS + 1), "telling the parts apart")
         posterior = told if told is not None else predict_parts(points, fit, links)[0]
-        fit = refit_person(fit, points.positions, points.normals, weigh(posterior), hooks)
+        fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior), hooks)
     return fit
 
 
-def weigh(posterior: np.ndarray, place: BodyPlace | None = None) -> PointWeights:
+def to_point_weights(posterior: np.ndarray, place: BodyPlace | None = None) -> PointWeights:
     """Return what a posterior, shape [n, part_count], says of where the body is, and how deep below a last fit's cloth.
 
     Args:
@@ -163,13 +162,14 @@ def weigh(posterior: np.ndarray, place: BodyPlace | None = None) -> PointWeights
     """
     # Clamped: a sum that rounding takes past 1 would weigh a pair below zero.
     cloth, ignored = (
-        np.minimum(posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1), 1.0) for parts in (COVERS, IGNORED)
+        np.minimum(posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1), 1.0)
+        for parts in (COVERING_PARTS, IGNORED_PARTS)
     )
     inside, spread = (None, None) if place is None else find_depth(place, posterior)
     return PointWeights(cloth, ignored, inside, spread)
 
 
-def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def expand_to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return label and confidence of each point of the file, shape [file_count]; what was dropped is OTHER, surely."""
     kept = raw.place >= 0
     labels = np.full(len(raw.place), int(Part.OTHER), np.uint8)
@@ -179,7 +179,7 @@ def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np
 
 
 def predict_parts(
-    points: PersonPoints, fit: FittedPerson, links: Links, committee: Committee | None = None
+    points: PersonPoints, fit: FittedPerson, links: Links, committee: NetworkEnsemble | None = None
 ) -> tuple[np.ndarray, Features]:
     """Return the posterior by geometry and colour, shape [n, part_count], and the features.
 
@@ -194,7 +194,7 @@ def predict_parts(
     if committee is None:
         posterior = predict_by_rules(points, features, fit, tone)
     else:
-        posterior = predict_parts_of(points, features, fit, tone, committee)
+        posterior = predict_by_networks(points, features, fit, tone, committee)
     return smooth_parts(posterior, points, features, links, tone), features
 
 
@@ -214,7 +214,7 @@ def smooth_parts(
     return posterior if points.colours is None else use_colours(posterior, points.colours, features.place, links, tone)
 
 
-def _worn(hints: Hints) -> tuple[Part, ...] | None:
+def _hinted_garments(hints: Hints) -> tuple[Part, ...] | None:
     """Return the garments where the user said them, by name or by labels."""
     if hints.wearing is not None or hints.label is None:
         return hints.wearing
@@ -224,12 +224,12 @@ def _worn(hints: Hints) -> tuple[Part, ...] | None:
 def _sample_labels(raw: RawScan, points: PersonPoints, label: np.ndarray) -> np.ndarray:
     """Return given labels of the raw points as a posterior of the samples, shape [n, part_count]."""
     near = label[cKDTree(raw.points).query(points.positions)[1]]
-    posterior = np.full((len(near), len(PARTS)), (1.0 - TOLD) / (len(PARTS) - 1))
-    posterior[np.arange(len(near)), np.searchsorted(NUMBERS, near)] = TOLD
+    posterior = np.full((len(near), len(PARTS)), (1.0 - USER_LABEL_PROBABILITY) / (len(PARTS) - 1))
+    posterior[np.arange(len(near)), np.searchsorted(PART_NUMBERS, near)] = USER_LABEL_PROBABILITY
     return posterior
 
 
-def _exchange(posterior: np.ndarray, first: np.ndarray, column: np.ndarray) -> np.ndarray:
+def _swap_probabilities(posterior: np.ndarray, first: np.ndarray, column: np.ndarray) -> np.ndarray:
     """Return the posterior with the first and the chosen part's probabilities exchanged, shape [n, part_count]."""
     rows = np.arange(len(column))
     changed = posterior.copy()

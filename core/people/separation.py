@@ -57,7 +57,7 @@ class Outfit:
 
 
 @dataclass(frozen=True)
-class Separation:
+class LabelledPerson:
     """A person taken apart.
 
     Attributes:

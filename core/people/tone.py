@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 
 from ..body import Body
 from .colour import BINS, LEAST, cells_of, to_lab
-from .limbs import FOLDED, BodyPlace
+from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .prior import scalp
 
 BLUR = (2.5, 1.0, 1.0)
@@ -36,7 +36,7 @@ def skin_evidence(rgb: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray |
     Returns:
         The evidence; None where face and hands do not show the skin.
     """
-    share = {name: place.parts[:, list(FOLDED).index(name)] for name in ("head", "hand")}
+    share = {name: place.parts[:, list(FOLDED_BODY_PARTS).index(name)] for name in ("head", "hand")}
     bare = scalp(place, body) < 0.3
     face, hands = (share["head"] > 0.8) & bare, share["hand"] > 0.7
     if min(face.sum(), hands.sum()) < LEAST:

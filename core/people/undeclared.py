@@ -13,25 +13,24 @@ from ..geometry import TriangleSurface, vertex_normals
 from .part import GARMENTS, PARTS
 from .points import PersonPoints
 
-LEAST_SHARE = 0.05
-"""Share of the samples from which on a garment counts; pieces of a cut below it are dropped, too."""
+MIN_UNDECLARED_SHARE = 0.05
+"""Least share of the samples that a garment among the skin must have; pieces of a cut below it are dropped, too."""
 
-MOST_LEFT = 0.25
-"""Share of what looks like one garment that is skin by the marks, above which a garment was not marked. Of a marked one
-the border, and hair that falls on it, is left: 0.13 under long hair. Of two that look like one piece the smaller,
-shorts under a shirt, is a third."""
+MAX_UNMARKED_SHARE = 0.25
+"""Largest share of what looks like one garment that may be skin by the marks; beyond it the garment was not marked. Of
+a marked one the border, and hair that falls on it, is left: 0.13 under long hair. Of two that look like one piece the
+smaller, shorts under a shirt, is a third."""
 
-MOSTLY = 0.5
-"""Share of a label's vertices from which on the label means what they are."""
+LABEL_MAJORITY_SHARE = 0.5
+"""Share of a label's unmarked samples beyond which the label is named as the garment's."""
 
-OFF_BODY = 9e-3
-"""Distance from the fitted body, RMS, beyond which what was taken for skin is none [m]: bare bodies of other makes lie
-3.3 to 8.2 mm from it, skin beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin
-lay 13 to 36 mm off."""
+MAX_SKIN_OFFSET_RMS = 9e-3
+"""Largest RMS distance between the fitted body and what is skin [m]: bare bodies of other makes lie 3.3 to 8.2 mm from
+it, skin beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin lay 13 to 36 mm off."""
 
 
 @dataclass(frozen=True)
-class Undeclared:
+class UndeclaredGarment:
     """Describe a garment that was taken for skin.
 
     Attributes:
@@ -50,7 +49,7 @@ class Undeclared:
     @property
     def is_off_body(self) -> bool:
         """Return whether it lies farther from the body than skin does."""
-        return self.offset > OFF_BODY
+        return self.offset > MAX_SKIN_OFFSET_RMS
 
     def describe(self) -> str:
         """Return what the user should know and do."""
@@ -65,13 +64,13 @@ class Undeclared:
         return f"{lies}; give that garment a label of its own, and name it with --cloth."
 
 
-def find_undeclared(
+def find_undeclared_garments(
     points: PersonPoints,
     told: np.ndarray,
     marked: np.ndarray,
     labels: np.ndarray | None,
     fit_below: Callable[[np.ndarray], Body],
-) -> tuple[Undeclared, ...]:
+) -> tuple[UndeclaredGarment, ...]:
     """Find the garments among what the marks leave to the skin, and how far each lies off the body below it.
 
     What looks like a garment to who knows no marks, and is skin by them, may be skin all the same: then a body that is
@@ -88,23 +87,23 @@ def find_undeclared(
     for part in GARMENTS:
         own = likeliest == PARTS.index(part)
         left = own & ~marked
-        if left.sum() < LEAST_SHARE * len(own) or left.sum() <= MOST_LEFT * own.sum():
+        if left.sum() < MIN_UNDECLARED_SHARE * len(own) or left.sum() <= MAX_UNMARKED_SHARE * own.sum():
             continue
         body = fit_below(marked | left)
         _, near = cKDTree(body.vertices).query(points.positions[left])
         outward = (vertex_normals(body.vertices, body.faces)[near] * points.normals[left]).sum(axis=1) > 0.0
         away = TriangleSurface(body.vertices, body.faces).distance(points.positions[left])[outward]
         offset = float(np.sqrt((away**2).mean())) if len(away) else 0.0
-        found.append(Undeclared(part.word, *_name(labels, left, marked), offset))
+        found.append(UndeclaredGarment(part.word, *_name_labels(labels, left, marked), offset))
     return tuple(found)
 
 
-def _name(labels: np.ndarray | None, left: np.ndarray, marked: np.ndarray) -> tuple[tuple[str, ...], bool]:
+def _name_labels(labels: np.ndarray | None, left: np.ndarray, marked: np.ndarray) -> tuple[tuple[str, ...], bool]:
     """Return the labels that are mostly among some samples, or else the most frequent there, and whether one is."""
     if labels is None:
         return (), False
     values, counts = np.unique(labels[left], return_counts=True)
     order = np.argsort(-counts, kind="stable")
-    is_mostly = np.array([counts[n] > MOSTLY * (~marked & (labels == values[n])).sum() for n in order])
+    is_mostly = np.array([counts[n] > LABEL_MAJORITY_SHARE * (~marked & (labels == values[n])).sum() for n in order])
     chosen = values[order][is_mostly] if is_mostly.any() else values[order][:1]
     return tuple(str(value) for value in chosen.tolist()), bool(is_mostly.any())

@@ -11,13 +11,14 @@ from .limbs import BodyPlace, Limb
 
 STATION_STEP = 0.008
 """Height of a cell along the limb [m]: about one sample."""
-ANGLES = 48
-"""Cells around a limb: 6 mm apart on a wrist, 2 cm on a trunk."""
+LIMB_COLUMN_COUNT = 48
+"""Number of cells around a limb: 6 mm apart on a wrist, 2 cm on a trunk."""
 
 NECK_RADIUS = 0.06
 """Horizontal distance [m] from the neck's axis that counts as station 0 at the height of the neck joint."""
-FILL_ROUNDS = 12
-"""Cells over which values are carried into cells without samples: holes of the scan up to 20 cm."""
+FILL_ITERATIONS = 12
+"""Number of iterations in which values spread, a cell each, into cells without samples: this fills holes of the scan up
+to 20 cm."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class UnrolledGrid:
         first: Station of the first row's middle [m].
         row: Row of each member, shape [m].
         column: Column of each member, shape [m].
-        seen: Samples in each cell, shape [rows, ANGLES].
+        seen: Samples in each cell, shape [rows, LIMB_COLUMN_COUNT].
     """
 
     chart: Chart
@@ -63,7 +64,7 @@ class UnrolledGrid:
 
     @property
     def is_near(self) -> np.ndarray:
-        """Return whether each cell or one beside it has samples, shape [rows, ANGLES]: else nothing is known of it."""
+        """Check whether each cell or one beside it has samples, shape [rows, LIMB_COLUMN_COUNT]; else it is unknown."""
         return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
 
     def without(self, hidden: np.ndarray) -> UnrolledGrid:
@@ -71,25 +72,25 @@ class UnrolledGrid:
         kept = ~hidden[self.chart.members]
         chart = Chart(self.chart.limb, self.chart.members[kept], self.chart.station[kept], self.chart.angle[kept])
         row, column = self.row[kept], self.column[kept]
-        seen = np.bincount(row * ANGLES + column, minlength=self.seen.size).reshape(self.seen.shape)
+        seen = np.bincount(row * LIMB_COLUMN_COUNT + column, minlength=self.seen.size).reshape(self.seen.shape)
         return UnrolledGrid(chart, self.first, row, column, seen)
 
     def at_samples(self, cells: np.ndarray, count: int, default: float) -> np.ndarray:
-        """Return the cells' values, shape [rows, ANGLES], at all samples, shape [count]; elsewhere the default."""
+        """Return the cells' values, shape [rows, LIMB_COLUMN_COUNT], at all samples, shape [count], or the default."""
         out = np.full(count, default)
         out[self.chart.members] = cells[self.row, self.column]
         return out
 
     def spread(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean of the samples' values, shape [n], in each cell, shape [rows, ANGLES].
+        """Return the mean of the samples' values, shape [n], in each cell, shape [rows, LIMB_COLUMN_COUNT].
 
         Cells without samples take the mean of their neighbours, round by round; those of no round are 0.
         """
         mine = np.asarray(values, dtype=np.float64)[self.chart.members]
-        flat = self.row * ANGLES + self.column
+        flat = self.row * LIMB_COLUMN_COUNT + self.column
         total = np.bincount(flat, mine, self.seen.size).reshape(self.seen.shape)
         count = self.seen.astype(np.float64)
-        for _ in range(FILL_ROUNDS):
+        for _ in range(FILL_ITERATIONS):
             empty = count == 0
             if not empty.any():
                 break
@@ -115,7 +116,7 @@ def unroll(place: BodyPlace, body: Body, limb: Limb) -> UnrolledGrid:
     """
     chart = _chart(place, body, limb)
     if not len(chart.members):
-        return UnrolledGrid(chart, 0.0, chart.members, chart.members, np.zeros((1, ANGLES), dtype=np.int64))
+        return UnrolledGrid(chart, 0.0, chart.members, chart.members, np.zeros((1, LIMB_COLUMN_COUNT), dtype=np.int64))
     return cut_chart(chart)
 
 
@@ -123,9 +124,11 @@ def cut_chart(chart: Chart) -> UnrolledGrid:
     """Return a chart, which has members, cut into cells."""
     first = float(chart.station.min())
     row = np.floor((chart.station - first) / STATION_STEP).astype(np.int64)
-    column = np.floor(chart.angle / (2 * np.pi) * ANGLES).astype(np.int64) % ANGLES
+    column = np.floor(chart.angle / (2 * np.pi) * LIMB_COLUMN_COUNT).astype(np.int64) % LIMB_COLUMN_COUNT
     rows = int(row.max()) + 1
-    seen = np.bincount(row * ANGLES + column, minlength=rows * ANGLES).reshape(rows, ANGLES)
+    seen = np.bincount(row * LIMB_COLUMN_COUNT + column, minlength=rows * LIMB_COLUMN_COUNT).reshape(
+        rows, LIMB_COLUMN_COUNT
+    )
     return UnrolledGrid(chart, first + 0.5 * STATION_STEP, row, column, seen)
 
 
@@ -146,24 +149,24 @@ def _chart(place: BodyPlace, body: Body, limb: Limb) -> Chart:
         arm = rest - shoulder
         station = sign * arm[:, 0]
         mine = (station > -0.08) & (arm[:, 1] > -0.2) & (share("head", "neck") < 0.5)
-        return _cut(limb, mine, station, np.arctan2(arm[:, 1], arm[:, 2]))
+        return _make_chart(limb, mine, station, np.arctan2(arm[:, 1], arm[:, 2]))
     if limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG):
         side, sign = ("left", 1.0) if limb == Limb.LEFT_LEG else ("right", -1.0)
         chain = np.stack([joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
         axis = np.stack([np.interp(rest[:, 1], chain[:, 1], chain[:, a]) for a in (0, 2)], axis=1)
         mine = share(*(f"{side}_{name}" for name in ("hip", "knee", "ankle", "foot"))) > 0.5
         angle = np.arctan2(sign * (rest[:, 0] - axis[:, 0]), rest[:, 2] - axis[:, 1])
-        return _cut(limb, mine, chain[2, 1] - rest[:, 1], angle)
+        return _make_chart(limb, mine, chain[2, 1] - rest[:, 1], angle)
     neck = joint("neck")
     if limb == Limb.NECK:
         radius = np.hypot(rest[:, 0], rest[:, 2] - neck[2])
         station = radius - NECK_RADIUS + neck[1] - rest[:, 1]
         mine = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5) & (share("head") < 0.5)
-        return _cut(limb, mine, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
+        return _make_chart(limb, mine, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
     mine = (arms < 0.5) & (share("head", "neck") < 0.5)
-    return _cut(limb, mine, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))
+    return _make_chart(limb, mine, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))
 
 
-def _cut(limb: Limb, mine: np.ndarray, station: np.ndarray, angle: np.ndarray) -> Chart:
+def _make_chart(limb: Limb, mine: np.ndarray, station: np.ndarray, angle: np.ndarray) -> Chart:
     members = np.flatnonzero(mine)
     return Chart(limb, members, station[members], np.mod(angle[members], 2 * np.pi))

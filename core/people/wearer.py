@@ -10,21 +10,22 @@ from scipy.spatial import cKDTree
 from ..body import Body, NotHuman, PersonSettings, fit_person, refit_person, register_body
 from ..body.registration import require_fit
 from ..geometry import vertex_normals
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan import Scan
 from ..scan.raw import RawScan
 from .diffusion import link_points
 from .limbs import place_on_body
 from .part import CLOTH, PARTS
 from .points import sample_person
-from .separate import predict_parts, weigh
-from .undeclared import Undeclared, find_undeclared
+from .separate import predict_parts, to_point_weights
+from .undeclared import UndeclaredGarment, find_undeclared_garments
 
-IS_CLOTH = np.isin(PARTS, CLOTH)
+CLOTH_COLUMNS = np.isin(PARTS, CLOTH)
 """Which columns of a posterior are cloth."""
 
-LEAST = 1e-6
-"""Probability that the marks leave at least to any part that they allow."""
+MIN_ALLOWED_PROBABILITY = 1e-6
+"""Probability that is added to every part that the mark of a sample allows: the rows can then always be scaled to sum
+to 1."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +38,11 @@ class FoundWearer:
     """
 
     body: Body
-    undeclared: tuple[Undeclared, ...] | None = None
+    undeclared: tuple[UndeclaredGarment, ...] | None = None
 
 
 def fit_wearer(
-    scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT, labels: np.ndarray | None = None
+    scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT_HOOKS, labels: np.ndarray | None = None
 ) -> FoundWearer:
     """Find the wearer of a scan: a body's mesh is registered, below marked cloth he is found as `separate` finds him.
 
@@ -72,21 +73,23 @@ def fit_wearer(
     near = cKDTree(raw.points).query(points.positions)[1]
     marked = cloth[near]
     told, _ = predict_parts(points, bare, link_points(points.positions, points.normals))
-    posterior = _apply(marked, told)
-    fit = refit_person(bare, points.positions, points.normals, weigh(posterior), hooks)
-    weights = weigh(posterior, place_on_body(points, fit.body))
+    posterior = _restrict_to_marks(marked, told)
+    fit = refit_person(bare, points.positions, points.normals, to_point_weights(posterior), hooks)
+    weights = to_point_weights(posterior, place_on_body(points, fit.body))
     fit = refit_person(fit, points.positions, points.normals, weights, hooks)
     require_fit(fit.skin_rms, fit.body)
 
     def fit_below(chosen: np.ndarray) -> Body:
         """Fit the body below what is cloth, bool, shape [n]."""
-        return refit_person(bare, points.positions, points.normals, weigh(_apply(chosen, told)), hooks).body
+        return refit_person(
+            bare, points.positions, points.normals, to_point_weights(_restrict_to_marks(chosen, told)), hooks
+        ).body
 
-    undeclared = find_undeclared(points, told, marked, None if labels is None else labels[near], fit_below)
+    undeclared = find_undeclared_garments(points, told, marked, None if labels is None else labels[near], fit_below)
     return FoundWearer(replace(fit.body, source=f"scan:{scan.name}"), undeclared)
 
 
-def _apply(marked: np.ndarray, told: np.ndarray) -> np.ndarray:
+def _restrict_to_marks(marked: np.ndarray, told: np.ndarray) -> np.ndarray:
     """Return a posterior, shape [n, part_count], by which just what is marked, bool, shape [n], is cloth."""
-    posterior = np.where(marked[:, None] == IS_CLOTH, told + LEAST, 0.0)
+    posterior = np.where(marked[:, None] == CLOTH_COLUMNS, told + MIN_ALLOWED_PROBABILITY, 0.0)
     return np.asarray(posterior / posterior.sum(axis=1, keepdims=True))

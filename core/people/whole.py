@@ -8,36 +8,38 @@ from ..body import JOINTS, Body
 from ..geometry import TriangleSurface, vertex_normals
 from ..scan import Scan
 
-TALL = 0.8
-"""Share of the wearer's height that a surface must have to be looked at more closely: from head to feet it is all of
-it, from the neck to the floor 0.86, and no shirt or pair of trousers comes near."""
+MIN_PERSON_HEIGHT_SHARE = 0.8
+"""Least share of the wearer's height that a surface must have to be examined as a person: from head to feet it is all
+of it, from the neck to the floor 0.86, and no shirt or pair of trousers comes near."""
 
-LEAST_HEIGHT = 1.4
-"""Height [m] below which few adults stand; a built-in body's own is not known before it is made."""
+MIN_ADULT_HEIGHT = 1.4
+"""Height below which few adults stand [m]; it is used where the wearer's is not known, as that of a built-in body
+before it is made."""
 
-NEAR = 0.025
-"""Distance [m] within which the surface shows a place of the skin: twice the misfit of a body that was fitted."""
+MAX_SHOWN_SKIN_DISTANCE = 0.025
+"""Largest distance between the surface and a place of the skin that it shows [m]: twice the misfit of a body that was
+fitted."""
 
-SHOWN = 0.6
+MIN_SHOWN_SKIN_SHARE = 0.6
 """Share of a face, of both hands or of both feet that must be shown. A hood leaves the face free, a sleeve covers a
 hand's back, trousers to the floor an instep."""
 
-FORWARD = 0.3
-"""Cosine between the face's normals and where the person faces; ears and the back of the head have less."""
+MIN_FACE_NORMAL_COSINE = 0.3
+"""Least cosine between the face's normals and the person's heading; ears and the back of the head have less."""
 
-HANDS, FEET = ("left_hand", "right_hand"), ("left_foot", "right_foot")
+HAND_JOINTS, FOOT_JOINTS = ("left_hand", "right_hand"), ("left_foot", "right_foot")
 """Joints of what no garment shows by itself: fingers, and toes."""
 
 
-def stands_tall(surface: Scan, wearer: Scan | None) -> bool:
+def has_person_height(surface: Scan, wearer: Scan | None) -> bool:
     """Return whether a surface is as high as a whole person; cheap, before any body is fitted.
 
     Args:
         surface: What was scanned.
         wearer: The wearer's mesh; None: one of usual height.
     """
-    height = LEAST_HEIGHT if wearer is None else float(np.ptp(wearer.vertices[:, 1]))
-    return float(np.ptp(surface.vertices[:, 1])) >= TALL * height
+    height = MIN_ADULT_HEIGHT if wearer is None else float(np.ptp(wearer.vertices[:, 1]))
+    return float(np.ptp(surface.vertices[:, 1])) >= MIN_PERSON_HEIGHT_SHARE * height
 
 
 def shows_person(surface: Scan, body: Body) -> bool:
@@ -49,7 +51,11 @@ def shows_person(surface: Scan, body: Body) -> bool:
     """
     part = np.array(JOINTS)[body.weights.argmax(axis=1)]
     normals = vertex_normals(body.vertices, body.faces)
-    face = (part == "head") & (normals @ body.heading[2] > FORWARD)
-    places = [face, np.isin(part, HANDS), np.isin(part, FEET)]
+    face = (part == "head") & (normals @ body.heading[2] > MIN_FACE_NORMAL_COSINE)
+    places = [face, np.isin(part, HAND_JOINTS), np.isin(part, FOOT_JOINTS)]
     seen = TriangleSurface(surface.vertices, surface.faces)
-    return any(bool((seen.distance(body.vertices[place]) < NEAR).mean() >= SHOWN) for place in places if place.any())
+    return any(
+        bool((seen.distance(body.vertices[place]) < MAX_SHOWN_SKIN_DISTANCE).mean() >= MIN_SHOWN_SKIN_SHARE)
+        for place in places
+        if place.any()
+    )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..body import Body
-from ..people.undeclared import Undeclared
+from ..people.undeclared import UndeclaredGarment
 from ..scan import Scan
-from ..scan.contours import TOPS, Target
+from ..scan.contours import TOP_CATEGORIES, Target
 from .drape import WearerGeometry
 from .recovery import Request
 from .settings import RecoverySettings
@@ -29,7 +29,7 @@ class Case:
     scan: Scan
     seen: Target
     wearer: WearerGeometry
-    undeclared: tuple[Undeclared, ...] | None = None
+    undeclared: tuple[UndeclaredGarment, ...] | None = None
 
     @property
     def settings(self) -> RecoverySettings:
@@ -52,7 +52,7 @@ class Case:
 
         So do those of the library's cuts, and those of a maker's top, which is graded in the stretch of its dressing.
         """
-        return self.has_free_curves or (self.seen.category in TOPS and not self.has_locked_panels)
+        return self.has_free_curves or (self.seen.category in TOP_CATEGORIES and not self.has_locked_panels)
 
     @property
     def has_locked_panels(self) -> bool:

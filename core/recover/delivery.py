@@ -11,20 +11,20 @@ import numpy as np
 from ..garment.pieces import measure_pieces
 from ..judge import (
     Reference,
-    judge,
+    evaluate_gates,
     measure_contour_shapes,
     measure_fairness,
     measure_fit,
-    measure_knowledge,
     measure_plausibility,
     measure_seams,
     measure_upright,
     measure_wear,
+    summarise_estimates,
 )
 from ..run.clock import Clock
 from ..run.finding import FindingKind
 from ..run.report import Metrics, ResultReport
-from ..scan.contours import find_remarks, mark_hidden_border
+from ..scan.contours import find_misfit_warnings, mark_hidden_border
 from .case import Case
 from .grade import describe_cut_change, name_recovered
 from .recovery import Recovery
@@ -33,13 +33,13 @@ from .state import RecoveryState, made
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
 
-IN_MANIFEST = {
+MANIFEST_FINDING_KINDS = {
     "candidates": FindingKind.CUT, "panel_changes": FindingKind.PANEL_CHANGE,
     "proved_corners": FindingKind.CORNER, "choices": FindingKind.CHOICE,
 }  # fmt: skip
 """Names in the manifest under which findings stand."""
 
-SHOWN = (FindingKind.NOTE, FindingKind.PANEL_CHANGE, FindingKind.CORNER)
+SHOWN_FINDING_KINDS = (FindingKind.NOTE, FindingKind.PANEL_CHANGE, FindingKind.CORNER)
 """Findings that are warnings, in the order in which a result shows them."""
 
 
@@ -48,17 +48,17 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
     garment, settings = made(state.garment), case.settings
     state = state.with_findings(*(corner.describe() for corner in state.corners))
     remarks = [one.describe() for one in case.undeclared or () if one.is_off_body]
-    remarks += find_remarks(case.scan.vertices, case.body)
+    remarks += find_misfit_warnings(case.scan.vertices, case.body)
     with clock.stage("measure", "measuring the result"):
         pieces = measure_pieces(garment.pattern)
         metrics = {**measure(case, state), **pieces.metrics}
         cut = state.template
         if case.request.template is None:
             cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
-    told = [one.message for kind in SHOWN for one in state.findings if one.kind is kind]
+    told = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
     warnings = (*remarks, *case.scan.repairs, *told, *describe_cut_change(cut, state.template))
     manifest = describe(case, state) | {"cut": cut}
-    for name, kind in IN_MANIFEST.items():
+    for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
     return Recovery(
         scan=case.scan,
@@ -69,7 +69,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
         fabric=state.fabric,
         garment=garment,
         meshes=made(state.meshes),
-        report=ResultReport.of(clock, metrics, judge(metrics), warnings, manifest),
+        report=ResultReport.of(clock, metrics, evaluate_gates(metrics), warnings, manifest),
         estimates=state.estimates,
         nearest_fabrics=state.nearest,
         point_std=state.point_std,
@@ -84,7 +84,7 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     contours, seed = case.seen.contours_of_scan(), case.settings.seed
     hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
     truth = Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
-    metrics = measure_knowledge(state.estimates, state.point_std)
+    metrics = summarise_estimates(state.estimates, state.point_std)
     for name, equilibrium in (("drape", state.drape), ("sim", state.simulated), ("redrape", state.redrape)):
         if equilibrium is not None:
             metrics |= equilibrium.measure(name)

@@ -7,11 +7,11 @@ from pathlib import Path
 from ..body import Body, BodyMissing, is_smpl, load_smpl
 from ..garment import Pattern, load_pattern
 from ..garment.reading import Reading
-from ..scan import Limits, Pieces, load_pieces
+from ..scan import Limits, ScanInput, load_scan_input
 from .recovery import Request
 
 
-def read_files(request: Request, limits: Limits | None = None) -> Pieces:
+def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
     """Read the garment and its wearer, or cut the garment out of a dressed person's scan, unless that was done before.
 
     Raises:
@@ -24,7 +24,9 @@ def read_files(request: Request, limits: Limits | None = None) -> Pieces:
     if body is None and selection is None:
         raise BodyMissing()
     given = body if isinstance(body, Path) else None
-    return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection, limits=limits)
+    return load_scan_input(
+        request.scan, given, units=settings.units, up=settings.up, selection=selection, limits=limits
+    )
 
 
 def read_body(request: Request) -> Body | None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from ..run.checkpoints import load, save
 from ..run.clock import Clock
-from ..run.hooks import SILENT, Hooks
+from ..run.hooks import SILENT_HOOKS, Hooks
 from .case import Case
 from .delivery import deliver
-from .methods import KEPT_AFTER, METHODS
+from .methods import METHODS, STEP_CHECKPOINTS
 from .recovery import Recovery, Request
 from .start import choose_base, read_case
 from .state import RecoveryState
 from .steps import Step
 
 
-def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
+def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
     """Recover pattern, fabric and meshes of one scanned garment.
 
     Args:
@@ -36,12 +36,12 @@ def run_steps(steps: tuple[Step, ...], case: Case, state: RecoveryState, clock: 
     """Take steps one after the other, from the last whose state an earlier run of the job kept."""
     begun, inputs = 0, (state.base.points, case.settings.vertex_count)
     for number, step in enumerate(steps):
-        kept = load(clock.hooks, KEPT_AFTER[step], RecoveryState, *inputs) if step in KEPT_AFTER else None
+        kept = load(clock.hooks, STEP_CHECKPOINTS[step], RecoveryState, *inputs) if step in STEP_CHECKPOINTS else None
         if kept is not None:
             begun, state = number + 1, kept
     for step in steps[begun:]:
         state = step(case, state, clock)
         state = state.with_findings(*clock.take_findings())
-        if step in KEPT_AFTER:
-            save(clock.hooks, KEPT_AFTER[step], state, *inputs)
+        if step in STEP_CHECKPOINTS:
+            save(clock.hooks, STEP_CHECKPOINTS[step], state, *inputs)
     return state

@@ -12,8 +12,8 @@ from ..run.clock import Clock
 from ..scan.contours import CATEGORIES, Target, segment_garment
 from ..scan.contours.rounded_rims import straighten_scan
 from .case import Case
-from .drape import WearerGeometry, outgrown_measures
-from .fit.locks import find_held
+from .drape import WearerGeometry, oversize_measures
+from .fit.locks import find_locked_coordinates
 from .grade import Choice, choose_cut, share_by_hems
 from .inputs import read_files, read_template
 from .recovery import Request
@@ -46,7 +46,7 @@ def choose_base(case: Case) -> RecoveryState:
     settings = case.settings
     choice = find_template(case.request, case.seen, case.body)
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
-    find_held(base, base, settings.locks)
+    find_locked_coordinates(base, base, settings.locks)
     state = RecoveryState(choice.template, base, case.seen, case.wearer, get_fabric(settings.fabric))
     return state.with_findings(*(one.describe() for one in choice.candidates)).with_notes(*choice.notes)
 
@@ -69,7 +69,7 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
     else:
         stem = settings.template.partition("+")[0]
         name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
-        measures = outgrown_measures(body)
+        measures = oversize_measures(body)
         choice = Choice(name, load_template(name) if measures is None else draft_template(name, measures))
     pattern, shares = share_by_hems(choice.pattern, target, body)
     return replace(choice, pattern=pattern, notes=(*choice.notes, *(share.describe() for share in shares)))

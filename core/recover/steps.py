@@ -13,7 +13,7 @@ import numpy as np
 
 from ..garment import Garment, resample
 from ..garment.meshes import Meshes
-from ..run.best import best
+from ..run.best import choose_best
 from ..run.clock import Clock
 from ..run.errors import Cancelled, GarmentqError
 from ..run.hooks import Hooks
@@ -24,18 +24,18 @@ from .drape import (
     describe_motion,
     drape_as_scanned,
     drape_template,
-    hangs_in_sleeves,
+    has_hanging_sleeves,
     needs_easing,
     redrape,
 )
-from .drape.motion import miss
+from .drape.motion import surface_rms
 from .fit import (
     InverseSettings,
     ShapeSettings,
     add_bust_darts,
     choose_start,
     fair_garment,
-    find_held,
+    find_locked_coordinates,
     fit_inverse,
     fit_pattern,
     fit_reference,
@@ -47,9 +47,9 @@ from .state import RecoveryState, made
 
 Step = Callable[[Case, RecoveryState, Clock], RecoveryState]
 
-GRADINGS = 2
-"""Times the pattern is graded: the second starts from the first's mesh on the target and takes out what symmetry and
-seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
+GRADING_ITERATIONS = 2
+"""Number of times that the pattern is graded: the second starts from the mesh of the first on the target and removes
+what symmetry and seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
 
 
 def complete(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
@@ -92,7 +92,7 @@ def grade(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
         worn, target, body = made(state.garment), state.target, state.body
-        for _ in range(GRADINGS):
+        for _ in range(GRADING_ITERATIONS):
             grading = grade_pattern(worn, target, body, hooks=hooks)
             worn = grading.garment
         settings = SlideSettings().by_newton(case.has_free_curves) if case.has_far_seams else SlideSettings()
@@ -103,14 +103,16 @@ def grade(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
         if not case.settings.keep_cut:
             state = add_bust_darts(state, worn, settings)
         slid = made(state.garment)
-        return replace(state, garment=fair_garment(slid, state.base, find_held(slid.pattern, state.base, ())))
+        return replace(
+            state, garment=fair_garment(slid, state.base, find_locked_coordinates(slid.pattern, state.base, ()))
+        )
 
 
 def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Drape the graded pattern on the wearer, in motion where only that explains the scan."""
     slid, target = made(state.garment), state.target
     with clock.stage("drape", "draping the graded pattern") as hooks:
-        settings, count = DrapeSettings(apart=hangs_in_sleeves(target, case.body)), case.settings.vertex_count
+        settings, count = DrapeSettings(apart=has_hanging_sleeves(target, case.body)), case.settings.vertex_count
         garment, found = drape_as_scanned(
             slid, state.wearer, state.fabric, target, vertex_count=count, settings=settings, hooks=hooks
         )
@@ -142,13 +144,13 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
             name: deform(start, state.target, state.wearer.exposed, settings=settings, hooks=told)
             for (name, start), told in zip(starts.items(), (hooks, hooks.quiet()), strict=False)
         }
-        detail = best("registration", found, lambda one: miss(garment.at(one.nodes), state.target), hooks)
+        detail = choose_best("registration", found, lambda one: surface_rms(garment.at(one.nodes), state.target), hooks)
     nodes = garment.nodes
     if state.simulated is not None:  # a fit has moved the pattern since it was graded
         nodes, simulation = resample(graded, graded.nodes, garment), garment.nodes
     reference = fit_reference(case, state)
     corners = prove_corners(garment, detail.nodes, case.seen, reference)
-    held = find_held(garment.pattern, reference, locks_of(case, state))
+    held = find_locked_coordinates(garment.pattern, reference, locks_of(case, state))
     fair = fair_garment(garment, reference, held, corners).at(detail.nodes)
     meshes = Meshes(nodes, detail.nodes, simulation)
     return replace(state, garment=fair, meshes=meshes, corners=corners).with_notes(*detail.warnings)

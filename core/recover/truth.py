@@ -9,17 +9,18 @@ import numpy as np
 from ..body import ExposedSurface, penetration_depth
 from ..cloth import Fabric
 from ..geometry import TriangleSurface
-from ..judge.contours import carry_contours
-from ..judge.fit import MM, SURFACE_SAMPLES, Reference, measure_fit
+from ..judge.contours import transfer_contours
+from ..judge.fit import SURFACE_SAMPLES, Reference, measure_fit
 from ..judge.matching import is_same_cut
 from ..judge.packs import Pack, read_true_mesh, read_true_pattern
 from ..judge.patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
+from ..run.units import MM_PER_M
 from .recovery import Recovery
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
 
-OF_REST = ("residual", "residual_rms", "iterations", "at_rest")
+REST_METRIC_SUFFIXES = ("residual", "residual_rms", "iterations", "at_rest")
 """Last words of the metrics of how far a drape is at rest (`Drape.measure`)."""
 
 BODY_SAMPLES = 10_000
@@ -45,7 +46,7 @@ def measure_recovery(
     """
     vertices, faces = read_true_mesh(pack)
     target = recovery.target
-    contours = carry_contours(target.contours, target.vertices, vertices, faces)
+    contours = transfer_contours(target.contours, target.vertices, vertices, faces)
     truth = Reference(vertices, faces, contours, ExposedSurface.of(recovery.body), seed, samples)
     found = measure_fit(recovery.garment, recovery.meshes, truth)
     if pack.truth_body is not None:
@@ -65,7 +66,7 @@ def measure_recovery(
 
 def _is_of_truth(name: str) -> bool:
     """Return whether a metric depends on the truth; how far a drape is at rest does not."""
-    return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in OF_REST
+    return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in REST_METRIC_SUFFIXES
 
 
 def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, float | None]:
@@ -91,10 +92,10 @@ def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     ours = recovery.meshes
     meshes = {"": ours.detail, "sim.": ours.simulation, "redrape.": ours.redraped}
     depths: dict[str, float | None] = {
-        f"{prefix}truth_body_penetration_mm": MM * penetration_depth(nodes, recovery.garment.faces, truth)
+        f"{prefix}truth_body_penetration_mm": MM_PER_M * penetration_depth(nodes, recovery.garment.faces, truth)
         for prefix, nodes in meshes.items()
         if nodes is not None
     }
     return depths | {
-        "truth_body_rms_mm": MM * float(np.sqrt(np.mean(distance**2))),
+        "truth_body_rms_mm": MM_PER_M * float(np.sqrt(np.mean(distance**2))),
     }

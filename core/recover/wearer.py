@@ -6,17 +6,17 @@ from ..body import Body, BodyMissing, BuiltinWearer, builtin_body
 from ..people.wearer import FoundWearer, fit_wearer
 from ..run.checkpoints import load, save
 from ..run.hooks import Hooks
-from ..scan import Pieces
+from ..scan import ScanInput
 from .inputs import read_body
 from .recovery import Request
 
 
-def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
+def find_body(request: Request, pieces: ScanInput, hooks: Hooks) -> Body:
     """Return the body that `find_wearer` finds."""
     return find_wearer(request, pieces, hooks).body
 
 
-def find_wearer(request: Request, pieces: Pieces, hooks: Hooks) -> FoundWearer:
+def find_wearer(request: Request, pieces: ScanInput, hooks: Hooks) -> FoundWearer:
     """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
     own, wearer = read_body(request), pieces.wearer
     if own is not None:

@@ -15,7 +15,7 @@ Score = float | tuple[float, ...]
 """Scores are compared as Python compares them: of tuples the first difference decides."""
 
 
-def best(question: str, candidates: Mapping[str, T], score: Callable[[T], Score], hooks: Hooks) -> T:
+def choose_best(question: str, candidates: Mapping[str, T], score: Callable[[T], Score], hooks: Hooks) -> T:
     """Return the candidate with the lowest score, the first of equal ones, and report all scores.
 
     A candidate that stands alone is taken without its score being computed.

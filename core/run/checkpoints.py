@@ -20,13 +20,13 @@ from .hooks import Arrays, Hooks
 
 T = TypeVar("T")
 
-FORMAT, INPUTS = "format", "inputs"
+FORMAT_KEY, INPUTS_KEY = "format", "inputs"
 """Keys beside the fields: a hash of the type's structure, and of what the content was computed from."""
 
 _NUMBERS: dict[Any, type] = {bool: np.bool_, int: np.int64, float: np.float64}
 
 
-class NotWhole(ValueError):
+class IncompleteCheckpoint(ValueError):
     """Arrays are not those that `pack` made of the type."""
 
 
@@ -39,15 +39,15 @@ def save(hooks: Hooks, name: str, state: Any, *inputs: Any) -> None:
         state: What to keep.
         inputs: Arrays and numbers that `state` was computed from.
     """
-    hooks.save_checkpoint(name, {**pack(state), INPUTS: _write(_digest(inputs))})
+    hooks.save_checkpoint(name, {**pack(state), INPUTS_KEY: _write(_digest(inputs))})
 
 
 def load(hooks: Hooks, name: str, kind: type[T], *inputs: Any) -> T | None:
     """Return what an earlier run of the job kept under a name, or None where nothing fits type and inputs."""
     kept = hooks.load_checkpoint(name)
-    if kept is None or not np.array_equal(kept.get(INPUTS, ()), _write(_digest(inputs))):
+    if kept is None or not np.array_equal(kept.get(INPUTS_KEY, ()), _write(_digest(inputs))):
         return None
-    return unpack(kind, {key: kept[key] for key in kept if key != INPUTS})
+    return unpack(kind, {key: kept[key] for key in kept if key != INPUTS_KEY})
 
 
 def pack(value: Any) -> dict[str, np.ndarray]:
@@ -59,7 +59,7 @@ def pack(value: Any) -> dict[str, np.ndarray]:
     Raises:
         TypeError: where a field is of another type.
     """
-    arrays = {FORMAT: _write(fingerprint(type(value)))}
+    arrays = {FORMAT_KEY: _write(fingerprint(type(value)))}
     _put(type(value), value, "", arrays)
     return arrays
 
@@ -68,7 +68,7 @@ def unpack(kind: type[T], arrays: Arrays) -> T | None:
     """Return the dataclass that was packed, or None where the arrays are another type's, another version's or cut."""
     left = dict(arrays)
     try:
-        if _read(left.pop(FORMAT)) != fingerprint(kind):
+        if _read(left.pop(FORMAT_KEY)) != fingerprint(kind):
             return None
         value: T = _take(kind, "", left)
     except (KeyError, ValueError):
@@ -175,14 +175,14 @@ def _items(kind: Any, count: int) -> tuple[Any, ...]:
     inner = get_args(kind)
     items = inner[:1] * count if inner[-1] is Ellipsis else inner
     if len(items) != count:
-        raise NotWhole(f"{count} items of a {kind}")
+        raise IncompleteCheckpoint(f"{count} items of a {kind}")
     return items
 
 
 def _number(kind: type, at: str, arrays: dict[str, np.ndarray]) -> Any:
     array = np.asarray(arrays.pop(at))
     if array.shape != () or array.dtype != _NUMBERS[kind]:
-        raise NotWhole(f"{at} is no {kind.__name__}")
+        raise IncompleteCheckpoint(f"{at} is no {kind.__name__}")
     return array.item()
 
 
@@ -202,5 +202,5 @@ def _write(text: str) -> np.ndarray:
 
 def _read(codes: np.ndarray) -> str:
     if (array := np.asarray(codes)).dtype != np.uint8:
-        raise NotWhole("no text")
+        raise IncompleteCheckpoint("no text")
     return array.tobytes().decode()

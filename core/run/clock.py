@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from .finding import Finding
-from .hooks import SILENT, Hooks
+from .hooks import SILENT_HOOKS, Hooks
 
 
 def peak_bytes() -> int:
@@ -26,7 +26,7 @@ def peak_mb() -> float:
 class Clock:
     """Measure CPU seconds by stage, tell the hooks which stage runs, and collect what stages find."""
 
-    def __init__(self, hooks: Hooks = SILENT) -> None:
+    def __init__(self, hooks: Hooks = SILENT_HOOKS) -> None:
         self.hooks = replace(hooks, on_finding=self._collect)
         self.seconds: dict[str, float] = {}
         self.start = time.process_time()

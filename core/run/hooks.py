@@ -17,7 +17,7 @@ def _no_progress(stage: str, fraction: float, message: str) -> None:
     return None
 
 
-def _never() -> bool:
+def _never_cancelled() -> bool:
     return False
 
 
@@ -46,7 +46,7 @@ class Hooks:
     """
 
     on_progress: Callable[[str, float, str], None] = field(default=_no_progress)
-    is_cancelled: Callable[[], bool] = field(default=_never)
+    is_cancelled: Callable[[], bool] = field(default=_never_cancelled)
     save_checkpoint: Callable[[str, Arrays], None] = field(default=_no_save)
     load_checkpoint: Callable[[str], Arrays | None] = field(default=_no_load)
     on_finding: Callable[[Finding], None] = field(default=_no_report)
@@ -70,4 +70,4 @@ class Hooks:
             raise Cancelled()
 
 
-SILENT = Hooks()
+SILENT_HOOKS = Hooks()

@@ -7,8 +7,8 @@ from typing import IO
 
 import numpy as np
 
-BLOCK = 1024**2
-"""Bytes read at a time."""
+NPY_READ_BLOCK_BYTES = 1024**2
+"""Size of one read [bytes]: reading a compressed entry at once takes the square of the time."""
 
 
 def read_array(file: IO[bytes], judge: Callable[[tuple[int, ...], np.dtype], None]) -> np.ndarray:
@@ -32,7 +32,7 @@ def read_array(file: IO[bytes], judge: Callable[[tuple[int, ...], np.dtype], Non
     size = int(np.prod(shape, dtype=object)) * kind.itemsize
     content = bytearray()
     while len(content) < size:  # in blocks: one `read` of a compressed entry takes the square of the time
-        block = file.read(min(BLOCK, size - len(content)))
+        block = file.read(min(NPY_READ_BLOCK_BYTES, size - len(content)))
         if not block:
             raise ValueError("it is shorter than its header says")
         content += block

@@ -31,10 +31,10 @@ from .errors import BadInput, Cancelled, GarmentqError, NotFound, keep_printable
 
 log = logging.getLogger(__name__)
 
-POLL_SECONDS = 0.1
-"""How often the caller is asked whether the child is still wanted [s]."""
+CHILD_POLL_INTERVAL = 0.1
+"""Interval at which the caller is asked whether the child is still wanted [s]."""
 
-OVER = 70
+MEMORY_EXIT_STATUS = 70
 """Exit status of a child that ended itself for want of memory."""
 
 ORPHAN_SECONDS = 5
@@ -47,8 +47,8 @@ IsStopped = Callable[[], bool]
 """Asked now and then during a call; True kills the process."""
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import answer; answer()"
-_NETWORK, _USER = 0x40000000, 0x10000000
-"""Linux' CLONE_NEWNET and CLONE_NEWUSER."""
+_CLONE_NEWNET, _CLONE_NEWUSER = 0x40000000, 0x10000000
+"""Flags of Linux' `unshare` for a network namespace and a user namespace of the process's own."""
 _DIE_WITH_PARENT = 1
 """Linux' PR_SET_PDEATHSIG."""
 
@@ -155,7 +155,7 @@ def call_limited(
             answers.seek(0)
             content = answers.read(bounds.answer_bytes + 1)
             said.seek(max(0, said.seek(0, os.SEEK_END) - 4000))
-            return _understand(status, content, said.read().decode(errors="replace"), bounds)
+            return _parse_answer(status, content, said.read().decode(errors="replace"), bounds)
 
 
 def _environment(home: str) -> dict[str, str]:
@@ -171,15 +171,15 @@ def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: IsStoppe
         if left <= 0:
             raise InputTookTooLong(f"reading took more than {seconds:g} s; decimate the mesh, or export it again.")
         try:
-            return process.wait(min(POLL_SECONDS, left))
+            return process.wait(min(CHILD_POLL_INTERVAL, left))
         except subprocess.TimeoutExpired:
             if is_stopped():
                 raise Cancelled() from None
 
 
-def _understand(status: int, content: bytes, said: str, bounds: Bounds) -> Answer:
+def _parse_answer(status: int, content: bytes, said: str, bounds: Bounds) -> Answer:
     """Return what a process answered, or raise what it reported or died of; nothing that it wrote is believed."""
-    if status in (OVER, -signal.SIGKILL):
+    if status in (MEMORY_EXIT_STATUS, -signal.SIGKILL):
         needed = f"{bounds.memory_bytes >> 20} MiB of memory or {bounds.output_bytes >> 20} MiB written"
         raise InputTooLarge(f"reading needs more than {needed}; decimate the mesh.")
     if status == -signal.SIGXCPU:
@@ -232,7 +232,7 @@ def answer() -> None:
         os.dup2(2, 1)  # what a library prints is no answer
         question = json.load(sys.stdin)
         bounds = Bounds(**question["bounds"])
-        _withdraw(bounds)
+        _restrict_process(bounds)
         module, _, name = question["function"].partition(":")
         try:
             found = {"result": getattr(importlib.import_module(module), name)(**question["arguments"])}
@@ -241,7 +241,7 @@ def answer() -> None:
             found = {"error": {"kind": kind, "code": error.code, "message": error.message}}
         except Exception as error:
             if is_memory_short(error):
-                os._exit(OVER)
+                os._exit(MEMORY_EXIT_STATUS)
             traceback.print_exc()
             found = {"error": {"kind": "bad_input", "code": ReaderCrashed.code, "message": ReaderCrashed().message}}
         usage = resource.getrusage(resource.RUSAGE_SELF)
@@ -259,14 +259,16 @@ def is_memory_short(error: BaseException) -> bool:
     )
 
 
-def _withdraw(bounds: Bounds) -> None:
+def _restrict_process(bounds: Bounds) -> None:
     """Drop what the process does not need, before it looks at any file."""
     if sys.platform == "linux":
         import ctypes
 
         system = ctypes.CDLL(None)
         system.prctl(_DIE_WITH_PARENT, signal.SIGKILL)
-        _ = system.unshare(_NETWORK) == 0 or system.unshare(_NETWORK | _USER) == 0  # not permitted everywhere
+        _ = (
+            system.unshare(_CLONE_NEWNET) == 0 or system.unshare(_CLONE_NEWNET | _CLONE_NEWUSER) == 0
+        )  # not permitted everywhere
     signal.alarm(int(bounds.wall_seconds) + ORPHAN_SECONDS)
     limits = {
         resource.RLIMIT_FSIZE: bounds.output_bytes,
@@ -300,6 +302,6 @@ def limit_memory(size: int, by_system: bool = sys.platform != "darwin") -> None:
     def measure() -> None:
         while peak_bytes() <= size:
             time.sleep(0.02)
-        os._exit(OVER)
+        os._exit(MEMORY_EXIT_STATUS)
 
     threading.Thread(target=measure, daemon=True).start()

@@ -9,7 +9,7 @@ from typing import Any
 
 from .errors import BadInput
 
-UNKEPT = re.compile("[\x00\ud800-\udfff]")
+UNSTORABLE_CHARACTERS = re.compile("[\x00\ud800-\udfff]")
 """NUL, which PostgreSQL refuses, and lone surrogates, which no UTF-8 has; JSON can write both."""
 
 
@@ -31,19 +31,19 @@ def read_json(source: str | bytes, **options: Any) -> Any:
         ValueError, RecursionError: where it is no JSON.
     """
     found = json.loads(source, **options)
-    is_plain = isinstance(source, str) and "\\u" not in source and not UNKEPT.search(source)
-    if not is_plain and has_unkept(found):
+    is_plain = isinstance(source, str) and "\\u" not in source and not UNSTORABLE_CHARACTERS.search(source)
+    if not is_plain and has_unstorable_text(found):
         raise JsonTextBad("a text holds NUL or half of a surrogate pair")
     return found
 
 
-def has_unkept(value: Any) -> bool:
+def has_unstorable_text(value: Any) -> bool:
     """Return whether a text, or any name or text in JSON values, holds what nothing can keep."""
     waiting = [value]
     while waiting:
         one = waiting.pop()
         if isinstance(one, str):
-            if UNKEPT.search(one):
+            if UNSTORABLE_CHARACTERS.search(one):
                 return True
         elif isinstance(one, Mapping):
             waiting += [*one.keys(), *one.values()]

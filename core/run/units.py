@@ -12,3 +12,6 @@ UNITS: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "f
 
 METRIC = ("m", "cm", "mm")
 """Those that a garment or body may be in without its file's user saying so."""
+
+MM_PER_M = 1e3
+"""Millimetres in a metre, for what is shown to people."""

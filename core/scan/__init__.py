@@ -6,24 +6,24 @@ from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan
 from .load_raw import load_raw
-from .pieces import Pieces, load_pieces
+from .pieces import ScanInput, load_scan_input
 from .raw import RawScan
-from .reconstruct import Reconstructed, reconstruct
+from .reconstruct import ReconstructedSurface, reconstruct
 from .refusal import FileMissing, LabelsUnreadable
 from .scan import Scan, describe_scan
-from .selection import TOLERANCE, Selection, parse_colour, select_vertices
-from .thin import ThinMesh, thin, thin_mesh, thin_scan
+from .selection import GARMENT_COLOUR_TOLERANCE, Selection, parse_colour, select_vertices
+from .thin import ThinMesh, thin_mesh, thin_raw_scan, thin_scan
 from .units import find_units, find_up
 
 __all__ = [
-    "TOLERANCE",
+    "GARMENT_COLOUR_TOLERANCE",
     "FileMissing",
     "LabelsUnreadable",
     "Limits",
-    "Pieces",
     "RawScan",
-    "Reconstructed",
+    "ReconstructedSurface",
     "Scan",
+    "ScanInput",
     "Selection",
     "ThinMesh",
     "check_extension",
@@ -34,14 +34,14 @@ __all__ = [
     "find_up",
     "lies_on",
     "load_pair",
-    "load_pieces",
     "load_raw",
     "load_scan",
+    "load_scan_input",
     "parse_colour",
     "read_labels",
     "reconstruct",
     "select_vertices",
-    "thin",
     "thin_mesh",
+    "thin_raw_scan",
     "thin_scan",
 ]

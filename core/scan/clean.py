@@ -14,47 +14,49 @@ import numpy as np
 from ..geometry import HalfEdges, face_areas, face_normals, find_components
 from ..geometry.point_normals import find_normals, thin_points
 from .planes import find_planes
-from .upright import Profile, Upright, find_upright, turn_upright
+from .upright import Profile, UprightAxis, find_upright, turn_upright
 
-SAMPLES = 24_000
-"""Points that decisions are made on: one every 9 mm of a person."""
-ROUNDS = 3
-"""Most rounds, each with new samples of what is left: a person in a room has few of the first ones."""
-CLOSE = 0.5
-"""Share of the samples that are the person's from which on a look is from near: thicknesses, which are shares of what
-is there, are then a person's, and not a room's."""
-MARGIN = 0.1
-"""Space around the person that a look from near takes in, as a share of the height."""
-LINK = 2.5
-"""Samples within so many of their spacings are one piece: in a random sample of a surface nearly all find a neighbour
-within 1.5, and a hand beyond a hole at the wrist is one with the arm."""
-APART = 0.015
-"""Share of the diagonal within which samples are one piece however dense they are, 3 cm of a person: a scanner's points
-lie closer on a face than on a leg."""
-NEAR = 0.04
-"""Smaller pieces within this share of the person's height are the person's, 7 cm of an adult: hair, a shoe, a hand
-beyond a hole."""
-DUST = 0.002
-"""Pieces with less than this share of the samples are flyers: 40 cm2 of a person."""
-SECOND = (0.35, 0.6)
-"""Another piece has a person's size with at least these shares of the first one's surface and of its diagonal: a child
-beside an adult has 0.4 and 0.6."""
-ALIKE = 2.0
-"""Another piece of a person's size is one if its misfit is at most this times the first one's; boxes and chairs are
-beyond 3."""
-RIVAL = 0.25
-"""Pieces with at least this share of the largest one's samples are asked whether they are the person."""
+CLEANING_SAMPLE_COUNT = 24_000
+"""Number of surface samples on which all decisions are made: one every 9 mm of a person."""
+MAX_CLEANING_ITERATIONS = 3
+"""Largest number of iterations, each with new samples of what is left: of a person in a room there are few among the
+first samples."""
+MIN_PERSON_SAMPLE_SHARE = 0.5
+"""Share of the samples that belong to the person above which no further iteration follows: thicknesses are shares of
+the extent of what is left, which is then a person's and not a room's."""
+PERSON_BOX_MARGIN_SHARE = 0.1
+"""Margin around the box of the person's samples within which points stay for the next iteration, as a share of the
+height."""
+LINK_SPACING_RATIO = 2.5
+"""Distance up to which samples are linked to one piece, in sample spacings: in a random sample of a surface nearly all
+find a neighbour within 1.5, and a hand beyond a hole at the wrist is linked to the arm."""
+LINK_DIAGONAL_SHARE = 0.015
+"""Distance up to which samples are linked to one piece whatever their density, as a share of the diagonal: 3 cm of a
+person. A scanner's points lie closer on a face than on a leg."""
+MAX_PART_GAP_SHARE = 0.04
+"""Distance to the person up to which a smaller piece is the person's, as a share of the person's height: 7 cm of an
+adult. Such pieces are hair, a shoe, a hand beyond a hole."""
+MIN_SCAN_PIECE_SHARE = 0.002
+"""Share of the samples, or of a mesh's area, below which a piece is dropped as flyers: 40 cm2 of a person."""
+MIN_SECOND_PERSON_SHARES = (0.35, 0.6)
+"""Least shares of the first person's surface and diagonal that a second person has: a child beside an adult has 0.4 and
+0.6."""
+MAX_SECOND_MISFIT_RATIO = 2.0
+"""Largest misfit of a second person over the first one's; boxes and chairs are beyond 3."""
+MIN_CANDIDATE_PIECE_SHARE = 0.25
+"""Share of the largest piece's samples from which on a piece is a candidate for the person."""
 
 
 @dataclass(frozen=True)
-class Cleaned:
+class CleanedScan:
     """Describe what was kept of a scan.
 
     Attributes:
         kept: True at points of the person, shape [n].
         samples: Points uniform over the person's surface, in the file's unit and axes, shape [m, 3].
         pieces: Separate pieces of a person's size beside each other, all of them kept.
-        crumbs: Share of the person's points that were dropped since their pieces of the mesh are smaller than `DUST`.
+        crumbs: Share of the person's points that were dropped since their pieces of the mesh are smaller than
+            `MIN_SCAN_PIECE_SHARE`.
         notes: What was dropped, one sentence each.
     """
 
@@ -65,7 +67,7 @@ class Cleaned:
     notes: tuple[str, ...]
 
 
-def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]) -> Cleaned:
+def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]) -> CleanedScan:
     """Find the person among the points of a scan.
 
     Args:
@@ -76,32 +78,32 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
     """
     kept = np.ones(len(points), bool)
     counts: dict[str, int] = {}
-    for turn in range(ROUNDS):
+    for turn in range(MAX_CLEANING_ITERATIONS):
         rows = np.flatnonzero(kept)
         samples, normals = sample_surface(points, faces, kept)
-        judged = _judge(samples, normals, profiles, axes)
-        fate = _carry(points[rows], samples, judged.fate, judged.link)
-        is_last = turn == ROUNDS - 1 or judged.own.mean() > CLOSE
+        judged = _classify_samples(samples, normals, profiles, axes)
+        fate = _transfer_classes(points[rows], samples, judged.fate, judged.link)
+        is_last = turn == MAX_CLEANING_ITERATIONS - 1 or judged.own.mean() > MIN_PERSON_SAMPLE_SHARE
         if not is_last:
             fate[_is_near(points[rows], samples[judged.fate == 0])] = 0  # a look from near decides there
-        for number, name in enumerate(FATES[1:], 1):
+        for number, name in enumerate(SAMPLE_CLASSES[1:], 1):
             counts[name] = counts.get(name, 0) + int((fate == number).sum())
         kept[rows[fate > 0]] = False
         if is_last or not (fate > 0).any() or not kept.any():
             break
-    crumbs = _crumbs(points, faces, kept)
+    crumbs = _find_fragments(points, faces, kept)
     counts["flyers"] = counts.get("flyers", 0) + int(crumbs.sum())
     share = float(crumbs.sum() / max(kept.sum(), 1))
     kept &= ~crumbs
-    return Cleaned(kept, samples[judged.own], judged.pieces, share, _tell(counts, judged.pieces))
+    return CleanedScan(kept, samples[judged.own], judged.pieces, share, _describe_dropped(counts, judged.pieces))
 
 
-FATES = ("kept", "floor or walls", "clutter", "flyers")
+SAMPLE_CLASSES = ("kept", "floor or walls", "clutter", "flyers")
 """What becomes of a sample, by its number."""
 
 
 @dataclass(frozen=True)
-class _Judged:
+class _SampleClassification:
     """What becomes of each sample, which are the first person's, how many people there are, and how far a link goes."""
 
     fate: np.ndarray
@@ -110,22 +112,26 @@ class _Judged:
     link: float
 
 
-def _judge(samples: np.ndarray, normals: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]) -> _Judged:
+def _classify_samples(
+    samples: np.ndarray, normals: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]
+) -> _SampleClassification:
     from scipy.spatial import cKDTree
 
     fate = np.zeros(len(samples), np.int64)
     for plane in find_planes(samples, normals):
         fate[plane.dropped] = 1
-    if (fate == 0).mean() < DUST:
+    if (fate == 0).mean() < MIN_SCAN_PIECE_SHARE:
         fate[:] = 0  # Planes alone are what was scanned, and not what stands around it.
     left = np.flatnonzero(fate == 0)
     tree = cKDTree(samples[left])
     spacing = float(np.median(tree.query(samples[left], min(7, len(left)))[0][:, -1]) * np.sqrt(np.pi / 6))
-    link = max(LINK * spacing, APART * float(np.linalg.norm(np.ptp(samples[left], axis=0))))
+    link = max(LINK_SPACING_RATIO * spacing, LINK_DIAGONAL_SHARE * float(np.linalg.norm(np.ptp(samples[left], axis=0))))
     pairs = tree.query_pairs(link, output_type="ndarray")
     number, piece = find_components(len(left), pairs[:, 0], pairs[:, 1])
     size = np.bincount(piece, minlength=number)
-    rivals = [k for k in np.argsort(-size, kind="stable")[:8].tolist() if size[k] >= RIVAL * size.max()]
+    rivals = [
+        k for k in np.argsort(-size, kind="stable")[:8].tolist() if size[k] >= MIN_CANDIDATE_PIECE_SHARE * size.max()
+    ]
     found = {k: find_upright(samples[left[piece == k]], profiles, axes) for k in rivals}
     best = min(rivals, key=lambda k: found[k].misfit / np.sqrt(size[k]))
     own = np.zeros(len(samples), bool)
@@ -133,24 +139,24 @@ def _judge(samples: np.ndarray, normals: np.ndarray, profiles: list[Profile], ax
     whole = own.copy()
     pieces = 1
     for k in rivals:
-        if k != best and _is_second(samples[left[piece == k]], samples[own], found[k], found[best]):
+        if k != best and _is_second_person(samples[left[piece == k]], samples[own], found[k], found[best]):
             whole[left[piece == k]] = True
             pieces += _stands_beside(samples[left[piece == k]], samples[own], found[best].up)
     height = float(np.ptp(samples[own], axis=0).max())
-    least = max(3, int(DUST * own.sum()))
+    least = max(3, int(MIN_SCAN_PIECE_SHARE * own.sum()))
     for k in np.flatnonzero(size >= least).tolist():
         mine = left[piece == k]
-        if not whole[mine[0]] and _is_part(samples[mine], samples[own], NEAR * height):
+        if not whole[mine[0]] and _is_part(samples[mine], samples[own], MAX_PART_GAP_SHARE * height):
             whole[mine] = own[mine] = True
     fate[(fate == 0) & ~whole] = 2
     fate[left[size[piece] < least]] = 3
-    return _Judged(fate, own, pieces, link)
+    return _SampleClassification(fate, own, pieces, link)
 
 
-def _is_second(piece: np.ndarray, person: np.ndarray, found: Upright, first: Upright) -> bool:
+def _is_second_person(piece: np.ndarray, person: np.ndarray, found: UprightAxis, first: UprightAxis) -> bool:
     size = np.linalg.norm(np.ptp(piece, axis=0)) / np.linalg.norm(np.ptp(person, axis=0))
-    is_large = len(piece) >= SECOND[0] * len(person) and size >= SECOND[1]
-    return bool(is_large and found.misfit <= ALIKE * first.misfit)
+    is_large = len(piece) >= MIN_SECOND_PERSON_SHARES[0] * len(person) and size >= MIN_SECOND_PERSON_SHARES[1]
+    return bool(is_large and found.misfit <= MAX_SECOND_MISFIT_RATIO * first.misfit)
 
 
 def _stands_beside(piece: np.ndarray, person: np.ndarray, up: str) -> bool:
@@ -174,7 +180,7 @@ def _is_part(piece: np.ndarray, person: np.ndarray, reach: float) -> bool:
     return bool(distance.min() < reach and np.median(distance) < 3.0 * reach)
 
 
-def _carry(points: np.ndarray, samples: np.ndarray, fate: np.ndarray, link: float) -> np.ndarray:
+def _transfer_classes(points: np.ndarray, samples: np.ndarray, fate: np.ndarray, link: float) -> np.ndarray:
     """Return the fate of each point: that of the nearest sample, or a flyer's where none is near."""
     from scipy.spatial import cKDTree
 
@@ -187,22 +193,24 @@ def _carry(points: np.ndarray, samples: np.ndarray, fate: np.ndarray, link: floa
 def _is_near(points: np.ndarray, person: np.ndarray) -> np.ndarray:
     """Mark points in the box of the person's samples and a margin around it, shape [n]."""
     low, high = person.min(axis=0), person.max(axis=0)
-    margin = MARGIN * float((high - low).max())
+    margin = PERSON_BOX_MARGIN_SHARE * float((high - low).max())
     return ((points >= low - margin) & (points <= high + margin)).all(axis=1)
 
 
-def _crumbs(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Mark kept points in pieces of the mesh that are smaller than `DUST`, or in no kept face, shape [n]."""
+def _find_fragments(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Mark kept points in pieces of the mesh that are smaller than `MIN_SCAN_PIECE_SHARE`, or in no kept face, shape
+    [n].
+    """
     inside = faces[kept[faces].all(axis=1)] if len(faces) else faces
     if not len(inside):
         return np.zeros(len(points), bool)
     number, piece = HalfEdges.of(inside, len(points)).vertex_pieces
     area = face_areas(points, inside)
     size = np.bincount(piece[inside[:, 0]], area, number)
-    return kept & (size[piece] < DUST * area.sum())
+    return kept & (size[piece] < MIN_SCAN_PIECE_SHARE * area.sum())
 
 
-def _tell(counts: dict[str, int], pieces: int) -> tuple[str, ...]:
+def _describe_dropped(counts: dict[str, int], pieces: int) -> tuple[str, ...]:
     notes = [f"Dropped {count} points as {name}." for name, count in counts.items() if count]
     if pieces > 1:
         notes.append(f"There are {pieces} separate pieces of a person's size.")
@@ -210,16 +218,18 @@ def _tell(counts: dict[str, int], pieces: int) -> tuple[str, ...]:
 
 
 def sample_surface(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return about `SAMPLES` points uniform over what is kept of a mesh or cloud, and their unit normals."""
+    """Return about `CLEANING_SAMPLE_COUNT` points uniform over what is kept of a mesh or cloud, and their unit
+    normals.
+    """
     if len(faces):
         faces = faces[kept[faces].all(axis=1)]
     if not len(faces):
         own = points[kept]
-        found = own[thin_points(own, SAMPLES)]
+        found = own[thin_points(own, CLEANING_SAMPLE_COUNT)]
         return found, find_normals(found)
     rng = np.random.default_rng(0)
     area = face_areas(points, faces)
-    face = np.sort(rng.choice(len(faces), SAMPLES, p=area / area.sum()))
-    u, v = np.sqrt(rng.random((SAMPLES, 1))), rng.random((SAMPLES, 1))
+    face = np.sort(rng.choice(len(faces), CLEANING_SAMPLE_COUNT, p=area / area.sum()))
+    u, v = np.sqrt(rng.random((CLEANING_SAMPLE_COUNT, 1))), rng.random((CLEANING_SAMPLE_COUNT, 1))
     a, b, c = (points[faces[face, k]] for k in range(3))
     return (1 - u) * a + u * (1 - v) * b + u * v * c, face_normals(points, faces[face])[0]

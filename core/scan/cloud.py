@@ -11,8 +11,9 @@ from .cloud_header import PcdHeader, read_pcd_header
 from .columns import as_bytes, find_labels
 
 _BLANKS = str.maketrans(",;", "  ")
-COLUMNS = (3, 4, 6, 7, 9, 10)
-"""Numbers in a row of an XYZ: position, then perhaps an intensity, a colour or a normal, or both."""
+XYZ_COLUMN_COUNTS = (3, 4, 6, 7, 9, 10)
+"""Accepted counts of numbers in a row of an XYZ file: position, then perhaps an intensity, a colour or a normal, or
+both."""
 UNIT_SLACK = 0.05
 """Three numbers in a row are a normal where their length is 1 within this; rounding to two digits leaves 0.01."""
 
@@ -146,8 +147,8 @@ def parse_xyz(path: Path) -> dict[str, np.ndarray]:
         raise refusal.MeshEmpty("it holds no points")
     table = np.loadtxt((line.translate(_BLANKS) for line in lines), dtype=np.float64, comments=None, ndmin=2)
     width = table.shape[1]
-    if width not in COLUMNS:
-        raise refusal.Unreadable(f"its rows have {width} numbers, which is none of {COLUMNS}")
+    if width not in XYZ_COLUMN_COUNTS:
+        raise refusal.Unreadable(f"its rows have {width} numbers, which is none of {XYZ_COLUMN_COUNTS}")
     arrays = {"vertices": table[:, :3].copy(), "faces": np.zeros((0, 3), np.int64)}
     rest = table[:, 3:]
     rest = rest[:, 1:] if width in (4, 7, 10) else rest

@@ -19,7 +19,17 @@ from .header import check_header
 from .limits import Limits
 from .parse import parse
 from .scan import Scan
-from .texture import PIXELS, WHITE, TextureBad, decode, find_beside, list_images, open_image, read_corners, sample_image
+from .texture import (
+    DEFAULT_MATERIAL_COLOUR,
+    MAX_TEXTURE_PIXEL_COUNT,
+    TextureBad,
+    decode,
+    find_referenced_file,
+    list_images,
+    open_image,
+    read_corners,
+    sample_image,
+)
 from .upright import AXES_UP, turn_upright
 
 
@@ -159,8 +169,8 @@ def _read_obj_images(path: Path, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
         own = has_uv & np.isin(corners[:, 0, 1], [n for n, material in enumerate(materials) if material == name])
         if own.any():
             image[own] = len(images)
-            images.append(open_image(find_beside(path, file), f"the texture '{Path(file).name[:60]}'"))
-            _bound(images)
+            images.append(open_image(find_referenced_file(path, file), f"the texture '{Path(file).name[:60]}'"))
+            _check_pixel_count(images)
     return uv[np.maximum(corners[..., 0], 0)], image, tuple(images)
 
 
@@ -182,13 +192,15 @@ def _read_glb(path: Path) -> ColouredScan:
         picture, flat = getattr(material, "baseColorTexture", None), getattr(part.visual, "uv", None)
         index, corner_uv = -1, np.zeros((len(part.faces), 3, 2))
         tone = getattr(material, "baseColorFactor", None)
-        colour = np.tile(WHITE if tone is None else as_bytes(np.asarray(tone)[:3]), (len(part.vertices), 1))
+        colour = np.tile(
+            DEFAULT_MATERIAL_COLOUR if tone is None else as_bytes(np.asarray(tone)[:3]), (len(part.vertices), 1)
+        )
         has_colours |= tone is not None
         if picture is not None and flat is not None and len(flat) == len(part.vertices):
             try:
                 if id(picture) not in place:
                     images.append(decode(picture, "the texture"))
-                    _bound(images)
+                    _check_pixel_count(images)
                     place[id(picture)] = len(images) - 1
                 index, corner_uv = place[id(picture)], np.asarray(flat, np.float64)[part.faces]
             except TextureBad as error:
@@ -209,13 +221,13 @@ def _read_glb(path: Path) -> ColouredScan:
     )
 
 
-def _bound(images: list[np.ndarray]) -> None:
+def _check_pixel_count(images: list[np.ndarray]) -> None:
     """Refuse images that are too large together.
 
     Raises:
         TextureBad: where they are.
     """
-    if sum(image.shape[0] * image.shape[1] for image in images) > PIXELS:
+    if sum(image.shape[0] * image.shape[1] for image in images) > MAX_TEXTURE_PIXEL_COUNT:
         raise TextureBad("its textures have more pixels together than are read")
 
 
@@ -239,7 +251,7 @@ def _check(found: ColouredScan) -> None:
         raise refusal.NotFinite("a vertex is NaN or infinite; clean the mesh and export it again.")
 
 
-def coloured_of(scan: Scan, is_cut: bool = False) -> ColouredScan:
+def to_coloured_scan(scan: Scan, is_cut: bool = False) -> ColouredScan:
     """Return a checked scan's surface with the colours of its vertices; `is_cut` as of `ColouredScan`.
 
     Raises:

@@ -9,14 +9,14 @@ import numpy as np
 
 LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
 """Names under which scanners and labelling tools keep an integer per vertex, in any case."""
-SCALAR = "scalar_"
+SCALAR_FIELD_PREFIX = "scalar_"
 """What CloudCompare puts before the name of a scalar field, which it writes as floats."""
 
 
 def read_fields(rows: Any) -> dict[str, np.ndarray]:
     """Return the columns of a structured array or a dictionary of arrays, by their names in lower case."""
     names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
-    return {str(name).lower().removeprefix(SCALAR): rows[name] for name in names}
+    return {str(name).lower().removeprefix(SCALAR_FIELD_PREFIX): rows[name] for name in names}
 
 
 def find_labels(fields: Mapping[str, np.ndarray], count: int) -> np.ndarray | None:

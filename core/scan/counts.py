@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from . import refusal
-from .header import Declared
+from .header import DeclaredContent
 from .limits import Limits
 
 
-def check_counts(name: str, vertices: np.ndarray, faces: np.ndarray, declared: Declared, limits: Limits) -> None:
+def check_counts(name: str, vertices: np.ndarray, faces: np.ndarray, declared: DeclaredContent, limits: Limits) -> None:
     """Check how many vertices and faces there are, and that faces refer to vertices that exist.
 
     Args:

@@ -9,14 +9,15 @@ from . import refusal
 from .repair import RepairedMesh, clean_cut
 from .scan import Scan
 
-SOFTNESS = 0.008
-"""Width over which the labels are averaged along the surface before the cut [m], as a standard deviation: wider than
-the triangles of a scan (3 to 5 mm), whose teeth a cut along them would show, and than single wrong labels; narrow
-beside a shoulder strap (3 cm)."""
-NEAREST = 0.1
-"""The cut keeps this share of an edge away from its ends, so that no triangle becomes a sliver."""
-ROUNDS = 60
-"""Most rounds of averaging; reached only where triangles are smaller than 2 mm."""
+CUT_SMOOTHING_STD = 0.008
+"""Standard deviation of the average of the labels along the surface before the cut [m]: wider than the triangles of a
+scan (3 to 5 mm), whose zigzag a cut along them would show, and than single wrong labels; narrow beside a shoulder strap
+(3 cm)."""
+MIN_CUT_EDGE_SHARE = 0.1
+"""Least distance of the cut from either end of an edge, as a share of the edge's length, so that no triangle becomes a
+sliver."""
+MAX_CUT_SMOOTHING_ITERATIONS = 60
+"""Largest number of averaging iterations; reached only where triangles are smaller than 2 mm."""
 
 
 def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
@@ -54,7 +55,7 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
 
 
 def _average_marks(vertices: np.ndarray, half_edges: HalfEdges, cloth: np.ndarray) -> np.ndarray:
-    """Average marks along the surface over `SOFTNESS`, shape [vertex_count].
+    """Average marks along the surface over `CUT_SMOOTHING_STD`, shape [vertex_count].
 
     A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
     """
@@ -63,7 +64,7 @@ def _average_marks(vertices: np.ndarray, half_edges: HalfEdges, cloth: np.ndarra
     degree = np.maximum(np.asarray(links.sum(axis=1)).ravel(), 1.0)
     edge = float(np.median(np.linalg.norm(vertices[tail] - vertices[head], axis=1)))
     field = cloth.astype(np.float64)
-    for _ in range(int(np.clip(round(4.0 * (SOFTNESS / edge) ** 2), 1, ROUNDS))):
+    for _ in range(int(np.clip(round(4.0 * (CUT_SMOOTHING_STD / edge) ** 2), 1, MAX_CUT_SMOOTHING_ITERATIONS))):
         field = 0.5 * field + 0.5 * (links @ field) / degree
     return field
 
@@ -76,7 +77,7 @@ def _cut_level(
     edges, edge = half_edges.edges, half_edges.edge
     crossed = np.flatnonzero(inside[edges[:, 0]] != inside[edges[:, 1]])
     a, b = edges[crossed].T
-    share = np.clip((0.5 - field[a]) / (field[b] - field[a]), NEAREST, 1.0 - NEAREST)
+    share = np.clip((0.5 - field[a]) / (field[b] - field[a]), MIN_CUT_EDGE_SHARE, 1.0 - MIN_CUT_EDGE_SHARE)
     place = np.full(len(edges), -1)
     place[crossed] = len(vertices) + np.arange(len(crossed))
     points = np.concatenate([vertices, (1.0 - share)[:, None] * vertices[a] + share[:, None] * vertices[b]])

@@ -25,7 +25,7 @@ _JSON_BYTES = 64 * 1024**2
 """Longest JSON read; a garment's has a few KB, and in a .gltf all data besides."""
 _EMBEDDED = re.compile(r"data:[\w./+-]*;base64,")
 """How data begins that is in the JSON itself."""
-_TRIANGLES = 4
+_GLTF_TRIANGLES_MODE = 4
 """glTF's mode for separate triangles, the default."""
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_")
 """Required extensions that change only the looks, or that keep plain accessors."""
@@ -133,7 +133,7 @@ def _count_triangles(name: str, tree: dict[str, Any], limits: Limits) -> int:
     total = 0
     for mesh in tree.get("meshes", []):
         for primitive in mesh["primitives"]:
-            if primitive.get("mode", _TRIANGLES) == _TRIANGLES:
+            if primitive.get("mode", _GLTF_TRIANGLES_MODE) == _GLTF_TRIANGLES_MODE:
                 of = primitive.get("indices", primitive["attributes"].get("POSITION"))
                 total += 0 if of is None else int(accessors[int(of)]["count"]) // 3
     if total > limits.count:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-FIRST = 1 << 16
-"""Bytes that are read at first; the header of nearly every file ends within."""
-MOST_HEAD_BYTES = 1 << 22
+INITIAL_HEAD_BYTES = 1 << 16
+"""Size of the first read of a file [bytes]; the header of nearly every file ends within it."""
+MAX_HEAD_BYTES = 1 << 22
 """Longest header that is read [bytes]: comments with a scanner's whole log or a registration's matrices fit in."""
 
 
 def read_head(path: Path, end: re.Pattern[bytes]) -> bytes:
-    """Return the first bytes of a file, to where `end` is found at least, or about `MOST_HEAD_BYTES` of them."""
+    """Return the first bytes of a file, to where `end` is found at least, or about `MAX_HEAD_BYTES` of them."""
     with path.open("rb") as file:
-        head = file.read(FIRST)
-        while end.search(head) is None and len(head) < MOST_HEAD_BYTES and (more := file.read(len(head))):
+        head = file.read(INITIAL_HEAD_BYTES)
+        while end.search(head) is None and len(head) < MAX_HEAD_BYTES and (more := file.read(len(head))):
             head += more
     return head

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .cloud_header import check_pcd, check_xyz
 from .glb import check_glb, check_gltf
-from .head import FIRST, read_head
+from .head import INITIAL_HEAD_BYTES, read_head
 from .limits import Limits
 from .refusal import (
     ArchiveRefused,
@@ -49,7 +49,7 @@ PLY_END = re.compile(rb"\nend_header[ \t]*\r?\n")
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredContent:
     """Describe what a file claims to hold.
 
     Attributes:
@@ -63,7 +63,7 @@ class Declared:
     faces: int | None = None
 
 
-def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declared:
+def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> DeclaredContent:
     """Check extension, magic, size and declared counts of a file before it is parsed.
 
     Args:
@@ -78,7 +78,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
         raise FileMissing(f"{path} is not a file; check the path.")
     size = path.stat().st_size
     with path.open("rb") as file:
-        head = file.read(FIRST)
+        head = file.read(INITIAL_HEAD_BYTES)
     extension = path.suffix.lower().lstrip(".")
     if extension in FORMATS + CLOUDS and any(head.startswith(magic) for magic in _ARCHIVES):
         raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
@@ -124,7 +124,7 @@ def _check_count(name: str, count: int, what: str, limits: Limits) -> None:
         )
 
 
-def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     if re.match(rb"ply\s", head) is None:
         raise ContentMismatch(f"{path.name} does not begin like a PLY file; export the mesh again or rename the file.")
     head = read_head(path, PLY_END)
@@ -149,7 +149,7 @@ def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
         raise FileTruncated(f"{path.name} needs at least {minimum} bytes of data and holds {body}; copy it again.")
     if counts["vertex"] == 0:
         raise MeshEmpty(f"{path.name} holds no vertices; export the mesh again.")
-    return Declared("ply", counts["vertex"], counts["face"])
+    return DeclaredContent("ply", counts["vertex"], counts["face"])
 
 
 def _read_ply_header(name: str, lines: list[str]) -> tuple[str, list[tuple[str, int, int]]]:
@@ -195,26 +195,26 @@ def _count_lines(path: Path, start: int, enough: int) -> int:
     return found
 
 
-def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     count = struct.unpack_from("<I", head, 80)[0] if len(head) >= 84 else -1
     if size == 84 + 50 * count:
         _check_count(path.name, count, "triangles", limits)
         if count == 0:
             raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
-        return Declared("stl", None, count)
+        return DeclaredContent("stl", None, count)
     if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
         if not _has_facet(path):
             raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
         if b"endsolid" not in _read_tail(path, size):
             raise FileTruncated(f"{path.name} breaks off before 'endsolid'; export or copy it again.")
-        return Declared("stl")
+        return DeclaredContent("stl")
     if count < 0 or _is_text(head):
         raise ContentMismatch(f"{path.name} is no STL file; export the mesh again or rename the file.")
     _check_count(path.name, count, "triangles", limits)
     if size < 84 + 50 * count:
         held = (size - 84) // 50
         raise FileTruncated(f"{path.name} declares {count} triangles and holds {held}; export or copy it again.")
-    return Declared("stl", None, count)
+    return DeclaredContent("stl", None, count)
 
 
 def _has_facet(path: Path) -> bool:
@@ -232,7 +232,7 @@ def _read_tail(path: Path, size: int) -> bytes:
         return file.read().lower()
 
 
-def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     words: list[bytes] = []
     with path.open("rb") as file:
         for line in file:
@@ -252,10 +252,10 @@ def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
     # Three one-digit numbers with separators per vertex, four per face.
     if 6 * vertices + 8 * faces > size or _count_lines(path, 0, vertices + faces) < vertices + faces:
         raise FileTruncated(f"{path.name} holds fewer rows than it declares; export or copy it again.")
-    return Declared("off", vertices, faces)
+    return DeclaredContent("off", vertices, faces)
 
 
-def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     # OBJ has no magic: it is text that holds a vertex, perhaps behind all texture coordinates and normals.
     vertices = faces = 0
     with path.open("rb") as file:
@@ -267,21 +267,21 @@ def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
         raise ContentMismatch(f"{path.name} holds no OBJ vertices; export the mesh again or rename the file.")
     _check_count(path.name, vertices, "vertices", limits)
     _check_count(path.name, faces, "faces", limits)
-    return Declared("obj", vertices, faces)
+    return DeclaredContent("obj", vertices, faces)
 
 
-def _check_glb(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_glb(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     check = check_gltf if path.suffix.lower() == ".gltf" else check_glb
     vertices, faces = check(path, head, size, limits)
-    return Declared("glb", vertices, faces)
+    return DeclaredContent("glb", vertices, faces)
 
 
-def _check_cloud(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+def _check_cloud(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredContent:
     if path.suffix.lower() == ".xyz":
         check_xyz(path, head)
-        return Declared("xyz", None, 0)
+        return DeclaredContent("xyz", None, 0)
     count = check_pcd(path, size)
     _check_count(path.name, count, "points", limits)
     if count == 0:
         raise MeshEmpty(f"{path.name} holds no points; export the scan again.")
-    return Declared("pcd", count, 0)
+    return DeclaredContent("pcd", count, 0)

@@ -9,12 +9,12 @@ from typing import IO, Any
 import numpy as np
 
 from ..run.npy import read_array
-from ..run.text import has_unkept, read_json
+from ..run.text import has_unstorable_text, read_json
 from . import refusal
 from .columns import LABELS
 from .limits import Limits
 
-WORD = 64
+MAX_LABEL_WORD_LENGTH = 64
 """Longest label that is a word [characters]."""
 
 
@@ -66,7 +66,7 @@ def _read_npy(path: Path, key: str | None, limits: Limits) -> np.ndarray:
 def _read_array(file: IO[bytes], limits: Limits, name: str) -> np.ndarray:
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
         count = int(np.prod(shape, dtype=object))
-        if kind.hasobject or kind.kind not in "iubU" or kind.itemsize > 4 * WORD:
+        if kind.hasobject or kind.kind not in "iubU" or kind.itemsize > 4 * MAX_LABEL_WORD_LENGTH:
             raise refusal.LabelsUnreadable(f"{name} holds {kind}; labels are integers or short words, never objects.")
         if len([side for side in shape if side != 1]) > 1 or not 0 < count <= limits.count:
             raise refusal.LabelsUnreadable(f"{name} has the shape {shape}; give one label per vertex of the scan.")
@@ -94,9 +94,11 @@ def _read_text(path: Path, key: str | None, limits: Limits) -> np.ndarray:
 
 def _as_array(values: list[Any], name: str, limits: Limits) -> np.ndarray:
     whole = all(type(value) in (int, bool) for value in values)
-    word = all(type(value) is str and 0 < len(value) <= WORD for value in values)
+    word = all(type(value) is str and 0 < len(value) <= MAX_LABEL_WORD_LENGTH for value in values)
     if not (whole or word) or not 0 < len(values) <= limits.count:
-        raise refusal.LabelsUnreadable(f"{name}: labels are all integers or all words of at most {WORD} letters.")
+        raise refusal.LabelsUnreadable(
+            f"{name}: labels are all integers or all words of at most {MAX_LABEL_WORD_LENGTH} letters."
+        )
     return np.array(values, dtype=np.int64 if whole else np.str_)
 
 
@@ -117,7 +119,7 @@ def _choose(names: list[str], key: str | None, file: str) -> str:
 
 def _check(labels: np.ndarray, name: str) -> np.ndarray:
     if labels.dtype.kind == "U":
-        if has_unkept(list(set(labels.tolist()))):
+        if has_unstorable_text(list(set(labels.tolist()))):
             raise refusal.LabelsUnreadable(f"{name} holds words that are no text; save the labels again.")
         return labels
     if labels.dtype.kind == "u" and labels.size and int(labels.max()) > np.iinfo(np.int64).max:

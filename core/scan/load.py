@@ -12,17 +12,17 @@ from ..body import is_smpl, load_smpl
 from ..geometry import HalfEdges, vertex_normals
 from . import refusal
 from .counts import check_counts
-from .header import Declared, check_header
+from .header import DeclaredContent, check_header
 from .limits import Limits
 from .parse import parse_file
 from .scan import Scan
 from .units import AXES, check_choice, check_size, find_units, find_up, possible_units, to_metres
 
-NEAR = 0.5
-"""A worn garment stays within this distance of the body [m]; a flared hem hangs at most so far from the legs."""
-DEEP = 0.03
-"""A garment vertex deeper in the body than this is not worn there [m]; scans touch their body up to 5 mm deep."""
-MISPLACED = 0.2
+MAX_WORN_DISTANCE = 0.5
+"""Distance from the body within which a worn garment stays [m]; a flared hem hangs at most so far from the legs."""
+MAX_WORN_DEPTH = 0.03
+"""Depth in the body beyond which a garment vertex is not worn there [m]; scans touch their body up to 5 mm deep."""
+MAX_MISPLACED_SHARE = 0.2
 """Share of a garment's vertices that may be far from or deep in the body before the two do not belong together."""
 
 
@@ -63,7 +63,7 @@ def load_scan(
     """
     check_choice(units, up)
     mesh = _read(Path(path), limits or Limits())
-    return _finish(mesh, *_settle(mesh, units, up, kind))
+    return _to_scan(mesh, *_find_unit_and_axis(mesh, units, up, kind))
 
 
 def load_pair(
@@ -89,15 +89,15 @@ def load_pair(
         return _face_outward(garment, wearer), wearer
     body_mesh = _read(Path(body), limits or Limits())
     try:
-        settled = _settle(body_mesh, units, up, "body")
+        settled = _find_unit_and_axis(body_mesh, units, up, "body")
     except refusal.UpAmbiguous:
-        settled = _settle(body_mesh, units, find_up(garment_mesh.vertices, garment_mesh.edges), "body")
-    wearer = _finish(body_mesh, *settled)
+        settled = _find_unit_and_axis(body_mesh, units, find_up(garment_mesh.vertices, garment_mesh.edges), "body")
+    wearer = _to_scan(body_mesh, *settled)
     garment = _place(garment_mesh, wearer, settled, units is not None, up is not None)
     return _face_outward(garment, wearer), wearer
 
 
-def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[str, str]:
+def _find_unit_and_axis(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[str, str]:
     """Return the unit and up axis: as the user says, as the format says (glTF: metres, y up), or as the size says."""
     if units is not None:
         check_size(mesh.vertices, units, kind)
@@ -111,7 +111,7 @@ def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[
 def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
     """Return the garment in the body's unit and axis, or in its own where only those put it on the body."""
     sizes = [like[0]] if units_given else possible_units(mesh.vertices, mesh.faces)
-    if like[0] in sizes and lies_on((garment := _finish(mesh, *like)).vertices, body):
+    if like[0] in sizes and lies_on((garment := _to_scan(mesh, *like)).vertices, body):
         return garment
     if not sizes:
         find_units(mesh.vertices, faces=mesh.faces)  # Says why none fits.
@@ -120,7 +120,7 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
         candidate
         for unit in sizes
         for axis in axes
-        if (unit, axis) != like and lies_on((candidate := _finish(mesh, unit, axis)).vertices, body)
+        if (unit, axis) != like and lies_on((candidate := _to_scan(mesh, unit, axis)).vertices, body)
     ]
     if len({garment.units for garment in found}) > 1:
         raise refusal.UnitsAmbiguous(f"{mesh.name} lies on its body in several units; say which with --units.")
@@ -147,19 +147,19 @@ def lies_on(vertices: np.ndarray, body: Scan) -> bool:
     sample = vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), 2000)).astype(np.int64)]
     distance, nearest = cKDTree(body.vertices).query(sample)
     depth = -np.einsum("ij,ij->i", sample - body.vertices[nearest], vertex_normals(body.vertices, body.faces)[nearest])
-    return float(((distance > NEAR) | (depth > DEEP)).mean()) < MISPLACED
+    return float(((distance > MAX_WORN_DISTANCE) | (depth > MAX_WORN_DEPTH)).mean()) < MAX_MISPLACED_SHARE
 
 
 def _face_outward(garment: Scan, body: Scan) -> Scan:
-    from .repair import turn_from_body
+    from .repair import is_facing_body
 
-    if not turn_from_body(garment.vertices, garment.faces, body.vertices, body.faces):
+    if not is_facing_body(garment.vertices, garment.faces, body.vertices, body.faces):
         return garment
     note = "Turned the surface away from the body."
     return replace(garment, faces=garment.faces[:, ::-1].copy(), repairs=(*garment.repairs, note))
 
 
-def _finish(mesh: _Mesh, units: str, up: str) -> Scan:
+def _to_scan(mesh: _Mesh, units: str, up: str) -> Scan:
     return Scan(
         vertices=to_metres(mesh.vertices, units, up),
         faces=mesh.faces,
@@ -202,7 +202,9 @@ def _read(path: Path, limits: Limits) -> _Mesh:
     )
 
 
-def _check_arrays(name: str, vertices: np.ndarray, faces: np.ndarray, declared: Declared, limits: Limits) -> None:
+def _check_arrays(
+    name: str, vertices: np.ndarray, faces: np.ndarray, declared: DeclaredContent, limits: Limits
+) -> None:
     """Check what came out of the parser against what the header declared and what a mesh must be."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
         raise refusal.MeshEmpty(f"{name} holds no vertices; export the mesh again.")

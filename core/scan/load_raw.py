@@ -9,26 +9,27 @@ from pathlib import Path
 import numpy as np
 
 from ..geometry import unit, vertex_normals
-from ..geometry.point_normals import faces_outward, find_normals
+from ..geometry.point_normals import find_normal_orientation, find_normals
 from ..run.units import METRIC, UNITS
 from . import refusal
-from .clean import Cleaned, clean_person
+from .clean import CleanedScan, clean_person
 from .counts import check_counts
-from .header import Declared, check_header
+from .header import DeclaredContent, check_header
 from .labels import read_labels
 from .limits import Limits
-from .mend import Mended, mend_mesh, merge_points
+from .mend import MendedMesh, mend_mesh, merge_points
 from .parse import parse_file
 from .raw import RawScan
-from .upright import AXES_UP, Profile, build_profiles, find_length, find_upright, turn_upright
+from .upright import AXES_UP, Profile, build_profiles, find_length_unit, find_upright, turn_upright
 
-LEAST = 100
-"""Fewest points that can be a person; far too few to be taken apart, but that is for others to say."""
-TORN = 0.5
-"""Share of a person's points in crumbs of the mesh from which on its faces are no surface: of a cloud that was written
-with made-up faces all are, of any scanner's mesh few."""
-BESIDE = 0.01
-"""A vertex without a face, or a crumb beside the surface, is of what lies so near [m]: two spacings of a usual scan."""
+MIN_PERSON_POINT_COUNT = 100
+"""Least number of points of a person's scan. Segmentation needs far more, and checks that itself."""
+MAX_FRAGMENT_POINT_SHARE = 0.5
+"""Share of a person's points in fragments of the mesh from which on its faces are no surface: all points of a cloud
+that was written with made-up faces are in fragments, few of any scanner's mesh."""
+MAX_LOST_POINT_DISTANCE = 0.01
+"""Distance within which a vertex without a face, or in a fragment beside the surface, is replaced by the nearest kept
+point [m]: two spacings of a usual scan."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class _File:
     name: str
     sha256: str
     arrays: dict[str, np.ndarray]
-    declared: Declared
+    declared: DeclaredContent
 
 
 def load_raw(
@@ -93,7 +94,7 @@ def _read(path: Path, limits: Limits) -> _File:
     return _File(path.stem, sha256, arrays, declared)
 
 
-def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: Declared, limits: Limits) -> None:
+def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: DeclaredContent, limits: Limits) -> None:
     """Check what came out of the parser against what the header declared and what a scan must be."""
     vertices, faces = arrays["vertices"], arrays["faces"]
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
@@ -102,7 +103,7 @@ def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: Declared, 
     finite = np.isfinite(vertices).all(axis=1)
     if len(faces) and not finite.all() and not finite[faces].all():
         raise refusal.NotFinite(f"{name}: vertices of faces are NaN or infinite; clean the scan and export it again.")
-    if finite.sum() < LEAST:
+    if finite.sum() < MIN_PERSON_POINT_COUNT:
         raise refusal.MeshEmpty(f"{name} holds {int(finite.sum())} points, too few for a person; export it again.")
     extent = np.ptp(vertices[finite], axis=0)
     if not (1e-6 < extent.max() < 1e6) or np.abs(vertices[finite]).max() > 1e7:
@@ -123,7 +124,7 @@ def _build(file: _File, units: str | None, up: str | None) -> RawScan:
     axes = given or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
     mended, cleaned = _find_person(file, finite, profiles, axes)
     notes += [*mended.notes, *cleaned.notes]
-    turned, scale, units, axis, told = _settle(cleaned, profiles, units, axes, up is not None)
+    turned, scale, units, axis, told = _find_scale_and_axis(cleaned, profiles, units, axes, up is not None)
     notes += told
     raw = _gather(file, mended, cleaned, (turned, scale, axis))
     return replace(raw, units=units, up_axis=axis, notes=tuple(notes))
@@ -135,7 +136,7 @@ def _count(count: int, one: str, many: str) -> str:
 
 def _find_person(
     file: _File, finite: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]
-) -> tuple[Mended, Cleaned]:
+) -> tuple[MendedMesh, CleanedScan]:
     """Mend what a file holds and find the person in it; where the faces are no surface, by the points alone.
 
     Raises:
@@ -143,25 +144,25 @@ def _find_person(
     """
     points, faces = file.arrays["vertices"], file.arrays["faces"]
     mended = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
-    if len(faces) and (len(mended.faces) == 0 or len(mended.points) < LEAST):
-        mended = _leave_faces(points, finite)
-    if len(mended.points) >= LEAST:
+    if len(faces) and (len(mended.faces) == 0 or len(mended.points) < MIN_PERSON_POINT_COUNT):
+        mended = _drop_faces(points, finite)
+    if len(mended.points) >= MIN_PERSON_POINT_COUNT:
         cleaned = clean_person(mended.points, mended.faces, profiles, axes)
-        if cleaned.crumbs >= TORN:
-            mended = _leave_faces(points, finite)
+        if cleaned.crumbs >= MAX_FRAGMENT_POINT_SHARE:
+            mended = _drop_faces(points, finite)
             cleaned = clean_person(mended.points, mended.faces, profiles, axes)
-        if cleaned.kept.sum() >= LEAST:
+        if cleaned.kept.sum() >= MIN_PERSON_POINT_COUNT:
             return mended, cleaned
     raise refusal.MeshEmpty(f"{file.name} holds too few points of a person; check what was exported.")
 
 
-def _leave_faces(points: np.ndarray, finite: np.ndarray) -> Mended:
+def _drop_faces(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
     mended = merge_points(points, finite)
     return replace(mended, notes=("The faces are no surface, so the points alone were read.", *mended.notes))
 
 
-def _settle(
-    cleaned: Cleaned, profiles: list[Profile], units: str | None, axes: tuple[str, ...], is_given: bool
+def _find_scale_and_axis(
+    cleaned: CleanedScan, profiles: list[Profile], units: str | None, axes: tuple[str, ...], is_given: bool
 ) -> tuple[np.ndarray, float, str, str, list[str]]:
     """Return the person's samples upright [unit], metres in one unit, the unit's name, the axis, and notes."""
     notes = []
@@ -176,7 +177,7 @@ def _settle(
     if units is not None:
         scale = UNITS[units]
     else:
-        units, scale = find_length(height, found)
+        units, scale = find_length_unit(height, found)
         if units == "unknown":
             notes.append(
                 f"The person measures {height:.3g} in the file's unit, which fits none; took {1 / scale:.3g} of it "
@@ -187,8 +188,10 @@ def _settle(
     return turned, scale, units, found.up, notes
 
 
-def _stand_in(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Take the nearest kept point for one of the file that no face of a mesh has, where it is within `BESIDE`."""
+def _map_lost_points(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Take the nearest kept point for one of the file that no face of a mesh has, where it is within
+    `MAX_LOST_POINT_DISTANCE`.
+    """
     from scipy.spatial import cKDTree
 
     lost = np.flatnonzero((place < 0) & np.isfinite(given).all(axis=1))
@@ -196,11 +199,11 @@ def _stand_in(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.nd
         return place
     distance, nearest = cKDTree(points).query(given[lost])
     place = place.copy()
-    place[lost] = np.where(distance < BESIDE, nearest, -1)
+    place[lost] = np.where(distance < MAX_LOST_POINT_DISTANCE, nearest, -1)
     return place
 
 
-def _gather(file: _File, mended: Mended, cleaned: Cleaned, how: tuple[np.ndarray, float, str]) -> RawScan:
+def _gather(file: _File, mended: MendedMesh, cleaned: CleanedScan, how: tuple[np.ndarray, float, str]) -> RawScan:
     """Pick what was kept of the file's arrays, in metres, y up."""
     arrays = file.arrays
     _, scale, axis = how
@@ -212,14 +215,14 @@ def _gather(file: _File, mended: Mended, cleaned: Cleaned, how: tuple[np.ndarray
     origin = mended.origin[kept]
     place = np.where(mended.place >= 0, index[mended.place], -1)
     points = turn_upright(mended.points[kept], axis) * scale
-    place = _stand_in(place, turn_upright(arrays["vertices"], axis) * scale, points) if len(faces) else place
+    place = _map_lost_points(place, turn_upright(arrays["vertices"], axis) * scale, points) if len(faces) else place
     colours, labels, normals = (arrays.get(name) for name in ("colours", "labels", "normals"))
     is_oriented = True
     if len(faces):
         normals = vertex_normals(points, faces)
     elif normals is not None and np.linalg.norm(np.nan_to_num(normals[origin]), axis=1).min() > 0.1:
         normals = unit(turn_upright(normals[origin], axis))
-        side = faces_outward(points, normals)
+        side = find_normal_orientation(points, normals)
         normals, is_oriented = normals * (side or 1), side != 0
     else:
         normals, is_oriented = find_normals(points), False

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry import HalfEdges
-from .repair import MERGE, RepairedMesh, boundary_pieces, mend_surface
+from .repair import MERGE_DISTANCE_SHARE, RepairedMesh, boundary_pieces, mend_surface
 
 
 @dataclass(frozen=True)
-class Mended:
+class MendedMesh:
     """Points, and perhaps faces, in the file's unit.
 
     Attributes:
@@ -35,7 +35,7 @@ def group_points(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns:
         First of each group, ascending, shape [g], and the group of each point, shape [n].
     """
-    step = MERGE * float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+    step = MERGE_DISTANCE_SHARE * float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
     keys = np.round((points - points.min(axis=0)) / step).astype(np.int64)  # at most 24 bits each
     _, flat = np.unique(keys[:, 0] << 24 | keys[:, 1], return_inverse=True)
     _, first, group = np.unique(flat.reshape(-1) << 24 | keys[:, 2], return_index=True, return_inverse=True)
@@ -45,14 +45,14 @@ def group_points(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first[order], rank[group.reshape(-1)]
 
 
-def first_of(origin: np.ndarray, count: int) -> np.ndarray:
+def invert_origin(origin: np.ndarray, count: int) -> np.ndarray:
     """Return the first of the points that came from each of `count` others by `origin`, or -1, shape [count]."""
     found = np.full(count, -1)
     found[origin[::-1]] = np.arange(len(origin))[::-1]
     return found
 
 
-def merge_points(points: np.ndarray, finite: np.ndarray) -> Mended:
+def merge_points(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
     """Merge the points of a cloud that lie in one place, and drop those without a position."""
     rows = np.flatnonzero(finite)
     first, group = group_points(points[rows])
@@ -60,10 +60,10 @@ def merge_points(points: np.ndarray, finite: np.ndarray) -> Mended:
     place[rows] = group
     merged = len(rows) - len(first)
     notes = (f"Merged {merged} duplicate point{'s' if merged != 1 else ''}.",) if merged else ()
-    return Mended(points[rows[first]], np.zeros((0, 3), np.int64), rows[first], place, notes)
+    return MendedMesh(points[rows[first]], np.zeros((0, 3), np.int64), rows[first], place, notes)
 
 
-def mend_mesh(points: np.ndarray, faces: np.ndarray) -> Mended:
+def mend_mesh(points: np.ndarray, faces: np.ndarray) -> MendedMesh:
     """Merge duplicates, remove what is no surface, and orient each piece outward; nothing is dropped for its size.
 
     Points in no face go, for a mesh's loose points are no surface.
@@ -78,10 +78,10 @@ def mend_mesh(points: np.ndarray, faces: np.ndarray) -> Mended:
     surface = RepairedMesh(points[rows[first]], index[faces], np.arange(len(first)))
     surface = mend_surface(surface)
     faces, number = _turn_pieces(surface.vertices, surface.faces)
-    mine = np.r_[first_of(surface.origin, len(first)), -1]
+    mine = np.r_[invert_origin(surface.origin, len(first)), -1]
     notes = (f"Merged {merged} duplicate {'vertices' if merged > 1 else 'vertex'}.",) if merged else ()
     turned = (f"Turned {number} piece{'s' if number != 1 else ''} outward.",) if number else ()
-    return Mended(
+    return MendedMesh(
         surface.vertices, faces, rows[first][surface.origin], mine[index], (*notes, *surface.repairs, *turned)
     )
 

@@ -18,7 +18,7 @@ from .limits import Limits
 from .off import load_off
 from .texture import add_texture
 
-_NOT_READ_WITH = ("networkx", "scipy")
+_UNUSED_MODULES = ("networkx", "scipy")
 """What trimesh imports where it is there, and needs for nothing that is read here: two thirds of a reader's time."""
 
 
@@ -47,7 +47,7 @@ def parse_file(path: Path, form: str, limits: Limits, textures: bool = False) ->
 def write_arrays(source: str, form: str, target: str, textures: bool = False) -> dict[str, Any]:
     """Parse a file and write its arrays without pickle; runs in a limited process of its own."""
     if form in ("ply", "stl"):
-        for name in _NOT_READ_WITH:
+        for name in _UNUSED_MODULES:
             sys.modules.setdefault(name, None)  # type: ignore[arg-type]
     np.savez(target, **_parse_or_refuse(Path(source), form, textures))  # type: ignore[arg-type]
     return {}

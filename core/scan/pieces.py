@@ -12,14 +12,14 @@ from . import refusal
 from .cut import cut_garment
 from .labels import read_labels
 from .limits import Limits
-from .load import _finish, _Mesh, _read, _settle, lies_on, load_pair, load_scan
+from .load import _find_unit_and_axis, _Mesh, _read, _to_scan, lies_on, load_pair, load_scan
 from .scan import Scan
 from .selection import Selection, select_other_cloth, select_vertices
 from .units import check_choice
 
 
 @dataclass(frozen=True)
-class Pieces:
+class ScanInput:
     """Describe what was read.
 
     Attributes:
@@ -37,7 +37,7 @@ class Pieces:
     labels: np.ndarray | None = None
 
 
-def load_pieces(
+def load_scan_input(
     scan: Path,
     body: Path | None,
     *,
@@ -45,7 +45,7 @@ def load_pieces(
     up: str | None = None,
     selection: Selection | None = None,
     limits: Limits | None = None,
-) -> Pieces:
+) -> ScanInput:
     """Read a garment with its body, or cut it out of the scan of a dressed person.
 
     Args:
@@ -60,18 +60,18 @@ def load_pieces(
         BadInput: with a code `scan.*` where a file cannot be used.
     """
     if selection is None:
-        return Pieces(*load_pair(scan, body, units=units, up=up, limits=limits))
+        return ScanInput(*load_pair(scan, body, units=units, up=up, limits=limits))
     check_choice(units, up)
     mesh = _read(Path(scan), limits or Limits())
     labels = _labels_of(mesh, selection, limits)
-    whole = _finish(mesh, *_settle(mesh, units, up, "body"))
+    whole = _to_scan(mesh, *_find_unit_and_axis(mesh, units, up, "body"))
     own = select_vertices(whole, labels, selection)
     cloth = own | select_other_cloth(whole, labels, selection)
     garment = cut_garment(whole, own)
     if labels is not None and selection.colour is None:
-        garment = _tell_skin(garment, labels[~cloth])
+        garment = _note_skin_labels(garment, labels[~cloth])
     if body is None:
-        return Pieces(garment, whole, cloth, labels)
+        return ScanInput(garment, whole, cloth, labels)
     if is_smpl(body):
         model = load_smpl(Path(body))
         wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
@@ -81,10 +81,10 @@ def load_pieces(
         raise refusal.BodyApart(
             f"the garment cut out of {garment.name} does not lie on the body; export both from the same scene."
         )
-    return Pieces(garment, wearer, labels=labels)
+    return ScanInput(garment, wearer, labels=labels)
 
 
-def _tell_skin(garment: Scan, labels: np.ndarray) -> Scan:
+def _note_skin_labels(garment: Scan, labels: np.ndarray) -> Scan:
     """Note which labels are taken for skin where there are several: other clothes among them make the body too wide."""
     bare = [str(value) for value in np.unique(labels).tolist()]
     if len(bare) < 2:

@@ -6,27 +6,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-MOST = 6
-"""Most planes: a floor, a ceiling and four walls."""
-TRIALS = 300
-"""Oriented points whose planes are tried: one of a floor with a hundredth of all points is among them with 95 %."""
-THICK = 0.004
+MAX_PLANE_COUNT = 6
+"""Largest number of planes: a floor, a ceiling and four walls."""
+PLANE_TRIAL_COUNT = 300
+"""Number of oriented points whose planes are tried: with a probability of 95 % one of them lies on a floor that has a
+hundredth of all points."""
+PLANE_HALF_THICKNESS_SHARE = 0.004
 """Half the thickness of a plane, as a share of the diagonal of what is there: 8 mm of a person, above a floor's noise
 and the rounding of its edge to the shoes."""
-ALONG = 0.9
-"""Cosine between the normal of a plane and those of its points: shoes and hems stand across it."""
-BEYOND = 1.0
-"""Points that may lie on the far side of a plane, as a share of those on it: the sides of a platform, what is seen
+MIN_PLANE_NORMAL_COSINE = 0.9
+"""Least cosine between the normal of a plane and those of its points: shoes and hems stand across it."""
+MAX_FAR_SIDE_RATIO = 1.0
+"""Largest number of points on the far side of a plane over that of those on it: the sides of a platform, what is seen
 through a door. What lies on both sides of a slice through a person is 10 times what is in it."""
-LEAST = 0.025
-"""Share of all points that a plane must have where nothing stands on it: soles have half of that, and stand under a
-shoe."""
-ABOVE = (0.006, 0.25, 0.05)
-"""Heights above a plane, as shares of the diagonal: what stands from the first to the second on it (1.2 to 50 cm for a
-person: a back has a chest before it) shows that a place is not bare; to the third (10 cm), that it is under a shoe."""
-CLEAR = (3.0, 1.2)
-"""Spacings of the samples around a point of the plane within which nothing may stand above it: for the point to count
-as bare floor or wall, and to be dropped once there is one. What is in front of a back or a chest is its other side."""
+MIN_PLANE_POINT_SHARE = 0.025
+"""Least share of all points on a plane where nothing stands on it: soles have half of that, and lie under a shoe."""
+PLANE_CLEARANCE_HEIGHT_SHARES = (0.006, 0.25, 0.05)
+"""Heights above a plane, as shares of the diagonal. What stands on it between the first and the second (1.2 to 50 cm
+for a person: a back has a chest before it) shows that a place is not bare; what stands between the first and the third
+(10 cm), that it is under a shoe."""
+MIN_PLANE_CLEARANCE_RATIOS = (3.0, 1.2)
+"""Least distances of a point of the plane from what stands above it, in sample spacings: for the point to count as bare
+floor or wall, and for it to be dropped once there is a bare place. What is in front of a back or a chest is its other
+side."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,8 @@ def find_planes(points: np.ndarray, normals: np.ndarray) -> list[Plane]:
     rng = np.random.default_rng(0)
     alive = np.ones(len(points), bool)
     found: list[Plane] = []
-    while len(found) < MOST and alive.sum() > TRIALS:
-        plane = _find_one(points, normals, alive, rng)
+    while len(found) < MAX_PLANE_COUNT and alive.sum() > PLANE_TRIAL_COUNT:
+        plane = _find_plane(points, normals, alive, rng)
         if plane is None:
             break
         found.append(plane)
@@ -65,22 +67,26 @@ def find_planes(points: np.ndarray, normals: np.ndarray) -> list[Plane]:
     return found
 
 
-def _find_one(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng: np.random.Generator) -> Plane | None:
+def _find_plane(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng: np.random.Generator) -> Plane | None:
     own, across = points[alive], normals[alive]
     diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
-    thick = THICK * diagonal
+    thick = PLANE_HALF_THICKNESS_SHARE * diagonal
     some = rng.permutation(len(own))[: min(len(own), 6000)]  # enough to rank the trials by
     ranked = []
-    for row in rng.choice(len(own), TRIALS, replace=False).tolist():
+    for row in rng.choice(len(own), PLANE_TRIAL_COUNT, replace=False).tolist():
         normal = across[row]
         depth = (own[some] - own[row]) @ normal
-        on = (np.abs(depth) < thick) & (np.abs(across[some] @ normal) > ALONG)
-        if on.mean() > LEAST and min((depth > thick).sum(), (depth < -thick).sum()) < BEYOND * on.sum():
+        on = (np.abs(depth) < thick) & (np.abs(across[some] @ normal) > MIN_PLANE_NORMAL_COSINE)
+        if (
+            on.mean() > MIN_PLANE_POINT_SHARE
+            and min((depth > thick).sum(), (depth < -thick).sum()) < MAX_FAR_SIDE_RATIO * on.sum()
+        ):
             ranked.append((int(on.sum()), row))
     seen: list[tuple[np.ndarray, float]] = []
     for _, row in sorted(ranked, reverse=True):
         if any(
-            abs(normal @ across[row]) > ALONG and abs(normal @ own[row] - offset) < thick for normal, offset in seen
+            abs(normal @ across[row]) > MIN_PLANE_NORMAL_COSINE and abs(normal @ own[row] - offset) < thick
+            for normal, offset in seen
         ):
             continue  # the same plane from another of its points
         plane = _refine(own, across, own[row], across[row], thick)
@@ -88,11 +94,21 @@ def _find_one(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng: n
             continue
         seen.append(plane)
         normal, offset = plane
-        on, clear = _measure_clearance(points, alive, plane, (ABOVE[0] * diagonal, ABOVE[1] * diagonal))
-        if (clear > CLEAR[0]).sum() >= LEAST * alive.sum():
-            on, clear = _measure_clearance(points, alive, plane, (ABOVE[0] * diagonal, ABOVE[2] * diagonal))
+        on, clear = _measure_clearance(
+            points,
+            alive,
+            plane,
+            (PLANE_CLEARANCE_HEIGHT_SHARES[0] * diagonal, PLANE_CLEARANCE_HEIGHT_SHARES[1] * diagonal),
+        )
+        if (clear > MIN_PLANE_CLEARANCE_RATIOS[0]).sum() >= MIN_PLANE_POINT_SHARE * alive.sum():
+            on, clear = _measure_clearance(
+                points,
+                alive,
+                plane,
+                (PLANE_CLEARANCE_HEIGHT_SHARES[0] * diagonal, PLANE_CLEARANCE_HEIGHT_SHARES[2] * diagonal),
+            )
             dropped = alive & (points @ normal - offset <= -thick)
-            dropped[on[clear > CLEAR[1]]] = True
+            dropped[on[clear > MIN_PLANE_CLEARANCE_RATIOS[1]]] = True
             return Plane(normal, offset, dropped)
     return None
 
@@ -102,14 +118,14 @@ def _refine(
 ) -> tuple[np.ndarray, float] | None:
     """Fit the plane to its points; return normal and offset with everything above it, or None."""
     for width in (2.0 * thick, thick, thick):
-        on = (np.abs((points - point) @ normal) < width) & (np.abs(normals @ normal) > ALONG)
+        on = (np.abs((points - point) @ normal) < width) & (np.abs(normals @ normal) > MIN_PLANE_NORMAL_COSINE)
         if on.sum() < 3:
             return None
         point = points[on].mean(axis=0)
         normal = np.linalg.svd(points[on] - point, full_matrices=False)[2][2]
     depth = (points - point) @ normal
     above, below = (depth > thick).sum(), (depth < -thick).sum()
-    if min(above, below) > BEYOND * (len(points) - above - below):
+    if min(above, below) > MAX_FAR_SIDE_RATIO * (len(points) - above - below):
         return None
     normal = normal if above > below else -normal
     return normal, float(normal @ point)
@@ -126,7 +142,7 @@ def _measure_clearance(
     normal, offset = plane
     depth = points @ normal - offset
     low, high = heights
-    rows = np.flatnonzero(alive & (np.abs(depth) < low * THICK / ABOVE[0]))
+    rows = np.flatnonzero(alive & (np.abs(depth) < low * PLANE_HALF_THICKNESS_SHARE / PLANE_CLEARANCE_HEIGHT_SHARES[0]))
     standing = alive & (depth > low) & (depth < high)
     if not standing.any() or not len(rows):
         return rows, np.full(len(rows), np.inf)

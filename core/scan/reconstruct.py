@@ -18,15 +18,16 @@ from ..run.sandbox import Bounds, call_limited, is_memory_short
 from .mend import mend_mesh
 from .open3d_library import load_open3d
 
-REACH = 2.5
-"""Median spacings up to which the surface is believed beyond a point: in a grid without gaps no place is farther from
-a point than 0.7, in random points hardly one than 2."""
-AGREE = 0.3
-"""Cosine between a face and the points nearest to it from which on they are one surface: noise tilts a normal by up to
-half a right angle, the skin across a hem lies across it."""
-STRAY = 0.01
-"""A piece with less than this share of the area goes: what Poisson closes to a bubble beside the surface."""
-DEPTHS = (6, 9)
+MAX_POISSON_DISTANCE_RATIO = 2.5
+"""Distance from the nearest point up to which the surface is kept, in median spacings: in a grid without gaps no place
+is farther from a point than 0.7, in random points hardly one than 2."""
+MIN_POISSON_NORMAL_COSINE = 0.3
+"""Least cosine between the normals of a face and of the points nearest to it, where they are one surface: noise tilts a
+normal by up to half a right angle, the skin across a hem lies across it."""
+MIN_POISSON_PIECE_SHARE = 0.01
+"""Share of the largest piece's area below which a piece is dropped: Poisson reconstruction closes it to a bubble beside
+the surface."""
+OCTREE_DEPTH_RANGE = (6, 9)
 """Least and largest depth of the octree: at 9 a cell of a person's box is 3.7 mm, and its surface as near to the true
 cloth (1.1 mm) as that of 8; at 10 it has millions of triangles, of noise."""
 BOUNDS = Bounds(memory_bytes=6 * 1024**3, cpu_seconds=300, wall_seconds=600.0)
@@ -46,7 +47,7 @@ class SurfaceLibraryMissing(GarmentqError):
 
 
 @dataclass(frozen=True)
-class Reconstructed:
+class ReconstructedSurface:
     """The surface of a cloud.
 
     Attributes:
@@ -74,7 +75,7 @@ def reconstruct(
     colours: np.ndarray | None = None,
     labels: np.ndarray | None = None,
     is_confined: bool = False,
-) -> Reconstructed:
+) -> ReconstructedSurface:
     """Reconstruct the surface of a cloud.
 
     Args:
@@ -98,7 +99,7 @@ def reconstruct(
     if not len(faces):
         raise SurfaceFailed()
     distance, nearest = tree.query(vertices)
-    return Reconstructed(
+    return ReconstructedSurface(
         vertices,
         faces,
         None if colours is None else colours[nearest],
@@ -126,7 +127,7 @@ def measure_spacing(points: np.ndarray) -> float:
 def find_depth(points: np.ndarray, spacing: float) -> int:
     """Find the octree's depth at which a cell is as wide as the points are apart; its box is 1.1 times the points'."""
     side = 1.1 * float(np.ptp(points, axis=0).max())
-    return int(np.clip(np.round(np.log2(side / spacing)), *DEPTHS))
+    return int(np.clip(np.round(np.log2(side / spacing)), *OCTREE_DEPTH_RANGE))
 
 
 def _solve(points: np.ndarray, normals: np.ndarray, depth: int, is_confined: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -166,15 +167,15 @@ def trim(
     from scipy.spatial import cKDTree
 
     distance, near = cKDTree(points).query(vertices, min(4, len(points)))
-    far = distance[:, 0] > REACH * spacing
+    far = distance[:, 0] > MAX_POISSON_DISTANCE_RATIO * spacing
     around = unit(normals[near].sum(axis=1) + 1e-12)
     direction = face_normals(vertices, faces)[0]
-    agree = np.einsum("fi,fi->f", direction, unit(around[faces].sum(axis=1) + 1e-12)) > AGREE
+    agree = np.einsum("fi,fi->f", direction, unit(around[faces].sum(axis=1) + 1e-12)) > MIN_POISSON_NORMAL_COSINE
     kept = faces[agree & ~far[faces].any(axis=1)]
     if not len(kept):
         return vertices, kept
     number, piece = find_components(len(vertices), np.r_[kept[:, 0], kept[:, 1]], np.r_[kept[:, 1], kept[:, 2]])
     size = np.bincount(piece[kept[:, 0]], face_areas(vertices, kept), number)
-    kept = kept[(size >= STRAY * size.max())[piece[kept[:, 0]]]]
+    kept = kept[(size >= MIN_POISSON_PIECE_SHARE * size.max())[piece[kept[:, 0]]]]
     mended = mend_mesh(vertices, kept)
     return mended.points, mended.faces

@@ -10,17 +10,18 @@ import numpy as np
 from ..geometry import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
 from .refusal import PiecesTooMany
 
-MERGE = 1e-7
-"""Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
-most PLY files hold the same point once per triangle."""
-SLIVER = 1e-6
-"""A triangle whose height is below this share of its longest side has no direction of its own in float32."""
-STRAY = 0.05
-"""A separate piece with less than this share of the largest piece's area is dust or an eye, never a garment."""
-MOST_PIECES = 5000
-"""Separate pieces of a surface; a garment with all its buttons has a hundred, a heap of loose triangles millions."""
-VOTERS = 20000
-"""Faces asked which way is outward from a body; more change no verdict."""
+MERGE_DISTANCE_SHARE = 1e-7
+"""Distance below which vertices are merged, as a share of the bounding box's diagonal: the resolution of float32, in
+which STL and most PLY files hold the same point once per triangle."""
+MAX_SLIVER_HEIGHT_RATIO = 1e-6
+"""Height of a triangle over its longest side up to which it has no direction of its own in float32."""
+MIN_MESH_PIECE_SHARE = 0.05
+"""Share of the largest piece's area below which a separate piece is dropped: it is dust or an eye, never a garment."""
+MAX_MESH_PIECE_COUNT = 5000
+"""Largest number of separate pieces of a surface; a garment with all its buttons has a hundred, a heap of loose
+triangles millions."""
+MAX_VOTING_FACE_COUNT = 20000
+"""Largest number of faces that vote on which way is outward from a body; more change no result."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,14 @@ def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
     back with the same vertices in the same order and no sentence.
     """
     surface = RepairedMesh(vertices, faces, np.arange(len(vertices)))
-    for step in (_merge_duplicates, _drop_degenerate, _drop_crowded, _orient_pieces, _split_fans, _drop_strays):
+    for step in (
+        _merge_duplicates,
+        _drop_degenerate,
+        _drop_nonmanifold_faces,
+        _orient_pieces,
+        _split_fans,
+        _drop_stray_pieces,
+    ):
         surface = step(surface)
         if len(surface.faces) == 0:
             return surface
@@ -66,7 +74,7 @@ def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
 
 def mend_surface(surface: RepairedMesh) -> RepairedMesh:
     """Make a surface without duplicate vertices manifold and each of its pieces consistent; no piece is dropped."""
-    for step in (_drop_degenerate, _drop_crowded, _orient_pieces, _split_fans):
+    for step in (_drop_degenerate, _drop_nonmanifold_faces, _orient_pieces, _split_fans):
         if len(surface.faces) == 0:
             return surface
         surface = step(surface)
@@ -75,12 +83,12 @@ def mend_surface(surface: RepairedMesh) -> RepairedMesh:
 
 def clean_cut(surface: RepairedMesh) -> RepairedMesh:
     """Tidy what a cut through a repaired surface leaves: fans that meet in a vertex are split, islands dropped."""
-    return _drop_unused(_drop_strays(_split_fans(surface)))
+    return _drop_unused(_drop_stray_pieces(_split_fans(surface)))
 
 
 def _merge_duplicates(surface: RepairedMesh) -> RepairedMesh:
     vertices = surface.vertices
-    step = MERGE * float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
+    step = MERGE_DISTANCE_SHARE * float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
     keys = np.round((vertices - vertices.min(axis=0)) / step).astype(np.int64)
     if _are_distinct(_as_numbers(keys)):
         return surface
@@ -96,8 +104,9 @@ def _merge_duplicates(surface: RepairedMesh) -> RepairedMesh:
     return RepairedMesh(vertices[kept], rank[inverse][surface.faces], surface.origin[kept], notes)
 
 
-_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-"""Odd numbers without a pattern in their bits, as hashes multiply by: unlike rows then seldom have equal sums."""
+_ROW_HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+"""Odd factors of a row's three integers without a pattern in their bits, as multiplicative hashes use: unlike rows then
+seldom have equal sums."""
 
 
 def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +123,7 @@ def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _as_numbers(rows: np.ndarray) -> np.ndarray:
     """Return a number for each row of three integers, shape [n]: equal for equal rows, and seldom for others."""
-    return (rows.astype(np.uint64) * _FACTORS).sum(axis=1)
+    return (rows.astype(np.uint64) * _ROW_HASH_FACTORS).sum(axis=1)
 
 
 def _are_distinct(numbers: np.ndarray) -> bool:
@@ -153,7 +162,7 @@ def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
     sides = np.stack([np.sqrt(np.einsum("ij,ij->i", side, side)) for side in (c - b, a - c, b - a)], axis=1)
     area = 2.0 * face_areas(vertices, faces)
     longest = sides.max(axis=1) if len(faces) else np.zeros(0)
-    slivers = np.flatnonzero(area <= SLIVER * longest**2)
+    slivers = np.flatnonzero(area <= MAX_SLIVER_HEIGHT_RATIO * longest**2)
     if len(slivers) == 0:
         return faces, 0
     alive = np.ones(len(faces), bool)
@@ -174,13 +183,13 @@ def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
             face = table[shared[0]]
             extra.append([middle if v == ends[0] else v for v in face])
             table[shared[0]] = [middle if v == ends[1] else v for v in face]
-            alive[shared[0]] = area[shared[0]] > SLIVER * longest[shared[0]] ** 2
+            alive[shared[0]] = area[shared[0]] > MAX_SLIVER_HEIGHT_RATIO * longest[shared[0]] ** 2
     faces = faces.copy()
     faces[touched] = np.array(list(table.values()), np.int64)
     return np.concatenate([faces[alive], np.array(extra, np.int64).reshape(-1, 3)]), len(slivers)
 
 
-def _drop_crowded(surface: RepairedMesh) -> RepairedMesh:
+def _drop_nonmanifold_faces(surface: RepairedMesh) -> RepairedMesh:
     """Keep the two faces of the largest sheet at each edge that three or more faces share."""
     faces = surface.faces
     edges = surface.edges
@@ -266,12 +275,12 @@ def _split_fans(surface: RepairedMesh) -> RepairedMesh:
     return replace(surface, repairs=surface.note(cut, "Cut 1 one-sided edge.", "Cut {} one-sided edges."))
 
 
-def _drop_strays(surface: RepairedMesh) -> RepairedMesh:
+def _drop_stray_pieces(surface: RepairedMesh) -> RepairedMesh:
     number, piece = surface.edges.face_pieces
     if number == 1:
         return surface
     size = np.bincount(piece, weights=face_areas(surface.vertices, surface.faces), minlength=number)
-    kept = size >= STRAY * size.max()
+    kept = size >= MIN_MESH_PIECE_SHARE * size.max()
     notes = surface.note(int((~kept).sum()), "Dropped 1 stray piece.", "Dropped {} stray pieces.")
     return replace(surface, faces=surface.faces[kept[piece]], repairs=notes)
 
@@ -318,7 +327,7 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     number, piece = surface.edges.face_pieces
     faces = surface.faces.copy()
     turned = 0
-    if number > MOST_PIECES:
+    if number > MAX_MESH_PIECE_COUNT:
         raise PiecesTooMany()
     by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece, minlength=number))[:-1])
     for mine in by_piece:  # each looks at its own faces and vertices only, for there may be thousands of pieces
@@ -333,7 +342,7 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     return replace(surface, faces=faces, repairs=notes)
 
 
-def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:
+def is_facing_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:
     """Return whether the faces must be turned so that they face away from the body (area-weighted vote).
 
     Each face compares its normal with the body's normal at the nearest body vertex.
@@ -341,6 +350,6 @@ def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.nd
     from scipy.spatial import cKDTree
 
     normals = vertex_normals(body_vertices, body_faces)
-    pick = np.unique(np.linspace(0, len(faces) - 1, min(VOTERS, len(faces))).astype(np.int64))
+    pick = np.unique(np.linspace(0, len(faces) - 1, min(MAX_VOTING_FACE_COUNT, len(faces))).astype(np.int64))
     nearest = cKDTree(body_vertices).query(vertices[faces[pick]].mean(axis=1))[1]
     return bool((area_vectors(vertices, faces[pick]) * normals[nearest]).sum() < 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from . import refusal
 from .scan import Scan
 
-TOLERANCE = 60.0
+GARMENT_COLOUR_TOLERANCE = 60.0
 """Distance in RGB (0 to 255) up to which a colour is the garment's: a camera's noise of 9 a channel stays within 35,
 skin lies 150 from denim. Strong shadows need more."""
 
@@ -33,7 +33,7 @@ class Selection:
     key: str | None = None
     keep: tuple[str, ...] = ()
     colour: str | None = None
-    tolerance: float = TOLERANCE
+    tolerance: float = GARMENT_COLOUR_TOLERANCE
     cloth: tuple[str, ...] = ()
 
 
@@ -53,13 +53,13 @@ def select_vertices(scan: Scan, labels: np.ndarray | None, selection: Selection)
         mask = _near_colour(scan, selection.colour, selection.tolerance)
         what = f"the colour {selection.colour} (within {selection.tolerance:g})"
     elif labels is None:
-        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next(refusal.LabelsMissing)}")
+        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next_step(refusal.LabelsMissing)}")
     else:
         mask, what = _kept_labels(scan, labels, selection.keep)
     share = float(mask.mean())
     if not 0.0 < share < 1.0:
         found = "no vertex" if share == 0.0 else "every vertex"
-        raise refusal.LabelUnknown(f"{found} of {scan.name} has {what}; {_next(refusal.LabelUnknown)}")
+        raise refusal.LabelUnknown(f"{found} of {scan.name} has {what}; {_next_step(refusal.LabelUnknown)}")
     return mask
 
 
@@ -73,7 +73,7 @@ def select_other_cloth(scan: Scan, labels: np.ndarray | None, selection: Selecti
     if not selection.cloth:
         return np.zeros(len(scan.vertices), bool)
     if labels is None:
-        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next(refusal.LabelsMissing)}")
+        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next_step(refusal.LabelsMissing)}")
     return _kept_labels(scan, labels, selection.cloth, "--cloth")[0]
 
 
@@ -95,7 +95,7 @@ def _kept_labels(
 
 def _near_colour(scan: Scan, text: str, tolerance: float) -> np.ndarray:
     if scan.colours is None:
-        raise refusal.LabelsMissing(f"{scan.name} has no vertex colours; {_next(refusal.LabelsMissing)}")
+        raise refusal.LabelsMissing(f"{scan.name} has no vertex colours; {_next_step(refusal.LabelsMissing)}")
     colour = np.array(parse_colour(text))
     return np.asarray(np.linalg.norm(255.0 * scan.colours - colour, axis=1) <= tolerance)
 
@@ -112,5 +112,5 @@ def parse_colour(text: str) -> tuple[int, int, int]:
     return red, green, blue
 
 
-def _next(kind: type[Exception]) -> str:
+def _next_step(kind: type[Exception]) -> str:
     return str(kind.__doc__).partition("; ")[2]

@@ -16,12 +16,13 @@ from .columns import as_bytes
 from .head import read_head
 from .header import PLY_END
 
-PIXELS = 150_000_000
-"""Most pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
-SHARP = 4096
-"""Pixels of a side from which on a JPEG is decoded at half its size or less: on a person one every half millimetre."""
-WHITE = np.array([255, 255, 255])
-"""Colour of what has no material."""
+MAX_TEXTURE_PIXEL_COUNT = 150_000_000
+"""Largest number of pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
+JPEG_DRAFT_SIDE_PX = 4096
+"""Side from which on a JPEG is decoded at half its size or less [pixels]: on a person one pixel every half
+millimetre."""
+DEFAULT_MATERIAL_COLOUR = np.array([255, 255, 255])
+"""Colour of what has no material [RGB, 0 to 255]: white, glTF's default."""
 _FORMATS = ("PNG", "JPEG", "BMP", "WEBP", "TGA", "TIFF")
 _MTL_BYTES = 1 << 20
 """Largest material file read."""
@@ -51,10 +52,10 @@ def open_image(source: Path, name: str) -> np.ndarray:
 def decode(image: Any, name: str) -> np.ndarray:
     """Decode an image of which Pillow has read the header, as `open_image` does."""
     width, height = image.size
-    if width * height > PIXELS:
+    if width * height > MAX_TEXTURE_PIXEL_COUNT:
         raise TextureBad(f"{name} has {width} x {height} pixels, more than are read")
     try:
-        image.draft("RGB", (SHARP, SHARP))
+        image.draft("RGB", (JPEG_DRAFT_SIDE_PX, JPEG_DRAFT_SIDE_PX))
         return np.asarray(image.convert("RGB"))
     except MemoryError:
         raise
@@ -95,7 +96,7 @@ def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: An
     return arrays if colours is None else arrays | {"colours": as_bytes(np.round(colours).astype(np.int64))}
 
 
-def find_beside(path: Path, name: str) -> Path:
+def find_referenced_file(path: Path, name: str) -> Path:
     """Return the file of a name in a scan's folder or below it.
 
     Raises:
@@ -121,7 +122,7 @@ def _colour_obj(path: Path, count: int) -> np.ndarray | None:
     images = list_images(path, libraries)
     sums, hits = np.zeros((count, 3)), np.zeros(count)
     for name in sorted({material for material in materials if material in images}):
-        image = open_image(find_beside(path, images[name]), f"the texture '{Path(images[name]).name[:60]}'")
+        image = open_image(find_referenced_file(path, images[name]), f"the texture '{Path(images[name]).name[:60]}'")
         mine = corners[np.array(materials)[corners[:, 2]] == name]
         found = sample_image(image, uv[mine[:, 1]])
         hits += np.bincount(mine[:, 0], minlength=count)
@@ -137,7 +138,9 @@ def list_images(path: Path, libraries: list[str]) -> dict[str, str]:
     Raises:
         TextureBad: where a library is not there.
     """
-    return {name: file for library in libraries for name, file in _read_mtl(find_beside(path, library)).items()}
+    return {
+        name: file for library in libraries for name, file in _read_mtl(find_referenced_file(path, library)).items()
+    }
 
 
 def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
@@ -217,7 +220,9 @@ def _colour_ply(path: Path, loaded: Any) -> np.ndarray | None:
     if named is None or uv is None:
         return None
     name = named.group(1).decode("utf-8", "replace")
-    return sample_image(open_image(find_beside(path, name), f"the texture '{Path(name).name[:60]}'"), np.asarray(uv))
+    return sample_image(
+        open_image(find_referenced_file(path, name), f"the texture '{Path(name).name[:60]}'"), np.asarray(uv)
+    )
 
 
 def _colour_glb(parts: Any) -> np.ndarray | None:
@@ -230,7 +235,10 @@ def _colour_glb(parts: Any) -> np.ndarray | None:
         if image is None or uv is None or len(uv) != len(part.vertices):
             factor = getattr(material, "baseColorFactor", None)
             colours.append(
-                np.tile(WHITE if factor is None else as_bytes(np.asarray(factor)[:3]), (len(part.vertices), 1))
+                np.tile(
+                    DEFAULT_MATERIAL_COLOUR if factor is None else as_bytes(np.asarray(factor)[:3]),
+                    (len(part.vertices), 1),
+                )
             )
             continue
         if id(image) not in decoded:

@@ -11,17 +11,17 @@ from ..geometry.point_normals import thin_points
 from .raw import RawScan
 from .scan import Scan
 
-FACES = 100_000
-"""Triangles of a whole person that a fit needs: their sides are 7 mm, less than a fold of cloth is wide."""
+THINNED_PERSON_FACE_COUNT = 100_000
+"""Number of triangles of a whole person that a fit needs: their sides are 7 mm, less than a fold of cloth is wide."""
 
-GARMENT_FACES = 50_000
-"""Triangles of one garment that a recovery needs: their sides are 5 to 9 mm, about half the detail mesh's own. Of two
-garments of 0.5 million faces no distance was more than 0.05 mm smaller with 60 000, but one of a detail mesh's by 0.3
-mm; simulation meshes and re-drapes were nearer by 0.05 to 0.6 mm with 50 000."""
+THINNED_GARMENT_FACE_COUNT = 50_000
+"""Number of triangles of one garment that a recovery needs: their sides are 5 to 9 mm, about half the detail mesh's
+own. Of two garments of 0.5 million faces no distance was more than 0.05 mm smaller with 60 000, but one of a detail
+mesh's by 0.3 mm; simulation meshes and re-drapes were nearer by 0.05 to 0.6 mm with 50 000."""
 
-SLACK = 8 / 5
-"""Share of these up to which a garment's mesh stays as it is: on a scan with 2 mm of noise a pattern's outline was
-nearer by 0.4 mm with all of 77 000 triangles than with 60 000."""
+MAX_UNTHINNED_FACE_RATIO = 8 / 5
+"""Number of faces over the wanted one up to which a garment's mesh is not thinned: on a scan with 2 mm of noise a
+pattern's outline was nearer by 0.4 mm with all of 77 000 triangles than with 60 000."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class ThinMesh:
     place: np.ndarray
 
 
-def thin(raw: RawScan, faces: int = FACES) -> RawScan:
+def thin_raw_scan(raw: RawScan, faces: int = THINNED_PERSON_FACE_COUNT) -> RawScan:
     """Thin a raw scan to about so many triangles, or half as many points of a cloud; a smaller one is returned as is.
 
     `place` and `origin` of the result still speak of the file's points, so that what is found for the thinned points is
@@ -65,9 +65,9 @@ def thin(raw: RawScan, faces: int = FACES) -> RawScan:
     )
 
 
-def thin_scan(scan: Scan, faces: int = GARMENT_FACES) -> tuple[Scan, ThinMesh]:
+def thin_scan(scan: Scan, faces: int = THINNED_GARMENT_FACE_COUNT) -> tuple[Scan, ThinMesh]:
     """Thin a garment's checked mesh to about so many triangles; labels, `unseen` and `hidden` are those of `origin`."""
-    if len(scan.faces) <= SLACK * faces:
+    if len(scan.faces) <= MAX_UNTHINNED_FACE_RATIO * faces:
         own = np.arange(len(scan.vertices))
         return scan, ThinMesh(scan.vertices, scan.faces, own, own)
     small = thin_mesh(scan.vertices, scan.faces, faces)
@@ -93,7 +93,7 @@ def average(values: np.ndarray, small: ThinMesh) -> np.ndarray:
     return mean
 
 
-def thin_mesh(vertices: np.ndarray, faces: np.ndarray, count: int = FACES) -> ThinMesh:
+def thin_mesh(vertices: np.ndarray, faces: np.ndarray, count: int = THINNED_PERSON_FACE_COUNT) -> ThinMesh:
     """Thin a mesh to `count` triangles, without tearing it or joining layers that only touch; borders stay as they are.
 
     A vertex in no face is stood for by the nearest one.

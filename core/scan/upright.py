@@ -21,22 +21,23 @@ from .units import BODY_LONGEST
 
 AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 """Axes of the file that may point up, the usual ones first."""
-STATURE = 1.70
+DEFAULT_STATURE = 1.70
 """Height that a person is given whose unit is none of `UNITS` [m]: between the means of women and men."""
-PERSON = 0.7
+MAX_PERSON_MISFIT = 0.7
 """Misfit up to which a scan is a person whatever its unit: dressed people are below 0.5, a box as tall as one, or half
 a person, is above."""
-PART = (0.3, 5.0)
-"""Size of what may be a part of a person, or more than one [m]."""
-SLICES = 24
-"""Slices over the height: of 7 cm each in an adult, less than a head, a thigh or an upper arm is long."""
-TAILS = 0.002
+PERSON_PART_SIZE_RANGE = (0.3, 5.0)
+"""Least and largest size of what may be a part of a person, or more than one [m]."""
+PROFILE_SLICE_COUNT = 24
+"""Number of slices over the height: each is 7 cm of an adult, less than the length of a head, a thigh or an upper
+arm."""
+PROFILE_TAIL_SHARE = 0.002
 """Share of the points that may lie beyond either end of the height: flyers, a strand of hair."""
-USUAL = 1.25
-"""How much worse the usual axes (y, z) may match and still be taken: few files have another, and none of those is
-more than a guess. A person in a T-pose lying on the side matches at least 2 times worse than upright."""
-SURE = 1.3
-"""A match that is better than all others by this factor leaves no doubt."""
+UNUSUAL_AXIS_PENALTY = 1.25
+"""Factor on the misfit of all axes but the usual ones (y, z): few files have another, and none of those is more than a
+guess. A person in a T-pose lying on the side matches at least 2 times worse than upright."""
+MIN_AXIS_MISFIT_RATIO = 1.3
+"""Misfit of the second best axis over that of the best above which the best is certain."""
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     "T": {},
     "A": {"left_shoulder": (0, 0, -0.8), "right_shoulder": (0, 0, 0.8)},
@@ -70,15 +71,24 @@ POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 }  # fmt: skip
 """Poses that a scan is compared with, as axis-angles [rad] of the joints that differ from the T-pose."""
 
-LEGS = ("left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_foot", "right_foot")
+LEG_JOINTS = (
+    "left_hip",
+    "right_hip",
+    "left_knee",
+    "right_knee",
+    "left_ankle",
+    "right_ankle",
+    "left_foot",
+    "right_foot",
+)
 """Joints whose skin a skirt covers."""
-SKIRTS = ((0.02, 0.24), (0.02, 0.15), (0.28, 0.16))
-"""Skirts that a scan is compared with: height of the hem and its radius, in statures: a gown, a long dress, one to the
-knee. Without them a gown is more like a person head down with arms spread."""
-SKIRTED = ("T", "A", "arms down", "on hips")
-"""Poses of `POSES` that are tried with each of `SKIRTS`."""
-WAIST = (0.62, 0.08)
-"""Height and radius of a skirt's upper end, in statures."""
+SKIRT_HEM_SHARES = ((0.02, 0.24), (0.02, 0.15), (0.28, 0.16))
+"""Height and radius of the hem of each skirt that a scan is compared with, as shares of the stature: a gown, a long
+dress, one to the knee. Without them a gown is more like a person head down with arms spread."""
+SKIRT_POSES = ("T", "A", "arms down", "on hips")
+"""Poses of `POSES` that are tried with each of `SKIRT_HEM_SHARES`."""
+SKIRT_WAIST_SHARES = (0.62, 0.08)
+"""Height and radius of a skirt's upper end, as shares of the stature."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +96,9 @@ class Profile:
     """Describe how a person's surface is spread over the height.
 
     Attributes:
-        share: Share of the surface in each slice from the lowest on, sum 1, shape [SLICES].
-        spread: Root mean square distance of each slice from the vertical through the centre, in heights, [SLICES].
+        share: Share of the surface in each slice from the lowest on, sum 1, shape [PROFILE_SLICE_COUNT].
+        spread: Root mean square distance of each slice from the vertical through the centre, in heights, shape
+            [PROFILE_SLICE_COUNT].
         height: From the lowest to the highest point, in the unit of the points.
         ratio: Height of the standing person over `height`; 1 where not known.
     """
@@ -99,7 +110,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Upright:
+class UprightAxis:
     """Describe how a file is turned upright.
 
     Attributes:
@@ -131,15 +142,15 @@ def measure_profile(points: np.ndarray, weights: np.ndarray | None = None) -> Pr
     weights = np.ones(len(points)) if weights is None else weights
     order = np.argsort(points[:, 1], kind="stable")
     passed = np.cumsum(weights[order]) / weights.sum()
-    ends = np.minimum(np.searchsorted(passed, np.array([TAILS, 1.0 - TAILS])), len(order) - 1)
+    ends = np.minimum(np.searchsorted(passed, np.array([PROFILE_TAIL_SHARE, 1.0 - PROFILE_TAIL_SHARE])), len(order) - 1)
     low, high = (float(value) for value in points[order[ends], 1])
     height = max(high - low, 1e-12)
-    place = np.clip(((points[:, 1] - low) / height * SLICES).astype(np.int64), 0, SLICES - 1)
+    place = np.clip(((points[:, 1] - low) / height * PROFILE_SLICE_COUNT).astype(np.int64), 0, PROFILE_SLICE_COUNT - 1)
     flat = points[:, [0, 2]]
     centre = (flat * weights[:, None]).sum(axis=0) / weights.sum()
     distance = np.minimum(np.sqrt(((flat - centre) ** 2).sum(axis=1)) / height, 1.0)
-    share = np.bincount(place, weights, SLICES)
-    spread = np.sqrt(np.bincount(place, weights * distance**2, SLICES) / np.maximum(share, 1e-12))
+    share = np.bincount(place, weights, PROFILE_SLICE_COUNT)
+    spread = np.sqrt(np.bincount(place, weights * distance**2, PROFILE_SLICE_COUNT) / np.maximum(share, 1e-12))
     return Profile(share / share.sum(), spread, height)
 
 
@@ -151,7 +162,7 @@ def build_profiles() -> list[Profile]:
         rest, joints = template.shaped(mean)
         areas = vertex_areas(rest, template.faces)
         stature = float(np.ptp(rest[:, 1]))
-        legs = template.weights[:, [JOINTS.index(name) for name in LEGS]].sum(axis=1) > 0.5
+        legs = template.weights[:, [JOINTS.index(name) for name in LEG_JOINTS]].sum(axis=1) > 0.5
         for name, pose in POSES.items():
             vectors = np.zeros((24, 3))
             for joint, vector in pose.items():
@@ -159,7 +170,7 @@ def build_profiles() -> list[Profile]:
             world, posed = articulate(rotations_of(vectors), joints, np.zeros(3))
             points = skin(rest, template.weights, transforms_of(world, posed, joints))
             found.append(_measure(points, areas, stature))
-            for hem, radius in SKIRTS if name in SKIRTED else ():
+            for hem, radius in SKIRT_HEM_SHARES if name in SKIRT_POSES else ():
                 low = points[:, 1].min() + hem * stature
                 cone, own = _build_skirt(points[legs, 1].min(), hem, radius, stature)
                 bare = np.where(legs & (points[:, 1] > low), 0.0, areas)
@@ -175,13 +186,13 @@ def _measure(points: np.ndarray, areas: np.ndarray, stature: float) -> Profile:
 def _build_skirt(floor: float, hem: float, radius: float, stature: float) -> tuple[np.ndarray, np.ndarray]:
     """Build points on a cone from the waist to the hem around the y axis, and their areas."""
     share = (np.arange(40) + 0.5) / 40
-    height = floor + stature * (hem + share * (WAIST[0] - hem))
-    wide = stature * (radius + share * (WAIST[1] - radius))
+    height = floor + stature * (hem + share * (SKIRT_WAIST_SHARES[0] - hem))
+    wide = stature * (radius + share * (SKIRT_WAIST_SHARES[1] - radius))
     angle = 2.0 * np.pi * np.arange(16) / 16
     points = np.stack(
         [np.outer(wide, np.cos(angle)), np.repeat(height[:, None], 16, axis=1), np.outer(wide, np.sin(angle))], axis=2
     )
-    slant = float(np.hypot(WAIST[0] - hem, radius - WAIST[1])) * stature
+    slant = float(np.hypot(SKIRT_WAIST_SHARES[0] - hem, radius - SKIRT_WAIST_SHARES[1])) * stature
     return points.reshape(-1, 3), np.repeat(2.0 * np.pi * wide * slant / 640, 16)
 
 
@@ -196,23 +207,25 @@ def compare_profiles(first: Profile, second: Profile) -> float:
     return 10.0 * (moved + spread)
 
 
-def find_upright(points: np.ndarray, profiles: list[Profile] | None = None, axes: tuple[str, ...] = AXES_UP) -> Upright:
+def find_upright(
+    points: np.ndarray, profiles: list[Profile] | None = None, axes: tuple[str, ...] = AXES_UP
+) -> UprightAxis:
     """Find the axis that points up in points uniform over a person's surface, shape [n, 3], any unit and heading."""
     profiles = build_profiles() if profiles is None else profiles
     found: dict[str, tuple[float, float]] = {}
     for axis in axes:
         own = measure_profile(turn_upright(points, axis))
         found[axis] = min((compare_profiles(own, other), other.ratio) for other in profiles)
-    weighed = {axis: value[0] * (1.0 if axis in ("y", "z") else USUAL) for axis, value in found.items()}
+    weighed = {axis: value[0] * (1.0 if axis in ("y", "z") else UNUSUAL_AXIS_PENALTY) for axis, value in found.items()}
     best = min(axes, key=lambda axis: weighed[axis])
     rest = min((value for axis, value in weighed.items() if axis != best), default=np.inf)
-    return Upright(
+    return UprightAxis(
         best, found[best][0], {axis: value[0] for axis, value in found.items()}, found[best][1],
-        rest > SURE * weighed[best],
+        rest > MIN_AXIS_MISFIT_RATIO * weighed[best],
     )  # fmt: skip
 
 
-def find_length(height: float, found: Upright) -> tuple[str, float]:
+def find_length_unit(height: float, found: UprightAxis) -> tuple[str, float]:
     """Find the unit in which a person of some height [unit] has the size of one; return its name and metres in one.
 
     Args:
@@ -220,8 +233,9 @@ def find_length(height: float, found: Upright) -> tuple[str, float]:
         found: How the person stands.
 
     Returns:
-        A name of `UNITS`. Where none fits, `unknown` with the scale at which a person stands `STATURE` high, or for
-        what is less like a person the metre, centimetre or millimetre in which it has any size that a part of one has.
+        A name of `UNITS`. Where none fits, `unknown` with the scale at which a person stands `DEFAULT_STATURE` high, or
+        for what is less like a person the metre, centimetre or millimetre in which it has any size that a part of one
+        has.
 
     Raises:
         UnitsUnknown: where that fits none either.
@@ -229,10 +243,10 @@ def find_length(height: float, found: Upright) -> tuple[str, float]:
     for name, metres in UNITS.items():  # of two the first would be taken, and no two fit
         if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
             return name, metres
-    if found.is_sure and found.misfit < PERSON:
-        return "unknown", STATURE / (height * found.ratio)
+    if found.is_sure and found.misfit < MAX_PERSON_MISFIT:
+        return "unknown", DEFAULT_STATURE / (height * found.ratio)
     for name in METRIC:
-        if PART[0] <= height * UNITS[name] <= PART[1]:
+        if PERSON_PART_SIZE_RANGE[0] <= height * UNITS[name] <= PERSON_PART_SIZE_RANGE[1]:
             return name, UNITS[name]
     raise UnitsUnknown(
         f"What is in the scan measures {height:.3g}, no person's height in any unit; say its unit with --units."

@@ -10,8 +10,8 @@ from fastapi.dependencies.models import Dependant
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
-from ...core.run.text import TextBad, has_unkept
-from ..database import begins
+from ...core.run.text import TextBad, has_unstorable_text
+from ..database import starts_with
 from ..jobs import JobUnknown, find_job
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
@@ -21,11 +21,11 @@ from .limited_calls import LimitedCalls
 from .limits import ApiLimits
 from .meter import Meter
 from .problems import RequestBad
-from .threads import Lanes
+from .threads import ThreadPools
 
 
 @dataclass(frozen=True)
-class Rooms(Services):
+class AppState(Services):
     """Gather what the routes work with: an open home, and what its callers may do.
 
     Attributes:
@@ -40,15 +40,15 @@ class Rooms(Services):
     local_token: str
     meter: Meter
     limited: LimitedCalls
-    lanes: Lanes
+    lanes: ThreadPools
 
 
 bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys create`.")
 
 
-async def get_rooms(request: Request) -> Rooms:
+async def get_app_state(request: Request) -> AppState:
     """Return the rooms of the application."""
-    rooms: Rooms = request.app.state.rooms
+    rooms: AppState = request.app.state.rooms
     return rooms
 
 
@@ -102,7 +102,7 @@ async def refuse_text(request: Request) -> None:
         body = await request.json()
     except (ValueError, RecursionError):
         return  # no JSON, which the route refuses by itself
-    if has_unkept(body):
+    if has_unstorable_text(body):
         raise TextBad()
 
 
@@ -118,14 +118,14 @@ async def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     return caller
 
 
-RoomsOf = Annotated[Rooms, Depends(get_rooms)]
+AppStateDependency = Annotated[AppState, Depends(get_app_state)]
 Reader = Annotated[Caller, Depends(get_reader)]
 Watcher = Annotated[Caller, Depends(get_watcher)]
 Submitter = Annotated[Caller, Depends(get_submitter)]
 Admin = Annotated[Caller, Depends(get_admin)]
 
 
-def find_own(rooms: Rooms, caller: Caller, job: str) -> JobRow:
+def find_own(rooms: AppState, caller: Caller, job: str) -> JobRow:
     """Return a job that the caller may see, by its id or its beginning; another key's job is as unknown as none.
 
     Raises:
@@ -138,7 +138,7 @@ def find_own(rooms: Rooms, caller: Caller, job: str) -> JobRow:
         return find_job(rooms.database, job)
     with rooms.database.read() as session:
         own = select(JobRow).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
-        rows = session.scalars(own.where(begins(JobRow.id, job)).limit(2)).all()
+        rows = session.scalars(own.where(starts_with(JobRow.id, job)).limit(2)).all()
     if len(rows) != 1:
         raise unknown
     return rows[0]

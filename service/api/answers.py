@@ -22,16 +22,16 @@ class Answer(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-def _show(record: type, identifier: str) -> Any:
+def _make_model(record: type, identifier: str) -> Any:
     """Return the model of a record whose `id` goes by another name in JSON."""
     hints = get_type_hints(record)
     names = {identifier if item.name == "id" else item.name: (hints[item.name], ...) for item in fields(record)}
     return create_model(record.__name__, __base__=Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
 
 
-Brief: Any = _show(records.Job, "job")
-Job: Any = _show(records.JobReport, "job")
-Key: Any = _show(records.Key, "key")
+Brief: Any = _make_model(records.Job, "job")
+Job: Any = _make_model(records.JobReport, "job")
+Key: Any = _make_model(records.Key, "key")
 
 
 class Place(Answer):
@@ -208,7 +208,7 @@ class Keys(Answer):
     keys: list[Key]
 
 
-Webhook: Any = _show(WebhookRecord, "webhook")
+Webhook: Any = _make_model(WebhookRecord, "webhook")
 
 
 class NewWebhook(Webhook):

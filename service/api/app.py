@@ -37,7 +37,7 @@ from . import (
     uploads,
     webhooks,
 )
-from .access import Rooms, refuse_text, refuse_unknown
+from .access import AppState, refuse_text, refuse_unknown
 from .description import describe, name_operation
 from .guard import Guard
 from .limited_calls import LimitedCalls
@@ -45,8 +45,8 @@ from .limits import ApiLimits
 from .meter import Meter
 from .page import POLICY, draw_page
 from .problems import add_handlers
-from .proxies import Forwarded, read_proxies
-from .threads import Lanes
+from .proxies import ProxyHeaders, read_proxies
+from .threads import ThreadPools
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
 
@@ -79,8 +79,8 @@ def make_app(
     with suppress(Unavailable):  # `/readyz` tells of a store that is away
         store.prepare()
     token = make_local_token(settings.home) if is_open and not hosts else ""
-    calls, lanes = LimitedCalls(limits, meter), Lanes()
-    app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter, calls, lanes)
+    calls, lanes = LimitedCalls(limits, meter), ThreadPools()
+    app.state.rooms = AppState(settings, open_database(settings), store, limits, token, meter, calls, lanes)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks)
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
@@ -89,7 +89,7 @@ def make_app(
     app.include_router(pages.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open, hosts=hosts)
-    app.add_middleware(Forwarded, proxies=read_proxies())
+    app.add_middleware(ProxyHeaders, proxies=read_proxies())
     app.add_route("/docs", lambda request: show_page(app), include_in_schema=False)
     if origins := read_origins():
         app.add_middleware(

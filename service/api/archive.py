@@ -9,8 +9,8 @@ from collections.abc import Generator, Sequence
 from ..records import Artifact
 from ..store import Store
 
-EPOCH = (1980, 1, 1, 0, 0, 0)
-"""The time of every file: the same result is the same archive."""
+ARCHIVE_MEMBER_TIME = (1980, 1, 1, 0, 0, 0)
+"""Date and time of every file in an archive: the same result gives the same archive."""
 
 
 class _Pipe(io.RawIOBase):
@@ -44,7 +44,7 @@ def pack_files(store: Store, files: Sequence[Artifact]) -> Generator[bytes]:
     pipe = _Pipe()
     with zipfile.ZipFile(pipe, "w", zipfile.ZIP_STORED) as archive:
         for file in files:
-            member = zipfile.ZipInfo(file.name, EPOCH)
+            member = zipfile.ZipInfo(file.name, ARCHIVE_MEMBER_TIME)
             member.file_size = file.size
             with archive.open(member, "w", force_zip64=file.size > 2**31) as out:
                 for block in store.read_checked(file.sha256, file.size):

@@ -9,13 +9,13 @@ from fastapi import APIRouter
 from sqlalchemy import func, select
 
 from ..families import find_below
-from ..health import hide_places, read_queue
+from ..health import hide_worker_names, read_queue
 from ..jobs import find_jobs_by_id
 from ..models import JobRow, OwnerRow
 from ..queue_records import Queue
 from ..records import Job
 from ..states import State
-from .access import Reader, Rooms, RoomsOf
+from .access import AppState, AppStateDependency, Reader
 from .answers import Briefs
 from .problems import show_answer
 from .schemas import JobsIn
@@ -36,7 +36,7 @@ QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER], "outages": 
 @router.post(
     "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs, (408,))
 )
-def list_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
+def list_states(wanted: JobsIn, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the jobs of some ids in their order, with `below` then all jobs below them.
 
     Those that are unknown, or another key's, are left out.
@@ -53,15 +53,15 @@ def list_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
 
 
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
-def show_queue(rooms: RoomsOf, caller: Reader) -> Any:
+def show_queue(rooms: AppStateDependency, caller: Reader) -> Any:
     """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
     queue = read_queue(rooms.database)
     if caller.sees_all:
         return queue
-    return replace(hide_places(queue), states=_count_own(rooms, caller.key))
+    return replace(hide_worker_names(queue), states=_count_own(rooms, caller.key))
 
 
-def _count_own(rooms: Rooms, key: str) -> dict[State, int]:
+def _count_own(rooms: AppState, key: str) -> dict[State, int]:
     own = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with rooms.database.read() as session:
         return {row[0]: row[1] for row in session.execute(own.group_by(JobRow.state)).all()}

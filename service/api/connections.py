@@ -16,8 +16,8 @@ UNSENT_BYTES = 1 << 17
 """Bytes of an answer that the system takes ahead of what the client has room for. It would take megabytes, and a client
 that reads slowly would seem to read nothing for as long as those last."""
 
-LOOKS = 4
-"""How often within `stalled_seconds` it is looked whether an unread answer has become shorter."""
+STALL_CHECK_COUNT = 4
+"""Number of checks within `stalled_seconds` whether an unread answer has become shorter."""
 
 
 def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
@@ -83,7 +83,7 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             elif now - self._moved >= limits.stalled_seconds:
                 self.transport.abort()
                 return
-            self._look = self.loop.call_later(limits.stalled_seconds / LOOKS, self._look_again)
+            self._look = self.loop.call_later(limits.stalled_seconds / STALL_CHECK_COUNT, self._look_again)
 
         def _wait_for_head(self) -> None:
             if self._deadline is None:

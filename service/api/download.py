@@ -21,8 +21,8 @@ from starlette.types import Receive, Scope, Send
 from ...core.run.errors import GarmentqError
 from ..keys import Caller
 from ..records import Artifact
-from ..store import BLOCK, ArtifactDamaged, Store
-from .access import Rooms
+from ..store import STORE_BLOCK_SIZE, ArtifactDamaged, Store
+from .access import AppState
 from .guard import IS_HEAD
 from .problems import make_problem
 from .ranges import RangeBad, read_ranges
@@ -34,7 +34,7 @@ BYTES = "application/octet-stream"
 
 
 @dataclass(frozen=True)
-class Shown:
+class SendOptions:
     """Describe how a file is sent.
 
     Attributes:
@@ -54,10 +54,10 @@ class Download(StreamingResponse):
 
     def __init__(
         self,
-        rooms: Rooms,
+        rooms: AppState,
         caller: Caller,
         blocks: Generator[bytes],
-        shown: Shown,
+        shown: SendOptions,
         status_code: int = 200,
     ) -> None:
         """Prepare the answer; nothing is read yet.
@@ -97,7 +97,9 @@ class Download(StreamingResponse):
             self._blocks.close()
 
 
-def send_file(rooms: Rooms, caller: Caller, file: Artifact, request: Request, shown: Shown | None = None) -> Response:
+def send_file(
+    rooms: AppState, caller: Caller, file: Artifact, request: Request, shown: SendOptions | None = None
+) -> Response:
     """Answer with a stored file, with the parts that `Range` asks for, or that the client has it (`If-None-Match`).
 
     Args:
@@ -118,7 +120,7 @@ def send_file(rooms: Rooms, caller: Caller, file: Artifact, request: Request, sh
     size = rooms.store.size(file.sha256)
     if size != file.size:
         raise ArtifactDamaged()
-    shown = shown or Shown(headers={"content-disposition": _attach(file.name)})
+    shown = shown or SendOptions(headers={"content-disposition": _content_disposition(file.name)})
     headers |= {"accept-ranges": "bytes", **shown.headers}
     try:
         ranges = _find_ranges(request, etag, size)
@@ -147,13 +149,13 @@ def send_file(rooms: Rooms, caller: Caller, file: Artifact, request: Request, sh
         blocks = _read_part(rooms.store, file, ranges[0])
     else:
         blocks = rooms.store.read_checked(file.sha256, size)
-    return Download(rooms, caller, blocks, Shown(media, headers), status)
+    return Download(rooms, caller, blocks, SendOptions(media, headers), status)
 
 
 def slice_bytes(content: bytes) -> Generator[bytes]:
     """Return some bytes in blocks, so that no second copy of them all waits to be sent."""
-    for start in range(0, len(content), BLOCK):
-        yield content[start : start + BLOCK]
+    for start in range(0, len(content), STORE_BLOCK_SIZE):
+        yield content[start : start + STORE_BLOCK_SIZE]
 
 
 def _find_ranges(request: Request, etag: str, size: int) -> list[tuple[int, int]]:
@@ -191,7 +193,7 @@ def _end_parts(boundary: str) -> bytes:
     return f"\r\n--{boundary}--\r\n".encode()
 
 
-def _attach(name: str) -> str:
+def _content_disposition(name: str) -> str:
     """Return the header that makes a browser keep a file under its name instead of showing it."""
     plain = name.rpartition("/")[2]
     quoted = quote(plain)

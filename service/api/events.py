@@ -19,21 +19,22 @@ from ..jobs import find_job, read_events
 from ..keys import Caller
 from ..records import Event, News
 from ..states import ENDED
-from .access import Reader, Rooms, RoomsOf, find_own
+from .access import AppState, AppStateDependency, Reader, find_own
 from .problems import show_answer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
-PERIOD_SECONDS = 0.5
-"""How often a stream asks the database [s]; progress is written twice a second."""
+EVENT_POLL_INTERVAL = 0.5
+"""Interval at which a stream asks the database [s]; progress is written twice a second."""
 
-ALIVE_SECONDS = 15.0
-"""A silent stream sends a comment so often [s]; proxies close what is silent for 30 s and more."""
+STREAM_KEEPALIVE_INTERVAL = 15.0
+"""Interval between the comments that a silent stream sends [s]; proxies close what is silent for 30 s and more."""
 
-PLACES = ("owner",)
+HOST_FIELDS = ("owner",)
 """Fields of events that name a host, a process or a task."""
 
-LARGEST_ID = 2**63 - 1
+MAX_EVENT_ID = 2**63 - 1
+"""Largest number of an event: what a column of 64 bits holds."""
 EXAMPLE = {
     "id": 17, "job": "3685ecfd4f81", "at": 1795250000.5, "kind": "progress",
     "data": {"stage": "drape", "fraction": 0.4, "message": "", "overall": 0.34, "left_seconds": 41.0},
@@ -55,24 +56,24 @@ def describe_answers() -> dict[int | str, dict[str, Any]]:
 async def follow_job(
     job: str,
     request: Request,
-    rooms: RoomsOf,
+    rooms: AppStateDependency,
     caller: Reader,
-    after: Annotated[int, Query(ge=0, le=LARGEST_ID)] = 0,
+    after: Annotated[int, Query(ge=0, le=MAX_EVENT_ID)] = 0,
     last_event_id: Annotated[str | None, Header(max_length=20)] = None,
 ) -> Any:
     """Return the events after one; as Server-Sent Events where `Accept: text/event-stream` asks for them."""
     row = await run_in_threadpool(find_own, rooms, caller, job)
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
-        after = min(int(last_event_id), LARGEST_ID)
+        after = min(int(last_event_id), MAX_EVENT_ID)
     if "text/event-stream" not in request.headers.get("accept", ""):
-        return await run_in_threadpool(_look, rooms, caller, row.id, after)
-    return _Counted(rooms, caller, row.id, after)
+        return await run_in_threadpool(_read_news, rooms, caller, row.id, after)
+    return _CountedStream(rooms, caller, row.id, after)
 
 
-class _Counted(StreamingResponse):
+class _CountedStream(StreamingResponse):
     """Stream a job's events; counted while it is sent, so that a client that leaves is counted no longer."""
 
-    def __init__(self, rooms: Rooms, caller: Caller, job: str, after: int) -> None:
+    def __init__(self, rooms: AppState, caller: Caller, job: str, after: int) -> None:
         super().__init__(_stream(rooms, caller, job, after), media_type="text/event-stream")
         self._counted = rooms.meter.streaming(caller.key)
 
@@ -81,11 +82,11 @@ class _Counted(StreamingResponse):
             await super().__call__(scope, receive, send)
 
 
-async def _stream(rooms: Rooms, caller: Caller, job: str, after: int) -> AsyncIterator[str]:
+async def _stream(rooms: AppState, caller: Caller, job: str, after: int) -> AsyncIterator[str]:
     spoke = time.monotonic()
     while True:
         try:
-            news = await run_in_threadpool(_look, rooms, caller, job, after)
+            news = await run_in_threadpool(_read_news, rooms, caller, job, after)
         except GarmentqError:
             return  # the database is away; the client comes back with Last-Event-ID
         for event in news.events:
@@ -94,19 +95,19 @@ async def _stream(rooms: Rooms, caller: Caller, job: str, after: int) -> AsyncIt
         if news.state in ENDED:
             yield f"event: end\ndata: {json.dumps({'state': news.state})}\n\n"
             return
-        if time.monotonic() - spoke > ALIVE_SECONDS:
+        if time.monotonic() - spoke > STREAM_KEEPALIVE_INTERVAL:
             spoke = time.monotonic()
             yield ": alive\n\n"
-        await asyncio.sleep(PERIOD_SECONDS)
+        await asyncio.sleep(EVENT_POLL_INTERVAL)
 
 
-def _look(rooms: Rooms, caller: Caller, job: str, after: int) -> News:
+def _read_news(rooms: AppState, caller: Caller, job: str, after: int) -> News:
     """Read the state first, so that the event that ended the job is among those read after it."""
     state = find_job(rooms.database, job).state
     events = [Event.from_row(event) for event in read_events(rooms.database, job, after)]
-    return News(state, events if caller.sees_all else [hide_places(event) for event in events])
+    return News(state, events if caller.sees_all else [hide_host_fields(event) for event in events])
 
 
-def hide_places(event: Event) -> Event:
+def hide_host_fields(event: Event) -> Event:
     """Return an event without what names the service's hosts and processes; the scope `admin` sees those."""
-    return replace(event, data={name: value for name, value in event.data.items() if name not in PLACES})
+    return replace(event, data={name: value for name, value in event.data.items() if name not in HOST_FIELDS})

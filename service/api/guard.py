@@ -15,11 +15,11 @@ from urllib.parse import unquote_to_bytes, urlsplit
 from starlette.concurrency import run_in_threadpool
 
 from ...core.run.errors import GarmentqError, Unavailable
-from ...core.run.text import TextBad, has_unkept
+from ...core.run.text import TextBad, has_unstorable_text
 from ..audit import is_recorded, record_access
-from ..keys import Caller, admit
+from ..keys import Caller, authenticate_token
 from ..logs import REQUEST
-from ..sessions import admit_session, check_csrf
+from ..sessions import authenticate_session, check_csrf
 from .limits import ApiLimits
 from .problems import answer_error, make_problem, refuse
 
@@ -29,10 +29,10 @@ Message = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
-UPLOADS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
-DOCUMENTS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit")
+UPLOAD_PATHS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
+DOCUMENT_PATHS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit")
 """Beginnings of the paths that take a whole pattern."""
-GUARDED = ("/v1/", "/metrics")
+GUARDED_PATHS = ("/v1/", "/metrics")
 """Beginnings of the paths that ask for a key, before any byte of a body is read."""
 
 HEAD_BYTES = 32 * 1024
@@ -51,7 +51,7 @@ IS_HEAD = "garmentq.is_head"
 CSRF_HEADER = b"x-csrf-token"
 """What a page sends along with each change, besides its session's cookie."""
 
-SAFE = ("GET", "HEAD")
+SAFE_METHODS = ("GET", "HEAD")
 """Methods that change nothing."""
 
 HEADERS = (
@@ -112,7 +112,7 @@ class Guard:
 
     async def _admit(self, scope: Message) -> Any:
         """Find who asks and count it; give the refusal, or None where the request may go on."""
-        if not scope["path"].startswith(GUARDED):
+        if not scope["path"].startswith(GUARDED_PATHS):
             return None
         rooms, address = scope["app"].state.rooms, _address(scope)
         admission = rooms.lanes.admission
@@ -120,7 +120,7 @@ class Guard:
             token, session = _find_token(scope), find_session(scope)
             if token is None and session is not None:
                 scope[CALLER] = await admission.run(_find_caller, scope)
-                if scope["method"] not in SAFE:
+                if scope["method"] not in SAFE_METHODS:
                     check_csrf(session, find_header(scope, CSRF_HEADER))
             else:
                 rooms.meter.check_address(address, token)
@@ -135,7 +135,7 @@ class Guard:
 
     def _refuse_foreign(self, scope: Message) -> Any:
         """Refuse what a page of another origin asks of a service on this machine, or give None."""
-        if self.is_open and not _is_near(scope, self.hosts):
+        if self.is_open and not _is_local_origin(scope, self.hosts):
             return make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
         return None
 
@@ -165,8 +165,8 @@ class Guard:
             log.error("not in the audit log: %s %s by key '%s': %s", done, scope["path"], caller.key, error)
 
     async def _bounded(self, scope: Message, receive: Receive, send: Send) -> None:
-        is_upload = scope["path"] in UPLOADS and scope["method"] == "POST"
-        begun, standing, is_good, is_over = asyncio.Event(), Standing(scope), False, False
+        is_upload = scope["path"] in UPLOAD_PATHS and scope["method"] == "POST"
+        begun, standing, is_good, is_over = asyncio.Event(), AccessCheck(scope), False, False
 
         async def note(message: Message) -> None:
             nonlocal is_good, is_over
@@ -202,9 +202,9 @@ class Guard:
             task.cancel()
 
     def _body_bytes(self, scope: Message) -> int:
-        return self.limits.template_bytes if scope["path"].startswith(DOCUMENTS) else self.limits.body_bytes
+        return self.limits.template_bytes if scope["path"].startswith(DOCUMENT_PATHS) else self.limits.body_bytes
 
-    def _counted(self, receive: Receive, bounds: tuple[int, float], standing: Standing) -> Receive:
+    def _counted(self, receive: Receive, bounds: tuple[int, float], standing: AccessCheck) -> Receive:
         """Count what a client sends, and give up on one that falls silent in the middle of it, or drips."""
         most, seconds = bounds
         total, is_whole, until = 0, False, time.monotonic() + seconds
@@ -228,7 +228,7 @@ class Guard:
         return counted
 
 
-class Standing:
+class AccessCheck:
     """Tell whether who was let in still may ask, as long as a request goes on."""
 
     def __init__(self, scope: Message) -> None:
@@ -282,7 +282,7 @@ def _is_text(scope: Message) -> bool:
     """Return whether path and query are UTF-8 that can be kept; the server puts a mark for what is none."""
     try:
         asked = (scope.get("raw_path") or scope["path"], scope["query_string"])
-        return not has_unkept([unquote_to_bytes(part).decode("utf-8") for part in asked])
+        return not has_unstorable_text([unquote_to_bytes(part).decode("utf-8") for part in asked])
     except UnicodeDecodeError:
         return False
 
@@ -304,8 +304,8 @@ def _find_caller(scope: Message) -> Caller:
     """
     rooms, token, session = scope["app"].state.rooms, _find_token(scope), find_session(scope)
     if token is None and session is not None:
-        return admit_session(rooms.database, session, bool(rooms.local_token))
-    return admit(rooms.database, token, rooms.local_token)
+        return authenticate_session(rooms.database, session, bool(rooms.local_token))
+    return authenticate_token(rooms.database, token, rooms.local_token)
 
 
 def _find_token(scope: Message) -> str | None:
@@ -336,7 +336,7 @@ def name_cookie(scheme: str) -> str:
     return "__Host-garmentq" if scheme == "https" else "garmentq"
 
 
-def _is_near(scope: Message, hosts: Collection[str]) -> bool:
+def _is_local_origin(scope: Message, hosts: Collection[str]) -> bool:
     headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
     if headers.get(b"sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False

@@ -11,11 +11,11 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ... import __version__
 from ...core.run.errors import GarmentqError
-from ..health import find_troubles, hide_places, read_queue
+from ..health import find_troubles, hide_worker_names, read_queue
 from ..shown_errors import show_message
-from .access import Rooms, RoomsOf, Watcher
+from .access import AppState, AppStateDependency, Watcher
 from .answers import Health, Readiness
-from .problems import ALWAYS, BEFORE, make_problem, show_answer, show_refusals
+from .problems import API_REFUSAL_STATUSES, COMMON_REFUSAL_STATUSES, make_problem, show_answer, show_refusals
 
 log = logging.getLogger(__name__)
 
@@ -31,7 +31,9 @@ READY: dict[str, Any] = {
 HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
 
 
-@router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(*BEFORE)})
+@router.get(
+    "/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(*COMMON_REFUSAL_STATUSES)}
+)
 async def show_health() -> Any:
     """Answer without touching anything."""
     return {"status": "ok", "version": __version__}
@@ -39,9 +41,9 @@ async def show_health() -> Any:
 
 @router.get(
     "/readyz", summary="Tell whether database and store can be used.",
-    responses={200: READY, **show_refusals(*BEFORE)},
+    responses={200: READY, **show_refusals(*COMMON_REFUSAL_STATUSES)},
 )  # fmt: skip
-async def show_readiness(rooms: RoomsOf) -> Response:
+async def show_readiness(rooms: AppStateDependency) -> Response:
     """Answer 503 where database or store is away: then nothing can be taken. Nothing is written for the answer.
 
     What keeps jobs from running is told beside it; jobs can be handed in all the same.
@@ -49,12 +51,12 @@ async def show_readiness(rooms: RoomsOf) -> Response:
     return await rooms.lanes.watching.run(_look, rooms)
 
 
-def _look(rooms: Rooms) -> Response:
+def _look(rooms: AppState) -> Response:
     found: dict[str, str] = {}
     troubles: list[str] = []
     told: list[str] = []
     for name, check in {
-        "database": lambda: find_troubles(hide_places(read_queue(rooms.database))),
+        "database": lambda: find_troubles(hide_worker_names(read_queue(rooms.database))),
         "store": lambda: rooms.store.check(rooms.settings.free_bytes),
     }.items():
         try:
@@ -73,10 +75,10 @@ def _look(rooms: Rooms) -> Response:
     "/metrics", summary="Give the Prometheus metrics.", response_class=PlainTextResponse,
     responses={
         200: {"description": "Metrics.", "content": {"text/plain": {"example": 'garmentq_jobs{state="queued"} 3'}}},
-        **show_refusals(*ALWAYS),
+        **show_refusals(*API_REFUSAL_STATUSES),
     },
 )  # fmt: skip
-def show_metrics(rooms: RoomsOf, caller: Watcher) -> Response:
+def show_metrics(rooms: AppStateDependency, caller: Watcher) -> Response:
     """Return numbers of all keys' jobs; for the scope `metrics`."""
     try:
         text = importlib.import_module(METRICS).prometheus_text(rooms.database)

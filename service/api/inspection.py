@@ -12,7 +12,7 @@ from ...core.run.units import UnitName
 from ..inspection import inspect_scan
 from ..submission import clean_name
 from ..uploads import find_upload
-from .access import RoomsOf, Submitter
+from .access import AppStateDependency, Submitter
 from .answers import Inspection
 from .problems import show_answer
 from .schemas import Sha256
@@ -36,7 +36,7 @@ EXAMPLE = {
 
 
 @dataclass(frozen=True)
-class Looked:
+class InspectionQuery:
     """Describe of a scan what an order would say."""
 
     given_as: Annotated[Literal["person", "garment"] | None, Query(alias="as")] = None
@@ -51,7 +51,11 @@ class Looked:
     responses=show_answer(EXAMPLE, model=Inspection),
 )  # fmt: skip
 async def inspect(
-    sha256: Sha256, request: Request, rooms: RoomsOf, caller: Submitter, asked: Annotated[Looked, Depends()]
+    sha256: Sha256,
+    request: Request,
+    rooms: AppStateDependency,
+    caller: Submitter,
+    asked: Annotated[InspectionQuery, Depends()],
 ) -> Any:
     """Read a scan as a job's first stage does; nothing is queued or kept.
 

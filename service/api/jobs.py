@@ -24,12 +24,12 @@ from ..kinds import FileRef, find_kind
 from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
-from ..query import MOST_SKIPPED, JobQuery, find_jobs
+from ..query import MAX_QUERY_OFFSET, JobQuery, find_jobs
 from ..results import report_jobs
-from ..submission import Submitted, clean_name, own_name, submit
-from ..uploads import begin_once, end_once, find_upload
+from ..submission import SubmissionResult, clean_name, own_name, submit
+from ..uploads import begin_idempotent, end_idempotent, find_upload
 from ..versions import list_versions
-from .access import Reader, Rooms, RoomsOf, Submitter, find_own
+from .access import AppState, AppStateDependency, Reader, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs, Versions
 from .problems import RequestBad, show_answer
 from .schemas import AnyJobIn, DerivedIn, JobIn, PartIn, Text
@@ -56,7 +56,7 @@ VERSION = {
     "verdict": "pass", "created": 1795250100.0,
 }  # fmt: skip
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
-ADDED = ("given_as", "wearing", "marks", "parts", "over")
+LATER_REQUEST_FIELDS = ("given_as", "wearing", "marks", "parts", "over")
 """Fields of a request that came with later versions: left empty they are no part of what it is."""
 
 Words = Annotated[Text | None, Query(max_length=255)]
@@ -76,7 +76,7 @@ async def create_job(
     wanted: AnyJobIn,
     request: Request,
     response: Response,
-    rooms: RoomsOf,
+    rooms: AppStateDependency,
     caller: Submitter,
     idempotency_key: Token = None,
 ) -> Any:
@@ -98,7 +98,7 @@ async def create_job(
 
 
 @dataclass(frozen=True)
-class Given:
+class JobFilter:
     """Choose jobs by their fields; each job of a family has its tags."""
 
     state: Words = None
@@ -116,11 +116,11 @@ class Given:
 
 @router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
 def list_jobs(
-    rooms: RoomsOf,
+    rooms: AppStateDependency,
     caller: Reader,
-    given: Annotated[Given, Depends()],
+    given: Annotated[JobFilter, Depends()],
     limit: Annotated[int, Query(ge=1, le=1000)] = 50,
-    offset: Annotated[int, Query(ge=0, le=MOST_SKIPPED)] = 0,
+    offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0,
 ) -> Any:
     """Return the caller's jobs whose fields are as given, newest first, from the one at `offset` on."""
     return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit, offset=offset))
@@ -129,7 +129,7 @@ def list_jobs(
 @router.get(
     "/{job}", name="show_job", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job),
 )  # fmt: skip
-def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def show_one(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return one job; a local user may name it by its first letters."""
     return show_job(rooms, find_own(rooms, caller, job))
 
@@ -138,7 +138,7 @@ def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     "/{job}/versions", name="list_versions", summary="List the versions of a result.",
     responses=show_answer({"versions": [VERSION]}, model=Versions),
 )  # fmt: skip
-def show_versions(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def show_versions(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the result that was edited first and every version of it that is the caller's, oldest first."""
     row = find_own(rooms, caller, job)
     return {"versions": list_versions(rooms.database, row.id, "" if caller.sees_all else caller.key)}
@@ -148,7 +148,7 @@ def show_versions(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     "/{job}/cancel", summary="Stop a job.",
     responses=show_answer({"job": "3685ecfd4f81", "state": "running"}, model=Changed),
 )  # fmt: skip
-def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+def cancel_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is.
 
     Where keys share jobs, one that another key asked for too goes on for that one.
@@ -160,7 +160,7 @@ def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 @router.delete(
     "/{job}", summary="Delete an ended job.", responses=show_answer(DELETED, model=Deleted, refusals=(409,))
 )  # fmt: skip
-def delete_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+def delete_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Delete an ended job with all below it, all that reads its results, and the files that nobody else names."""
     row = find_own(rooms, caller, job)
     return delete_jobs(rooms.database, rooms.store, [row.id], "" if caller.sees_all else caller.key)
@@ -170,18 +170,18 @@ def delete_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     "/{job}/retry", status_code=202, summary="Queue an ended job again.",
     responses=show_answer({"job": "3685ecfd4f81", "state": "queued"}, 202, Changed, (409,)),
 )  # fmt: skip
-def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+def retry_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Queue an ended job again, with all its attempts."""
     row = find_own(rooms, caller, job)
     return {"job": row.id, "state": retry(rooms.database, row.id, caller.key, caller.quota)}
 
 
-def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
+def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
     """Return a job as JSON values."""
     return report_jobs(rooms.database, [row], rooms.settings)[0].as_json()
 
 
-def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
+def answer_query(rooms: AppState, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
     """Return the answer that lists those of the caller's jobs that a query asks for."""
     owner = None if caller.sees_all else caller.key
     rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset), owner)
@@ -189,17 +189,17 @@ def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, An
 
 
 def _create(
-    rooms: Rooms,
+    rooms: AppState,
     caller: Caller,
     wanted: JobIn | DerivedIn,
     token: str | None,
     is_stopped: IsStopped = never_stopped,
-) -> Submitted:
+) -> SubmissionResult:
     known = None
     if token is not None:
-        known = begin_once(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
+        known = begin_idempotent(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
     if known is not None:
-        return Submitted(known, False, find_job(rooms.database, known).state)
+        return SubmissionResult(known, False, find_job(rooms.database, known).state)
     nonce = "" if token is None else hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest()
     if isinstance(wanted, DerivedIn):
         done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce), is_stopped)
@@ -208,16 +208,16 @@ def _create(
             order = check_order(rooms, _unpack(rooms, caller, wanted, folder), wanted.template)
             done = submit(rooms.database, rooms.store, replace(order, nonce=nonce))
     if token is not None:
-        end_once(rooms.database, caller.key, token, done.job)
+        end_idempotent(rooms.database, caller.key, token, done.job)
     return done
 
 
 def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what makes a repeated request the same; of one without later versions' fields what earlier ones made."""
-    return wanted.model_dump(exclude={name for name in ADDED if not getattr(wanted, name, None)})
+    return wanted.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(wanted, name, None)})
 
 
-def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
+def _derive(rooms: AppState, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
     """Return the order of a derived job; its files are uploads of the caller's."""
     names = {
         field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
@@ -236,12 +236,12 @@ def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> Deri
     )
 
 
-def find_realm(rooms: Rooms, caller: Caller) -> str:
+def find_realm(rooms: AppState, caller: Caller) -> str:
     """Return whose equal orders are the caller's job: its own, unless the operator lets keys share."""
     return "" if rooms.settings.share_jobs else caller.key
 
 
-def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
+def _unpack(rooms: AppState, caller: Caller, wanted: JobIn, folder: Path) -> Order:
     """Put the uploads into a folder, each alone in a folder of its own and under its cleaned name."""
     choices: list[JobIn | PartIn] = [wanted, *wanted.parts.values()]
     if any(one.pattern is not None and one.template is not None for one in choices):

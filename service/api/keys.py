@@ -8,7 +8,7 @@ from fastapi import APIRouter, Path
 
 from ..keys import create_key, list_keys, revoke_key
 from ..records import Key as KeyRecord
-from .access import Admin, RoomsOf
+from .access import Admin, AppStateDependency
 from .answers import Key, Keys, NewKey
 from .problems import show_answer
 from .schemas import KeyIn
@@ -27,7 +27,7 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
     "", status_code=201, name="create_key", summary="Make a key.",
     responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey, (408,)),
 )  # fmt: skip
-def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
+def create(wanted: KeyIn, rooms: AppStateDependency, caller: Admin) -> Any:
     """Make a key; the token is in this answer and never again."""
     row, token = create_key(
         rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota, wanted.priority, wanted.days
@@ -36,7 +36,7 @@ def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
 
 
 @router.get("", name="list_keys", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
-def list_all(rooms: RoomsOf, caller: Admin) -> Any:
+def list_all(rooms: AppStateDependency, caller: Admin) -> Any:
     """Return every key, without its token."""
     return {"keys": [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)]}
 
@@ -45,6 +45,6 @@ def list_all(rooms: RoomsOf, caller: Admin) -> Any:
     "/{key}", name="revoke_key", summary="Revoke a key.",
     responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key),
 )  # fmt: skip
-def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
+def revoke(key: KeyId, rooms: AppStateDependency, caller: Admin) -> Any:
     """Take a key back; its jobs stay."""
     return KeyRecord.from_row(revoke_key(rooms.database, key)).as_json()

@@ -6,9 +6,9 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from ..mending import Mended, submit_mended
+from ..mending import RelabelOrder, submit_relabelling
 from ..uploads import find_upload
-from .access import RoomsOf, Submitter, find_own
+from .access import AppStateDependency, Submitter, find_own
 from .jobs import find_realm, show_created
 from .schemas import LabelsIn
 
@@ -19,7 +19,7 @@ router = APIRouter(tags=["jobs"])
     "/jobs/{job}/labels", status_code=202, summary="Take a person apart anew with mended labels.",
     responses=show_created(),
 )  # fmt: skip
-def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, caller: Submitter) -> Any:
+def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Queue a new job for the same scan, by labels for the points of the job's `segmented.ply`; the old one stays.
 
     The same labels once more are the same job: 200, not 202.
@@ -28,7 +28,7 @@ def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, 
     kept = find_upload(rooms.database, caller.key, wanted.points, "labels")
     with rooms.copying() as folder:
         points = rooms.store.copy(kept.sha256, folder / "points.npy")
-        done = submit_mended(rooms, row, Mended(points, caller.key, caller.quota, find_realm(rooms, caller)))
+        done = submit_relabelling(rooms, row, RelabelOrder(points, caller.key, caller.quota, find_realm(rooms, caller)))
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200
     return {"job": done.job, "state": done.state, "is_new": done.is_new}

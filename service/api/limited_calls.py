@@ -20,8 +20,8 @@ from .limits import ApiLimits
 from .meter import LimitedFull, LimitedOpen, Meter
 from .problems import refuse
 
-POLL_SECONDS = 0.05
-"""How often a request that waits looks for its turn [s]."""
+LIMITED_CALL_POLL_INTERVAL = 0.05
+"""Interval at which a waiting request checks for its turn [s]."""
 
 Result = TypeVar("Result")
 
@@ -85,7 +85,7 @@ class LimitedCalls:
                 except (LimitedOpen, LimitedFull):
                     if time.monotonic() > until:
                         raise
-                await asyncio.wait({gone}, timeout=POLL_SECONDS)
+                await asyncio.wait({gone}, timeout=LIMITED_CALL_POLL_INTERVAL)
                 if gone.done():
                     raise _refuse_gone()
 

@@ -37,7 +37,7 @@ class ApiLimits:
             client that reads slowly but steadily goes on.
         head_seconds: Longest time until a request's head is whole [s]; a phone network takes less than one.
         connections_per_address: Connections that one address may hold open. A proxy is one address: it needs as many as
-            it has clients, up to `server.CONNECTIONS`.
+            it has clients, up to `server.MAX_CONCURRENT_REQUESTS`.
         wrong_keys: Wrong keys that one address may try at once; one more each 10 s.
         body_seconds: Longest time until a body that is no upload is whole [s]; 4 MiB at 150 kB/s.
         limited: Limited processes at a time, whoever asks: each takes a core for some seconds, and 60 MB to 4 GiB.

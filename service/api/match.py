@@ -14,7 +14,7 @@ from ..matching import match_files
 from ..results import export_files
 from ..templates import read_template
 from ..uploads import find_upload
-from .access import Reader, Rooms, RoomsOf, find_own
+from .access import AppState, AppStateDependency, Reader, find_own
 from .answers import Match
 from .problems import RequestBad, show_answer
 
@@ -34,7 +34,7 @@ async def match_patterns(
     first: Annotated[str, Query(max_length=64, examples=["3685ecfd4f81"])],
     second: Annotated[str, Query(max_length=64, examples=["tshirt"])],
     request: Request,
-    rooms: RoomsOf,
+    rooms: AppStateDependency,
     caller: Reader,
     pair: Annotated[list[str], Query(max_length=200, examples=[["front:back"]])] = [],  # noqa: B006
     only_given: bool = False,
@@ -60,7 +60,7 @@ async def match_patterns(
     return await rooms.limited.run(request, caller.key, work)
 
 
-def _find_file(rooms: Rooms, caller: Reader, word: str, folder: Path) -> Path:
+def _find_file(rooms: AppState, caller: Reader, word: str, folder: Path) -> Path:
     """Write the pattern of a job that the caller sees, an upload of its, else of a template into a folder.
 
     Returns:

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 
 from ..catalogue import read_fabric, show_fabric
 from ..materials import delete_material, keep_materials, list_materials, read_material
-from .access import Admin, Reader, RoomsOf
+from .access import Admin, AppStateDependency, Reader
 from .answers import Material, Materials
 from .problems import RequestBad, show_answer
 from .schemas import FabricIn, FabricName, Text
@@ -25,13 +25,13 @@ EXAMPLE = {
     "", name="list_materials", summary="List the fabrics.",
     responses=show_answer({"materials": [EXAMPLE]}, model=Materials),
 )  # fmt: skip
-def list_all(rooms: RoomsOf, caller: Reader) -> Any:
+def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return every fabric, shipped and imported, in SI units."""
     return {"materials": [show_fabric(fabric) for fabric in list_materials(rooms.database)]}
 
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
-def show_material(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
+def show_material(name: Text, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return one fabric, with the source of every number."""
     return show_fabric(read_material(rooms.database, name))
 
@@ -39,7 +39,7 @@ def show_material(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
 @router.put(
     "/{name}", status_code=201, summary="Import a fabric.", responses=show_answer(EXAMPLE, 201, Material, (408,))
 )
-def import_material(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin) -> Any:
+def import_material(name: FabricName, wanted: FabricIn, rooms: AppStateDependency, caller: Admin) -> Any:
     """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
     from ...core.cloth import check_fabric
 
@@ -54,6 +54,6 @@ def import_material(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: 
     "/{name}", name="delete_material", summary="Delete an imported fabric.",
     responses=show_answer(EXAMPLE, model=Material),
 )  # fmt: skip
-def delete(name: Text, rooms: RoomsOf, caller: Admin) -> Any:
+def delete(name: Text, rooms: AppStateDependency, caller: Admin) -> Any:
     """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
     return show_fabric(delete_material(rooms.database, name))

@@ -13,15 +13,15 @@ from .limits import ApiLimits
 FORGIVEN_SECONDS = 10.0
 """After so long one wrong key is forgiven [s]."""
 
-TRIAL_SECONDS, TRIALS = 10.0, 5
-"""A key may send a webhook a message for trial so often [s] in the long run, and so many at once: a person who sets one
-up tries some times a minute, and who looks for hosts by it gets nowhere."""
+TRIAL_SECONDS, TRIAL_BURST_COUNT = 10.0, 5
+"""Interval at which a key may send trial messages to a webhook in the long run [s], and the number that it may send at
+once. A person who sets one up tries some times a minute; a search for hosts by it gets nowhere."""
 
-DOWNLOADS = 256
-"""Downloads of this process at a time, whoever asks: each holds an open file beside its connection, and a process may
-have 1024 of both."""
+MAX_PROCESS_DOWNLOADS = 256
+"""Largest number of downloads of this process at a time, for all keys together: each holds an open file beside its
+connection, and a process may have 1024 of both."""
 
-MOST_ADDRESSES = 10_000
+MAX_TRACKED_ADDRESSES = 10_000
 """Addresses and keys that are remembered, so that nobody fills the memory."""
 
 
@@ -110,7 +110,7 @@ class Meter:
         Raises:
             TooManyRequests: where the key tries more often than by `TRIAL_SECONDS`.
         """
-        self._draw(f"trial {key}", 1.0 / TRIAL_SECONDS, TRIALS)
+        self._draw(f"trial {key}", 1.0 / TRIAL_SECONDS, TRIAL_BURST_COUNT)
 
     def _draw(self, bucket: str, rate: float, burst: int) -> None:
         now = self._now()
@@ -144,14 +144,14 @@ class Meter:
         with self._lock:
             now = self._now()
             count, then = self._wrong.get(address, (0.0, now))
-            if len(self._wrong) >= MOST_ADDRESSES:
+            if len(self._wrong) >= MAX_TRACKED_ADDRESSES:
                 self._wrong.clear()
             self._wrong[address] = (max(0.0, count - (now - then) / FORGIVEN_SECONDS) + 1.0, now)
 
     def note_key(self, token: str | None) -> None:
         """Note a right key; its hash only."""
         with self._lock:
-            if len(self._known) >= MOST_ADDRESSES:
+            if len(self._known) >= MAX_TRACKED_ADDRESSES:
                 self._known.clear()
             self._known.add(hash(token))
 
@@ -182,7 +182,7 @@ class Meter:
         if not self._begin("download", key, most):
             raise DownloadsOpen(f"the key has {most} downloads under way, as many as it may; wait until one has ended.")
         try:
-            if not self._begin("any download", "", DOWNLOADS):
+            if not self._begin("any download", "", MAX_PROCESS_DOWNLOADS):
                 raise DownloadsFull()
             try:
                 yield

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Request
 
 from ...core.run.sandbox import IsStopped
 from ..patterns import edit_pattern, examine_pattern
-from .access import Reader, RoomsOf
+from .access import AppStateDependency, Reader
 from .answers import PatternCheck, PatternEdited
 from .problems import show_answer
 from .schemas import SQUARE, DocumentIn, PatternEditIn
@@ -46,7 +46,7 @@ EXAMPLE = {
     "/check", summary="Say what is wrong with a pattern, and where.",
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
-async def check_pattern(document: DocumentIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
+async def check_pattern(document: DocumentIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
     """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
 
     `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
@@ -66,7 +66,7 @@ async def check_pattern(document: DocumentIn, request: Request, rooms: RoomsOf, 
     "/edit", name="edit_pattern", summary="Change a pattern by operations.",
     responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
-async def edit(wanted: PatternEditIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
+async def edit(wanted: PatternEditIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
     """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
 
     An operation that cannot be done is refused with its number, and in `findings` with its place. Each operation and

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query
 
 from ..persons import Person, PersonDeleted, delete_person, find_person
-from .access import Reader, RoomsOf, Submitter
+from .access import AppStateDependency, Reader, Submitter
 from .jobs import DELETED
 from .problems import show_answer
 
@@ -26,7 +26,7 @@ FOUND = {
 @router.get(
     "/{name}", name="show_person", summary="List a person's data.", responses=show_answer(FOUND, model=Person)
 )  # fmt: skip
-def show_one(name: PersonName, rooms: RoomsOf, caller: Reader) -> Any:
+def show_one(name: PersonName, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return what `DELETE` would delete: jobs and uploads of a name, and all that was made of the same files.
 
     Names are compared exactly: a job is called so, a file is called so, or so with one ending. Of a key only its own;
@@ -41,7 +41,7 @@ def show_one(name: PersonName, rooms: RoomsOf, caller: Reader) -> Any:
         DELETED | {"uploads": 1, "found": FOUND, "dry_run": False}, model=PersonDeleted, refusals=(409,)
     ),
 )  # fmt: skip
-def delete_one(name: PersonName, rooms: RoomsOf, caller: Submitter, dry_run: DryRun = False) -> Any:
+def delete_one(name: PersonName, rooms: AppStateDependency, caller: Submitter, dry_run: DryRun = False) -> Any:
     """Delete the scans and uploads of a name, and all that was made of them; `found` says what that was.
 
     They are found by the exact name of a job, a scan or an upload, then by the files themselves, whatever these were

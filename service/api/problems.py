@@ -15,7 +15,7 @@ from starlette.requests import ClientDisconnect
 
 from ...core.run.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ...core.run.sandbox import LONGEST_MESSAGE
-from ..shown_errors import is_ours, show_message
+from ..shown_errors import is_service_error, show_message
 from .nulls import hide_nulls
 
 log = logging.getLogger(__name__)
@@ -66,10 +66,10 @@ def error_status(error: GarmentqError) -> int:
         return 404
     if isinstance(error, BadInput):
         return 422
-    return 503 if is_ours(error) else 500
+    return 503 if is_service_error(error) else 500
 
 
-def tell_retry(status: int, seconds: float) -> dict[str, str]:
+def make_retry_header(status: int, seconds: float) -> dict[str, str]:
     """Return the header that says when to ask again, where a status means that it helps."""
     return {"retry-after": str(max(1, math.ceil(seconds)))} if status in (429, 503) else {}
 
@@ -78,7 +78,7 @@ def make_problem(
     status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS, findings: Sequence[Any] = ()
 ) -> JSONResponse:
     """Answer with one problem; what was found in a pattern goes with it."""
-    headers = tell_retry(status, retry_seconds)
+    headers = make_retry_header(status, retry_seconds)
     if status == 401:
         headers["www-authenticate"] = "Bearer"
     clean = keep_printable(detail)[:LONGEST_MESSAGE]
@@ -90,12 +90,12 @@ def make_problem(
 def answer_error(error: GarmentqError) -> JSONResponse:
     """Answer with one of our errors."""
     seconds, findings = getattr(error, "retry_seconds", RETRY_SECONDS), getattr(error, "findings", ())
-    return make_problem(error_status(error), error.code, tell_message(error), seconds, findings)
+    return make_problem(error_status(error), error.code, make_public_message(error), seconds, findings)
 
 
-def tell_message(error: GarmentqError) -> str:
+def make_public_message(error: GarmentqError) -> str:
     """Return what a caller is told of an error; the log has the details of what is wrong with the service itself."""
-    if is_ours(error):
+    if is_service_error(error):
         log.warning("answered %s: %s", error.code, error.message)
     return show_message(error)
 
@@ -167,10 +167,11 @@ EXAMPLE_CODES = {
 }  # fmt: skip
 """A code of each."""
 
-BEFORE = (400, 403, 431, 500, 503)
-"""Refusals that any route may give: of a head that cannot be taken, of another origin, by a fault, after a silence."""
+COMMON_REFUSAL_STATUSES = (400, 403, 431, 500, 503)
+"""HTTP statuses of refusals that any route may give: of a head that cannot be taken, of another origin, by a fault,
+after a silence."""
 
-ALWAYS = (*BEFORE, 401, 404, 413, 422, 429)
+API_REFUSAL_STATUSES = (*COMMON_REFUSAL_STATUSES, 401, 404, 413, 422, 429)
 """Refusals that any route under /v1 may give: each reads a key, a query and the database."""
 
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
@@ -190,7 +191,7 @@ def show_answer(
     good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": hide_nulls(value)}}}
     if model is not None:
         good["model"] = model
-    return {status: good, **show_refusals(*ALWAYS, *refusals)}
+    return {status: good, **show_refusals(*API_REFUSAL_STATUSES, *refusals)}
 
 
 def show_bytes(description: str, media: str = "application/octet-stream") -> dict[str, Any]:

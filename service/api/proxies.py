@@ -9,7 +9,7 @@ from typing import Any
 
 from ..settings import ServiceSettingBad
 
-PROXIES = "127.0.0.1,::1"
+DEFAULT_PROXIES = "127.0.0.1,::1"
 """Whose word is taken by default: a proxy on this machine."""
 
 NONE = "none"
@@ -19,7 +19,7 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Message = MutableMapping[str, Any]
 
 
-class Forwarded:
+class ProxyHeaders:
     """Put the client that a trusted proxy names in place of the proxy, and its scheme; nothing of anybody else's word.
 
     Of `X-Forwarded-For` the last entry is taken, which is the proxy's own, and only where it is an address: what stands
@@ -42,11 +42,11 @@ class Forwarded:
         if scope["type"] == "http" and peer is not None:
             scope["client"] = (peer, scope["client"][1])
             if any(ipaddress.ip_address(peer) in network for network in self.proxies):
-                _believe(scope)
+                _apply_forwarded_headers(scope)
         await self.app(scope, receive, send)
 
 
-def _believe(scope: Message) -> None:
+def _apply_forwarded_headers(scope: Message) -> None:
     """Take client and scheme from a proxy's headers."""
     values = {
         wanted: [value.decode("latin-1") for name, value in scope["headers"] if name == wanted]
@@ -80,7 +80,7 @@ def read_proxies(environment: Mapping[str, str] | None = None) -> list[Network]:
         ServiceSettingBad: where one is none.
     """
     environment = os.environ if environment is None else environment
-    text = environment.get("GARMENTQ_API_PROXIES", "").strip() or PROXIES
+    text = environment.get("GARMENTQ_API_PROXIES", "").strip() or DEFAULT_PROXIES
     try:
         return [ipaddress.ip_network(one.strip()) for one in text.split(",") if text != NONE and one.strip()]
     except ValueError as error:

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
 
-from ..query import MOST, MOST_SKIPPED, JobQuery
-from .access import Reader, RoomsOf
+from ..query import MAX_QUERY_OFFSET, MAX_QUERY_ROWS, JobQuery
+from .access import AppStateDependency, Reader
 from .answers import Jobs
-from .jobs import EXAMPLE, Given, Words, answer_query
+from .jobs import EXAMPLE, JobFilter, Words, answer_query
 from .problems import show_answer
 
 router = APIRouter(tags=["results"])
@@ -20,15 +20,15 @@ router = APIRouter(tags=["results"])
 class Page:
     """Choose which of the jobs that are found are returned."""
 
-    limit: Annotated[int, Query(ge=1, le=MOST)] = 50
-    offset: Annotated[int, Query(ge=0, le=MOST_SKIPPED)] = 0
+    limit: Annotated[int, Query(ge=1, le=MAX_QUERY_ROWS)] = 50
+    offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0
 
 
 @router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
 def query_jobs(
-    rooms: RoomsOf,
+    rooms: AppStateDependency,
     caller: Reader,
-    given: Annotated[Given, Depends()],
+    given: Annotated[JobFilter, Depends()],
     garment: Words = None,
     fabric: Words = None,
     where: Annotated[list[str], Query(max_length=20, examples=[["surface_rms_mm.t2s < 4"]])] = [],  # noqa: B006

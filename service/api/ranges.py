@@ -6,10 +6,10 @@ import re
 
 from ...core.run.errors import BadInput
 
-MOST_RANGES = 100
+MAX_REQUEST_RANGES = 100
 """Ranges of one request; where more are asked for the whole file is sent."""
 
-ONE = re.compile(r"(\d{0,19})\s*-\s*(\d{0,19})")
+RANGE_PATTERN = re.compile(r"(\d{0,19})\s*-\s*(\d{0,19})")
 
 
 class RangeBad(BadInput):
@@ -40,7 +40,7 @@ def read_ranges(text: str, size: int) -> list[tuple[int, int]]:
     parts = [part.strip() for part in rest.split(",") if part.strip()]
     if unit.strip().lower() != "bytes" or not parts:
         raise RangeBad(400)
-    if len(parts) > MOST_RANGES:
+    if len(parts) > MAX_REQUEST_RANGES:
         return []
     merged: list[tuple[int, int]] = []
     for start, stop in sorted(_read_one(part, size) for part in parts):
@@ -52,7 +52,7 @@ def read_ranges(text: str, size: int) -> list[tuple[int, int]]:
 
 
 def _read_one(part: str, size: int) -> tuple[int, int]:
-    found = ONE.fullmatch(part)
+    found = RANGE_PATTERN.fullmatch(part)
     if found is None or found[1] == found[2] == "":
         raise RangeBad(400)
     if not found[1]:

@@ -12,13 +12,13 @@ from ..models import BodyRow
 from ..records import Artifact
 from ..results import ResultMissing, list_files
 from ..states import ENDED
-from .access import Reader, Rooms, RoomsOf, find_own
+from .access import AppState, AppStateDependency, Reader, find_own
 from .answers import Files, Result, Wearer
 from .archive import pack_files
-from .download import Download, Shown, send_file
+from .download import Download, SendOptions, send_file
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import ALWAYS, show_answer, show_bytes, show_refusals
+from .problems import API_REFUSAL_STATUSES, show_answer, show_bytes, show_refusals
 
 router = APIRouter(tags=["results"])
 
@@ -38,7 +38,7 @@ WEARER = {
     "/jobs/{job}/result", summary="Show what a job found.",
     responses=show_answer(JOB | {"files": [FILE]}, model=Result),
 )  # fmt: skip
-def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def show_result(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return an ended job with its files."""
     row = find_own(rooms, caller, job)
     if row.state not in ENDED:
@@ -49,7 +49,7 @@ def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
 @router.get(
     "/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}, model=Files)
 )
-def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def list_artifacts(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the names, hashes and sizes of a job's files."""
     return {"files": _find_files(rooms, find_own(rooms, caller, job).id)}
 
@@ -62,10 +62,10 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
         200: show_bytes("The file."),
         206: show_bytes("The bytes that `Range` asked for."),
         304: {"description": "`If-None-Match` names the file's hash."},
-        **show_refusals(*ALWAYS, 416),
+        **show_refusals(*API_REFUSAL_STATUSES, 416),
     },
 )
-def download_artifact(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
+def download_artifact(job: str, name: str, request: Request, rooms: AppStateDependency, caller: Reader) -> Response:
     """Return a file. The name is looked up in the job's list and is never a path.
 
     It is hashed while it is sent: of one that is damaged less comes than `Content-Length` says. Parts that `Range` asks
@@ -84,17 +84,17 @@ def download_artifact(job: str, name: str, request: Request, rooms: RoomsOf, cal
     response_class=StreamingResponse,
     responses={
         200: show_bytes("The files.", "application/zip"),
-        **show_refusals(*ALWAYS),
+        **show_refusals(*API_REFUSAL_STATUSES),
     },
 )
-def download_result(job: str, rooms: RoomsOf, caller: Reader) -> Response:
+def download_result(job: str, rooms: AppStateDependency, caller: Reader) -> Response:
     """Return all files of a job as one .zip, which breaks off where one is damaged; their list has their hashes."""
     row = find_own(rooms, caller, job)
     files = _find_files(rooms, row.id)
     if not files:
         raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` tells why.")
     headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
-    return Download(rooms, caller, pack_files(rooms.store, files), Shown("application/zip", headers))
+    return Download(rooms, caller, pack_files(rooms.store, files), SendOptions("application/zip", headers))
 
 
 @router.get(
@@ -105,10 +105,10 @@ def download_result(job: str, rooms: RoomsOf, caller: Reader) -> Response:
         200: show_bytes("The file."),
         206: show_bytes("The bytes that `Range` asked for."),
         304: {"description": "`If-None-Match` names the file's hash."},
-        **show_refusals(*ALWAYS, 416),
+        **show_refusals(*API_REFUSAL_STATUSES, 416),
     },
 )
-def download_export(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
+def download_export(job: str, name: str, request: Request, rooms: AppStateDependency, caller: Reader) -> Response:
     """Return a file that a job of kind `export` wrote of this job's result; it makes none."""
     row = find_own(rooms, caller, job)
     found = find_export(rooms.database, row.id, name, "" if caller.sees_all else caller.key)
@@ -119,7 +119,7 @@ def download_export(job: str, name: str, request: Request, rooms: RoomsOf, calle
     "/bodies/of/{job}", summary="Show the wearer as a job saw it.",
     responses=show_answer(WEARER, model=Wearer),
 )  # fmt: skip
-def show_wearer(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def show_wearer(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return joints [m] by name and the fitted model's parameters."""
     row = find_own(rooms, caller, job)
     with rooms.database.read() as session:
@@ -130,5 +130,5 @@ def show_wearer(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     return {"job": row.id, **shown}
 
 
-def _find_files(rooms: Rooms, job: str) -> list[Artifact]:
+def _find_files(rooms: AppState, job: str) -> list[Artifact]:
     return [Artifact.from_row(row) for row in list_files(rooms.database, job)]

@@ -24,11 +24,12 @@ TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0
 FabricName = TemplateName
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
-LARGEST_SEED = 2**31 - 1
+MAX_RANDOM_SEED = 2**31 - 1
+"""Largest seed: what every client's integers hold."""
 WORDS = tuple(part.word for part in GARMENTS)
 """The garments of a person."""
-MOST_JOBS = 1000
-"""Jobs of one question; a larger batch asks more than once."""
+MAX_JOBS_PER_REQUEST = 1000
+"""Largest number of jobs in one request; a larger batch takes more than one."""
 
 
 ALLOWED = {
@@ -43,7 +44,7 @@ def _field(name: str, hint: Any) -> Any:
         known: list[JsonValue] = [*ALLOWED[name], *([None] if hint == (str | None) else [])]
         return Annotated[Text if hint is str else Text | None, Field(json_schema_extra={"enum": known})]
     if name == "seed":
-        return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
+        return Annotated[int, Field(ge=0, le=MAX_RANDOM_SEED)]
     if hint is str:
         return Text
     return Text | None if hint == (str | None) or name == "fabric" else hint  # a fabric by its name only
@@ -203,7 +204,7 @@ class JobsIn(BaseModel):
     """Name some jobs by their ids."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
-    jobs: list[JobId] = Field(min_length=1, max_length=MOST_JOBS)
+    jobs: list[JobId] = Field(min_length=1, max_length=MAX_JOBS_PER_REQUEST)
     below: bool = Field(False, description="Also return all jobs below them.")
 
 

@@ -14,7 +14,7 @@ from ..database import open_database
 from ..home import use_home
 from ..keys import list_keys
 from ..settings import ServiceSettings
-from ..signals import STOP_SIGNALS, handling
+from ..signals import STOP_SIGNALS, handle_signals
 from .connections import make_protocol
 from .guard import HEAD_BYTES, is_loopback
 from .limits import ApiLimits, read_limits
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 IDLE_SECONDS = 30
 """How long a connection without a request is kept [s]; a client that follows a job asks more often."""
 
-CONNECTIONS = 512
-"""Requests at a time; more are answered 503 at once."""
+MAX_CONCURRENT_REQUESTS = 512
+"""Largest number of requests at a time; more are answered 503 at once."""
 
 
 class AddressPublic(BadInput):
@@ -96,7 +96,7 @@ def make_server(config: uvicorn.Config) -> uvicorn.Server:
         def capture_signals(self) -> Iterator[None]:
             """Listen to what tells a server to stop, but to nothing that is ignored (nohup)."""
             told = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-            with handling(told, self.handle_exit):
+            with handle_signals(told, self.handle_exit):
                 yield
 
     return Server(config)
@@ -109,7 +109,7 @@ def make_options(limits: ApiLimits) -> dict[str, Any]:
         "server_header": False,
         "proxy_headers": False,
         "timeout_keep_alive": IDLE_SECONDS,
-        "limit_concurrency": CONNECTIONS,
+        "limit_concurrency": MAX_CONCURRENT_REQUESTS,
         "http": make_protocol(limits),
         "h11_max_incomplete_event_size": HEAD_BYTES,
         "timeout_graceful_shutdown": 10,

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Request, Response
 from ...core.run.sandbox import IsStopped
 from ..catalogue import ImportedTemplate, Template
 from ..templates import delete_template, import_template, list_templates, read_template
-from .access import Admin, Reader, Rooms, RoomsOf
+from .access import Admin, AppState, AppStateDependency, Reader
 from .answers import Templates
 from .problems import BYTES, show_answer
 from .schemas import SQUARE, DocumentIn, TemplateName
@@ -28,7 +28,7 @@ DELETED = {"name": "jacket", "category": "jacket", "source": "imported", "title"
     "", name="list_templates", summary="List the templates.",
     responses=show_answer({"templates": [EXAMPLE]}, model=Templates),
 )  # fmt: skip
-def list_all(rooms: RoomsOf, caller: Reader) -> Any:
+def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return shipped and imported templates."""
     return {"templates": list_templates(rooms.database)}
 
@@ -37,7 +37,7 @@ def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     "/{name}", summary="Give a template as a GarmentCode pattern.",
     responses=show_answer(SQUARE, model=DocumentIn),
 )  # fmt: skip
-def show_template(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
+def show_template(name: TemplateName, rooms: AppStateDependency, caller: Reader) -> Response:
     """Return the pattern file of a template."""
     return Response(read_template(rooms, name), media_type="application/json")
 
@@ -49,7 +49,7 @@ def show_template(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Respons
         "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}}
     },
 )  # fmt: skip
-async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, caller: Admin) -> Any:
+async def import_one(name: TemplateName, request: Request, rooms: AppStateDependency, caller: Admin) -> Any:
     """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced."""
     content = await request.body()
     return await rooms.limited.run(request, caller.key, partial(_import, rooms, name, content))
@@ -59,12 +59,12 @@ async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, calle
     "/{name}", name="delete_template", summary="Delete an imported template.",
     responses=show_answer(DELETED, model=Template),
 )  # fmt: skip
-def delete_one(name: TemplateName, rooms: RoomsOf, caller: Admin) -> Any:
+def delete_one(name: TemplateName, rooms: AppStateDependency, caller: Admin) -> Any:
     """Delete an imported template; jobs that were asked for with it keep its file."""
     return delete_template(rooms.database, name)
 
 
-def _import(rooms: Rooms, name: str, content: bytes, is_stopped: IsStopped) -> ImportedTemplate:
+def _import(rooms: AppState, name: str, content: bytes, is_stopped: IsStopped) -> ImportedTemplate:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "pattern.json"
         path.write_bytes(content)

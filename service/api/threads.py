@@ -11,7 +11,7 @@ from anyio import CapacityLimiter, to_thread
 Result = TypeVar("Result")
 
 
-class Threads:
+class ThreadPool:
     """Run blocking functions in a number of threads, apart from those that the routes share."""
 
     def __init__(self, most: int) -> None:
@@ -28,7 +28,7 @@ class Threads:
 
 
 @dataclass(frozen=True)
-class Lanes:
+class ThreadPools:
     """Gather the threads that a server has beside those of the routes.
 
     Attributes:
@@ -37,6 +37,6 @@ class Lanes:
         transfers: Hash and move an upload into the store; one of 512 MB takes seconds, and a disk's whole speed.
     """
 
-    admission: Threads = field(default_factory=lambda: Threads(16))
-    watching: Threads = field(default_factory=lambda: Threads(2))
-    transfers: Threads = field(default_factory=lambda: Threads(8))
+    admission: ThreadPool = field(default_factory=lambda: ThreadPool(16))
+    watching: ThreadPool = field(default_factory=lambda: ThreadPool(2))
+    transfers: ThreadPool = field(default_factory=lambda: ThreadPool(8))

@@ -20,7 +20,7 @@ from ..private import make_private
 from ..store import StorageFull
 from ..submission import clean_name
 from ..uploads import check_day, find_upload, keep_upload
-from .access import Reader, Rooms, RoomsOf, Submitter
+from .access import AppState, AppStateDependency, Reader, Submitter
 from .answers import Upload
 from .problems import BYTES, refuse, show_answer
 from .schemas import Sha256
@@ -53,7 +53,9 @@ class FileRefused(BadInput):
 def _add(kind: str) -> None:
     """Add the two routes of one kind of file."""
 
-    async def upload(request: Request, response: Response, rooms: RoomsOf, caller: Submitter, name: Name) -> Any:
+    async def upload(
+        request: Request, response: Response, rooms: AppStateDependency, caller: Submitter, name: Name
+    ) -> Any:
         if request.headers.get("content-type", "").lower().startswith("multipart/"):
             raise refuse(415, "upload.not_raw", "send the file itself as the body, not a form that holds it.")
         cleaned = clean_name(name)
@@ -62,7 +64,7 @@ def _add(kind: str) -> None:
         with rooms.meter.uploading(caller.key):
             await run_in_threadpool(rooms.store.check, rooms.settings.free_bytes + length)
             await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
-            async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
+            async with _spool_body(request, rooms, Path(cleaned).suffix.lower()) as path:
                 await run_in_threadpool(_check, kind, path, cleaned)
                 keep = (rooms.database, rooms.store, caller.key, path, (name, kind), most)
                 kept = await rooms.lanes.transfers.run(keep_upload, *keep)
@@ -70,11 +72,11 @@ def _add(kind: str) -> None:
         response.headers["etag"] = f'"{kept.sha256}"'
         return {"sha256": kept.sha256, "name": cleaned, "size": kept.size}
 
-    def show(sha256: Sha256, rooms: RoomsOf, caller: Reader) -> Any:
+    def show(sha256: Sha256, rooms: AppStateDependency, caller: Reader) -> Any:
         row = find_upload(rooms.database, caller.key, sha256, kind)
         return {"sha256": row.sha256, "name": clean_name(row.name), "size": row.size}
 
-    def forget(sha256: Sha256, rooms: RoomsOf, caller: Submitter) -> Any:
+    def forget(sha256: Sha256, rooms: AppStateDependency, caller: Submitter) -> Any:
         row = find_upload(rooms.database, caller.key, sha256, kind)
         return delete_upload(rooms.database, rooms.store, row.sha256, caller.key)
 
@@ -98,7 +100,7 @@ for _kind in KINDS:
     _add(_kind)
 
 
-def _refuse_length(request: Request, rooms: Rooms) -> int:
+def _refuse_length(request: Request, rooms: AppState) -> int:
     """Refuse a body that says itself that it is too large; give the size that it tells, or 0."""
     text = request.headers.get("content-length", "0")
     length = int(text[:20]) if text.isascii() and text.isdigit() else 0
@@ -109,7 +111,7 @@ def _refuse_length(request: Request, rooms: Rooms) -> int:
 
 
 @asynccontextmanager
-async def _received(request: Request, rooms: Rooms, suffix: str) -> AsyncIterator[Path]:
+async def _spool_body(request: Request, rooms: AppState, suffix: str) -> AsyncIterator[Path]:
     """Write the body to a temporary file for the block; it is gone afterwards, whatever happens."""
     make_private(rooms.incoming)
     descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming, suffix=suffix)

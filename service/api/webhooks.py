@@ -11,7 +11,7 @@ from ..states import State
 from ..webhook_records import Receipt
 from ..webhook_trial import try_webhook
 from ..webhooks import create_webhook, delete_webhook, list_webhooks
-from .access import Reader, RoomsOf, Submitter
+from .access import AppStateDependency, Reader, Submitter
 from .answers import NewWebhook, Webhook, Webhooks
 from .problems import show_answer
 from .schemas import WebhookIn
@@ -31,7 +31,7 @@ WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
     "", status_code=201, name="create_webhook", summary="Be told when jobs end.",
     responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook, (408,)),
 )  # fmt: skip
-def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
+def create(wanted: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Send an address a message about the caller's own jobs that end from now on.
 
     The secret that signs the messages is in this answer and never again. The address is https and a public one, unless
@@ -46,7 +46,7 @@ def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
     "", name="list_webhooks", summary="List the webhooks.",
     responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks),
 )  # fmt: skip
-def list_all(rooms: RoomsOf, caller: Reader) -> Any:
+def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the caller's webhooks without their secrets; `owed` messages are still to be sent."""
     return {"webhooks": [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))]}
 
@@ -54,7 +54,7 @@ def list_all(rooms: RoomsOf, caller: Reader) -> Any:
 @router.delete(
     "/{webhook}", name="delete_webhook", summary="Delete a webhook.", responses=show_answer(EXAMPLE, model=Webhook),
 )  # fmt: skip
-def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
+def delete(webhook: WebhookId, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Delete a webhook with all that is owed to it."""
     return delete_webhook(rooms.database, webhook, _find_realm(caller)).as_json()
 
@@ -63,7 +63,7 @@ def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     "/{webhook}/test", summary="Try a webhook.",
     responses=show_answer({"status": 204, "error": None}, model=Receipt),
 )  # fmt: skip
-async def test_webhook(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
+async def test_webhook(webhook: WebhookId, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Let a message of the type `test` be sent once, by whoever sends the others, before what is owed.
 
     The answer comes within 30 s: the status that the address gave, or why there was none.

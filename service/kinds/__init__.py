@@ -6,12 +6,24 @@ from importlib import import_module
 
 from ...core.run.errors import GarmentqError
 from ..settings import ServiceSettings
-from .kind import PARENT, ChildRequest, Kind, Outcome, Turned, Work
+from .kind import PARENT, ChildRequest, Kind, KindChange, Outcome, RunContext
 from .request import FileRef, RequestBad, find_files, pack_request, read_request
 
 __all__ = [
-    "KINDS", "PARENT", "ChildRequest", "FileRef", "Kind", "KindUnknown", "Outcome", "RequestBad", "Turned", "Work",
-    "find_files", "find_kind", "pack_request", "read_request",
+    "KINDS",
+    "PARENT",
+    "ChildRequest",
+    "FileRef",
+    "Kind",
+    "KindChange",
+    "KindUnknown",
+    "Outcome",
+    "RequestBad",
+    "RunContext",
+    "find_files",
+    "find_kind",
+    "pack_request",
+    "read_request",
 ]  # fmt: skip
 
 KINDS = {

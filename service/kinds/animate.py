@@ -12,11 +12,11 @@ from ..models import JobRow
 from .animate_request import MOTION, AnimateRequest
 from .dress import GARMENT_FILES, GARMENTS
 from .dress_request import RESULT
-from .kind import Kind, Outcome, Work
+from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.animate import AnimateSettings, Moved
+    from ...core.reuse.animate import AnimatedGarment, AnimateSettings
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
@@ -40,27 +40,27 @@ class Animate(Kind):
         """Return the garment on its wearer; no mesh, picture or report."""
         return GARMENT_FILES
 
-    def run(self, request: AnimateRequest, work: Work, hooks: Hooks) -> Moved:
+    def run(self, request: AnimateRequest, work: RunContext, hooks: Hooks) -> AnimatedGarment:
         """Move the garment and write the files."""
-        from ...core.body.motion import Recording, find_shipped, load_motion
-        from ...core.deliver.export.animation import tell_left_out, write_moved
-        from ...core.reuse.animate import move_worn
+        from ...core.body.motion import Recording, find_shipped_motion, load_motion
+        from ...core.deliver.export.animation import add_omission_warnings, write_animation_result
+        from ...core.reuse.animate import animate_garment
         from ...core.reuse.wear import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         if isinstance(request.motion, str):
-            path = find_shipped(request.motion)
+            path = find_shipped_motion(request.motion)
             assert path is not None
             name, recording = request.motion, load_motion(path)
         else:
             name, recording = request.motion.name, read_record(Recording, work.files / MOTION)
-        moved = tell_left_out(move_worn(worn, recording, name, _choose(request), clock))
-        write_moved(moved, work.out)
+        moved = add_omission_warnings(animate_garment(worn, recording, name, _choose(request), clock))
+        write_animation_result(moved, work.out)
         return moved
 
-    def store(self, session: Session, claim: Claim, result: Moved) -> Outcome:
+    def store(self, session: Session, claim: Claim, result: AnimatedGarment) -> Outcome:
         """Add the rows of pattern, fabric, body and numbers."""
         worn = result.animation.worn
         session.add(describe_body(claim.job, worn.body))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.body.motion.shipped import SHIPPED
+from ...core.body.motion.shipped import SHIPPED_MOTIONS
 from .request import FileRef, RequestBad
 
 MOTION = "motion.npz"
@@ -41,8 +41,10 @@ class AnimateRequest:
         """
         from ...core.reuse.animate.settings import AnimateBad, AnimateSettings
 
-        if isinstance(self.motion, str) and self.motion not in SHIPPED:
-            raise RequestBad(f"no motion '{self.motion[:40]}' is shipped; there are {', '.join(SHIPPED)}, and files.")
+        if isinstance(self.motion, str) and self.motion not in SHIPPED_MOTIONS:
+            raise RequestBad(
+                f"no motion '{self.motion[:40]}' is shipped; there are {', '.join(SHIPPED_MOTIONS)}, and files."
+            )
         if self.damping is not None and not 0.0 <= self.damping <= 100.0:
             raise AnimateBad(f"a damping of {self.damping:g} a second is outside 0 to 100.")
         AnimateSettings(fps=self.fps, begin=self.begin, end=self.end)

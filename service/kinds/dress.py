@@ -10,14 +10,14 @@ from sqlalchemy.orm import Session
 from ..jobs import Claim
 from ..models import JobRow
 from .dress_request import BODY, RESULT, UNDER, DressRequest
-from .kind import Kind, Outcome, Work
+from .kind import Kind, Outcome, RunContext
 from .request import FileRef
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
     from ...core.body import Body
     from ...core.cloth import Fabric
-    from ...core.reuse.wear import Dressed, Worn
+    from ...core.reuse.wear import DressedGarment, WornGarment
     from ...core.run.clock import Clock
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
@@ -51,7 +51,7 @@ class Dress(Kind):
         """Return the garment on its wearer; no mesh, picture or report."""
         return GARMENT_FILES
 
-    def run(self, request: DressRequest, work: Work, hooks: Hooks) -> Dressed:
+    def run(self, request: DressRequest, work: RunContext, hooks: Hooks) -> DressedGarment:
         """Dress the body and write the files."""
         from ...core.cloth import get_fabric
         from ...core.deliver.export.dressed import write_dressed
@@ -71,13 +71,13 @@ class Dress(Kind):
         write_dressed(dressed, work.out)
         return dressed
 
-    def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    def wear(self, worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
         """Return the garment on the body."""
         from ...core.reuse.wear import dress_body
 
         return dress_body(worn, body, fabric, clock)
 
-    def store(self, session: Session, claim: Claim, result: Dressed) -> Outcome:
+    def store(self, session: Session, claim: Claim, result: DressedGarment) -> Outcome:
         """Add the rows of pattern, fabric, body and numbers."""
         return store_dressed(session, claim.job, result)
 
@@ -94,14 +94,14 @@ class Refit(Dress):
     reads_too = MappingProxyType({})
     persons = ""
 
-    def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    def wear(self, worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
         """Return the garment made to measure on the body."""
         from ...core.reuse.wear import make_to_measure
 
         return make_to_measure(worn, body, fabric, clock)
 
 
-def store_dressed(session: Session, job: str, result: Dressed) -> Outcome:
+def store_dressed(session: Session, job: str, result: DressedGarment) -> Outcome:
     """Add the rows of a garment on a body, and return what is kept in the job's."""
     worn = result.worn
     session.add(describe_body(job, worn.body))

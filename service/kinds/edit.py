@@ -13,11 +13,11 @@ from ..patterns import refuse_unsound
 from .dress import GARMENT_FILES, GARMENTS
 from .dress_request import RESULT
 from .edit_request import PATTERN, EditRequest, add_recovered
-from .kind import Kind, Outcome, Work
+from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.edit import Edited
+    from ...core.reuse.edit import EditedGarment
     from ...core.run.hooks import Hooks
     from ...core.run.sandbox import IsStopped
     from ..settings import ServiceSettings
@@ -51,7 +51,7 @@ class Edit(Kind):
         """Return the garment on its wearer; no mesh, picture or report."""
         return GARMENT_FILES
 
-    def run(self, request: EditRequest, work: Work, hooks: Hooks) -> Edited:
+    def run(self, request: EditRequest, work: RunContext, hooks: Hooks) -> EditedGarment:
         """Drape the pattern and write the files."""
         from ...core.deliver.export.edited import write_edited
         from ...core.garment import load_pattern
@@ -68,7 +68,7 @@ class Edit(Kind):
         write_edited(edited, work.out)
         return edited
 
-    def store(self, session: Session, claim: Claim, result: Edited) -> Outcome:
+    def store(self, session: Session, claim: Claim, result: EditedGarment) -> Outcome:
         """Add the rows of pattern, fabric, body and numbers."""
         worn = result.worn
         session.add(describe_body(claim.job, worn.body))

@@ -13,7 +13,7 @@ from ..models import JobRow
 from .dress import GARMENTS
 from .dress_request import RESULT
 from .export_request import ExportRequest, add_scan
-from .kind import Kind, Outcome, Work
+from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pieces, summarise
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Exported:
+class ExportResult:
     """Describe the pieces that were written, and what it cost."""
 
     pieces: PieceSet
@@ -42,7 +42,7 @@ class Export(Kind):
         """Return the request with the result's scan, where the format takes its colours."""
         return add_scan(session, request, row)
 
-    def run(self, request: ExportRequest, work: Work, hooks: Hooks) -> Exported:
+    def run(self, request: ExportRequest, work: RunContext, hooks: Hooks) -> ExportResult:
         """Write the files."""
         from ...core.deliver.formats import Production, write_production
         from ...core.reuse.wear import load_worn
@@ -55,9 +55,9 @@ class Export(Kind):
             production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, told)
             write_production(production, work.out)
             pieces = production.pieces
-        return Exported(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))
+        return ExportResult(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))
 
-    def store(self, session: Session, claim: Claim, result: Exported) -> Outcome:
+    def store(self, session: Session, claim: Claim, result: ExportResult) -> Outcome:
         """Add the rows of the pieces and of their numbers."""
         from ...core.garment.pieces import describe_pieces
 

@@ -64,7 +64,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Turned:
+class KindChange:
     """State that a job's files are what another kind works on.
 
     Attributes:
@@ -77,7 +77,7 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Work:
+class RunContext:
     """What a run has beside its request.
 
     Attributes:
@@ -159,7 +159,7 @@ class Kind(ABC):
         """
         return {}
 
-    def turn(self, request: Any, work: Work, hooks: Hooks) -> Turned | None:
+    def turn(self, request: Any, work: RunContext, hooks: Hooks) -> KindChange | None:
         """Return what the job is instead, where its files turn out to be what another kind works on; after the check.
 
         The job keeps its id, and what makes it the same as another.
@@ -171,7 +171,7 @@ class Kind(ABC):
         return ()
 
     @abstractmethod
-    def run(self, request: Any, work: Work, hooks: Hooks) -> Any:
+    def run(self, request: Any, work: RunContext, hooks: Hooks) -> Any:
         """Do the work, write its files into `work.out`, and return the result."""
 
     @abstractmethod

@@ -13,9 +13,9 @@ from ..models import JobRow
 from ..states import State
 from .dress import BODY_CHECKER, GARMENT_FILES
 from .dress_request import BODY
-from .kind import Kind, Outcome, Work
+from .kind import Kind, Outcome, RunContext
 from .outfit_request import OutfitRequest
-from .recover_request import PERSON, TOLD
+from .recover_request import PERSON, PERSON_REPORT_FILE
 from .request import FileRef, RequestBad, read_request
 from .rows import add_metrics, describe_body, summarise
 
@@ -69,9 +69,9 @@ class Outfit(Kind):
 
     def choose_input(self, request: OutfitRequest, name: str) -> tuple[str, ...]:
         """Return what was found of the person, or a garment on its wearer; no mesh, picture or report."""
-        return (TOLD,) if name == PERSON else GARMENT_FILES
+        return (PERSON_REPORT_FILE,) if name == PERSON else GARMENT_FILES
 
-    def run(self, request: OutfitRequest, work: Work, hooks: Hooks) -> DressedOutfit:
+    def run(self, request: OutfitRequest, work: RunContext, hooks: Hooks) -> DressedOutfit:
         """Dress the body and write the files."""
         from ...core.deliver.export.outfit import write_outfit
         from ...core.reuse.wear import BodyFile, dress_outfit, find_wearer, load_worn

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.run.errors import GarmentqError
 from ..jobs import Claim
-from .kind import PARENT, ChildRequest, Kind, Outcome, Work
+from .kind import PARENT, ChildRequest, Kind, Outcome, RunContext
 from .person_request import PersonRequest
 from .recover import Recover
 from .recover_request import PERSON
@@ -33,7 +33,7 @@ class Person(Kind):
         """Return the reader of raw scans, bodies, labels and patterns."""
         return settings.person_checker
 
-    def run(self, request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
+    def run(self, request: PersonRequest, work: RunContext, hooks: Hooks) -> PersonFound:
         """Take the person apart and write its files."""
         found: PersonFound = work.settings.find("separator")(request, work, hooks)
         return found
@@ -46,7 +46,7 @@ class Person(Kind):
         if result.problem is not None:
             return Outcome(summary, failure=result.problem)
         try:
-            return Outcome(summary, _ask(read_request(PersonRequest, claim.request), result))
+            return Outcome(summary, _make_children(read_request(PersonRequest, claim.request), result))
         except GarmentqError as error:
             return Outcome(summary, failure=error)
 
@@ -56,7 +56,7 @@ class Person(Kind):
         return {name: person.get(name) for name in ("garments", "outfits", "parts")}
 
 
-def _ask(request: PersonRequest, found: PersonFound) -> tuple[ChildRequest, ...]:
+def _make_children(request: PersonRequest, found: PersonFound) -> tuple[ChildRequest, ...]:
     """Return a recovery for each garment."""
     words = found.words
     chosen = request.choose(words)

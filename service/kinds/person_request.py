@@ -13,7 +13,7 @@ from ...core.run.errors import BadInput
 from .recover_request import RecoverRequest
 from .request import FileRef, RequestBad
 
-GIVEN = "given.npz"
+PERSON_INPUT_FILE = "given.npz"
 """Holds what was read of the files, beside their folders."""
 
 WORDS = tuple(part.word for part in GARMENTS)

@@ -9,36 +9,36 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.body.spec import BuiltinWearer
 from ...core.run.errors import BadInput
-from .kind import Work
+from .kind import RunContext
 from .person_found import PersonFound
-from .person_request import GIVEN, PersonRequest
-from .recover_request import READING, TOLD
+from .person_request import PERSON_INPUT_FILE, PersonRequest
+from .recover_request import PERSON_REPORT_FILE, READING
 
 if TYPE_CHECKING:
-    from ...core.people.given import Given
-    from ...core.people.pipeline import Apart
+    from ...core.people.given import PersonInput
+    from ...core.people.pipeline import SegmentedPerson
     from ...core.run.hooks import Hooks
 
 
-def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
+def segment_person(request: PersonRequest, work: RunContext, hooks: Hooks) -> PersonFound:
     """Take the person apart whose files a limited process has read, and write all files of the result.
 
     Raises:
         BadInput: where the scan is no person, or shows no clothes.
     """
     from ...core.people.describe import describe_person
-    from ...core.people.given import load_given
-    from ...core.people.inspect import explain_garment, is_no_person
-    from ...core.people.pipeline import Wanted
-    from ...core.people.pipeline import take_apart as run
+    from ...core.people.given import load_person_input
+    from ...core.people.inspect import explain_missing_body, is_garment_refusal
+    from ...core.people.pipeline import UnparsedHints
+    from ...core.people.pipeline import segment_person as run
 
-    given = load_given(work.files / GIVEN)
+    given = load_person_input(work.files / PERSON_INPUT_FILE)
     builtin = request.body if isinstance(request.body, BuiltinWearer) else None
     try:
-        apart = run(given, Wanted(request.wearing, request.marks, builtin), hooks)
+        apart = run(given, UnparsedHints(request.wearing, request.marks, builtin), hooks)
     except BadInput as error:
-        if is_no_person(error) and request.given_as is None and request.body is None:
-            error.message = explain_garment(error)
+        if is_garment_refusal(error) and request.given_as is None and request.body is None:
+            error.message = explain_missing_body(error)
         raise
     separation = apart.separation
     person = describe_person(apart.raw, separation)
@@ -70,7 +70,7 @@ def _find_unused(request: PersonRequest, words: tuple[str, ...]) -> list[str]:
     ]
 
 
-def _write(apart: Apart, given: Given, found: PersonFound, folder: Path) -> None:
+def _write(apart: SegmentedPerson, given: PersonInput, found: PersonFound, folder: Path) -> None:
     from ...core.deliver.export.person import write_person
     from ...core.deliver.export.person_report import report_person
     from ...core.garment.reading import save_reading
@@ -79,7 +79,7 @@ def _write(apart: Apart, given: Given, found: PersonFound, folder: Path) -> None
     report = report_person(apart.raw, apart.separation, found.report.warnings, (folder / "picture.png").read_bytes())
     (folder / "report.html").write_text(report, encoding="utf-8")
     told = json.dumps(found.person | {"metrics": found.report.metrics}, indent=1, ensure_ascii=False)
-    (folder / TOLD).write_text(f"{told}\n", encoding="utf-8")
+    (folder / PERSON_REPORT_FILE).write_text(f"{told}\n", encoding="utf-8")
     for word, reading in apart.readings.items():
         own = given.patterns.get(word)
         (folder / word).mkdir()

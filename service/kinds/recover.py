@@ -11,9 +11,9 @@ from sqlalchemy.orm import Session
 from ...core.recover.recovery import STAGES
 from ..jobs import Claim
 from ..models import JobRow, ScanRow
-from .kind import Kind, Outcome, Turned, Work
+from .kind import Kind, KindChange, Outcome, RunContext
 from .person_request import make_person
-from .recover_request import AS_PERSON, PERSON, READING, TOLD, RecoverRequest
+from .recover_request import AS_PERSON, PERSON, PERSON_REPORT_FILE, READING, RecoverRequest
 from .request import pack_request
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
@@ -36,9 +36,9 @@ class Recover(Kind):
 
     def choose_input(self, request: RecoverRequest, name: str) -> tuple[str, ...]:
         """Return the reading of the garment, and what says how sure it is; no other garment's, picture or report."""
-        return (f"{request.part}/{READING}", TOLD) if name == PERSON and request.part is not None else ()
+        return (f"{request.part}/{READING}", PERSON_REPORT_FILE) if name == PERSON and request.part is not None else ()
 
-    def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
+    def run(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
         person = work.inputs.get(PERSON)
         recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, person), hooks)
@@ -47,12 +47,12 @@ class Recover(Kind):
         work.settings.find("writer")(recovery, work.out)
         return recovery
 
-    def turn(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Turned | None:
+    def turn(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> KindChange | None:
         """Return a person's job where the scan shows its wearer's head, hands or feet, or its labels name parts."""
         if request.part is not None or not request.is_open:
             return None
         if (work.files / AS_PERSON).exists() or _is_person(request.unpack(work.files), hooks):
-            return Turned("person", pack_request(make_person(request)))
+            return KindChange("person", pack_request(make_person(request)))
         return None
 
     def store(self, session: Session, claim: Claim, result: Recovery) -> Outcome:
@@ -71,7 +71,7 @@ class Recover(Kind):
 
 def _read_confidence(person: Path, part: str) -> float | None:
     """Return how sure it is that a garment's points are its own, as the job that took the person apart wrote it."""
-    told = json.loads((person / TOLD).read_text(encoding="utf-8"))
+    told = json.loads((person / PERSON_REPORT_FILE).read_text(encoding="utf-8"))
     return next((one["confidence"] for one in told["garments"] if one["part"] == part), None)
 
 
@@ -80,10 +80,10 @@ def _is_person(request: Request, hooks: Hooks) -> bool:
     reading = request.reading
     if reading is None or request.body is None or request.labels is not None:
         return False
-    from ...core.people.whole import shows_person, stands_tall
+    from ...core.people.whole import has_person_height, shows_person
     from ...core.recover.wearer import find_body
 
-    if not stands_tall(reading.pieces.garment, reading.pieces.wearer):
+    if not has_person_height(reading.pieces.garment, reading.pieces.wearer):
         return False
     return shows_person(reading.pieces.garment, find_body(request, reading.pieces, hooks))
 

@@ -14,7 +14,7 @@ from .request import FileRef, RequestBad
 READING = "reading.npz"
 """Holds what was read of the files, beside their folders."""
 
-TOLD = "person.json"
+PERSON_REPORT_FILE = "person.json"
 """File of such a result that says what was found, and how surely."""
 
 AS_PERSON = "as-person"

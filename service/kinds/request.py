@@ -10,7 +10,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ...core.body.spec import BuiltinWearer, is_builtin
 from ...core.run.errors import BadInput
-from ...core.run.text import TextBad, has_unkept
+from ...core.run.text import TextBad, has_unstorable_text
 
 HASH = re.compile(r"[0-9a-f]{64}")
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,99}")
@@ -45,7 +45,7 @@ def pack_request(request: Any) -> dict[str, Any]:
     """
     values = {field.name: (getattr(request, field.name), field.default) for field in fields(request)}
     found = {name: _pack(one) for name, (one, default) in values.items() if one is not None or default is not None}
-    if has_unkept(found):
+    if has_unstorable_text(found):
         raise TextBad()
     return found
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy.orm import Session
 
-from ..database import serialise
+from ..database import take_advisory_lock
 from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow, PieceRow
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def _add_material(session: Session, fabric: Fabric) -> str:
     values = asdict(fabric)
     values["sources"] = [list(pair) for pair in fabric.sources]
     key = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
-    serialise(session, key)  # two workers may be the first to use a fabric
+    take_advisory_lock(session, key)  # two workers may be the first to use a fabric
     if session.get(MaterialRow, key) is None:
         session.add(MaterialRow(id=key, **values))
     return key

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import Response
 
-from ..api.access import RoomsOf, find_own
+from ..api.access import AppStateDependency, find_own
 from ..templates import read_template
 from .markup import Html, html, join
 from .page_route import make_router
@@ -35,19 +35,19 @@ NUMBERS = (
 )
 """Options that are numbers: name, words, least, step."""
 
-STARTS_ON = ("symmetric", "sewn", "align", "handles")
+DEFAULT_CHECKS = ("symmetric", "sewn", "align", "handles")
 """What is on when the page opens."""
 
 
 @router.get("/results/{job}/edit")
-def edit_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def edit_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the editor with the pattern of a result."""
     row = find_own(rooms, visitor.caller, job)
     return _draw_editor(row.name, visitor, job=row.id)
 
 
 @router.get("/templates/{name}/edit")
-def edit_template(name: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def edit_template(name: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the editor with a template; there is no drape of it."""
     read_template(rooms, name)
     return _draw_editor(name, visitor, template=name)
@@ -63,7 +63,7 @@ def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "")
         ),
         checks=join(
             html('<label title="{}"><input type="checkbox" data-option="{}"{}> {}</label>', told, option,
-                 Html(" checked") if option in STARTS_ON else Html(), words)
+                 Html(" checked") if option in DEFAULT_CHECKS else Html(), words)
             for option, words, told in CHECKS
         ),
         numbers=join(

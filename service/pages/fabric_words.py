@@ -30,7 +30,7 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
     unknown: list[Html] = []
     fabric = fit.get("fabric", {}) if isinstance(fit, dict) else {}
     for parameter, told in fabric.items() if isinstance(fabric, dict) else ():
-        (known if told.get("identifiable") else unknown).append(_tell(str(parameter), told))
+        (known if told.get("identifiable") else unknown).append(_describe_parameter(str(parameter), told))
     chosen = html("<p>Chosen: {}.</p>", name) if name else Html()
     if not known and not unknown:
         told = "The method fits no fabric: all its numbers are those of the one that was chosen."
@@ -41,7 +41,7 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
     return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), near)
 
 
-def _tell(parameter: str, told: dict[str, Any]) -> Html:
+def _describe_parameter(parameter: str, told: dict[str, Any]) -> Html:
     """Return one number in words: within which factor it is known, or that it is not."""
     name, note = NAMES.get(parameter, parameter), str(told.get("note") or "")
     if not told.get("identifiable"):

@@ -7,41 +7,41 @@ from collections.abc import Callable, Collection
 
 from fastapi import Request, Response
 
-from ..api.access import Rooms, RoomsOf, find_own
-from ..api.download import BYTES, Download, Shown, send_file, slice_bytes
+from ..api.access import AppState, AppStateDependency, find_own
+from ..api.download import BYTES, Download, SendOptions, send_file, slice_bytes
 from ..records import Artifact
 from ..results import ResultMissing, list_files
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor
 from .shown_meshes import SCANS, WORN, list_shown
-from .stored_files import MOST_REPORT, REPORT, find_file, list_pictures, make_thumbnail, pack_files
+from .stored_files import MAX_REPORT_FILE_SIZE, REPORT, find_file, list_pictures, make_thumbnail, pack_files
 
 router = make_router()
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
 """What a report may do: show its own style and pictures; no script runs in it, whatever it holds."""
 
-MOST_SHOWN = 64 * 1024**2
+MAX_SHOWN_FILE_SIZE = 64 * 1024**2
 """Largest file that is packed for a view [bytes]: a scan of 1.3 million vertices."""
 
-KEPT = "private, max-age=86400"
+PICTURE_CACHE_CONTROL = "private, max-age=86400"
 """How long a browser keeps a picture, whose address changes with its content."""
 
 
 @router.get("/results/{job}/report")
-def show_report(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_report(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the stored report to look at."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
     if file is None:
         raise ResultMissing("the job has no report.")
-    shown = Shown("text/html; charset=utf-8", {"content-security-policy": REPORT_POLICY})
+    shown = SendOptions("text/html; charset=utf-8", {"content-security-policy": REPORT_POLICY})
     return send_file(rooms, visitor.caller, file, request, shown)
 
 
 @router.get("/results/{job}/pictures/{number}")
-def show_picture(job: str, number: int, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_picture(job: str, number: int, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return one picture of the report, counted from 0."""
     row = find_own(rooms, visitor.caller, job)
     pictures = list_pictures(rooms, row.id)
@@ -51,13 +51,13 @@ def show_picture(job: str, number: int, rooms: RoomsOf, visitor: VisitorOf) -> R
 
 
 @router.get("/results/{job}/view.bin")
-def show_view(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_view(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return meshes and flat pattern of a result as `pack_shown` packs them; scans are asked for one by one."""
     return _send_packed(job, _list_packed, request, rooms, visitor)
 
 
 @router.get("/results/{job}/scan.bin")
-def show_scan(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_scan(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the scan of a result as `pack_shown` packs it."""
     return _send_packed(job, lambda there: ["scan.ply"], request, rooms, visitor)
 
@@ -67,36 +67,40 @@ def _list_packed(there: Collection[str]) -> list[str]:
 
 
 def _send_packed(
-    job: str, choose: Callable[[Collection[str]], list[str]], request: Request, rooms: Rooms, visitor: Visitor
+    job: str, choose: Callable[[Collection[str]], list[str]], request: Request, rooms: AppState, visitor: Visitor
 ) -> Response:
     """Return those that are chosen of a result's files, packed."""
     row = find_own(rooms, visitor.caller, job)
     there = {row.name: Artifact.from_row(row) for row in list_files(rooms.database, row.id)}
-    files = [(name, there[name].sha256) for name in choose(there) if name in there and there[name].size <= MOST_SHOWN]
+    files = [
+        (name, there[name].sha256)
+        for name in choose(there)
+        if name in there and there[name].size <= MAX_SHOWN_FILE_SIZE
+    ]
     if not files:
         raise ResultMissing("the job has no such mesh, or one that is too large to be shown; download its files.")
     etag = f'"{hashlib.sha256(repr(files).encode()).hexdigest()[:32]}"'
-    headers = {"etag": etag, "cache-control": KEPT}
+    headers = {"etag": etag, "cache-control": PICTURE_CACHE_CONTROL}
     if etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     packed = slice_bytes(pack_files(rooms.store, tuple(files)))
-    return Download(rooms, visitor.caller, packed, Shown(BYTES, headers))
+    return Download(rooms, visitor.caller, packed, SendOptions(BYTES, headers))
 
 
 @router.get("/jobs/{job}/thumbnail")
-def show_thumbnail(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_thumbnail(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return a job's small picture; a blank one where its result has none."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
-    if file is None or file.size > MOST_REPORT:
+    if file is None or file.size > MAX_REPORT_FILE_SIZE:
         return Response(BLANK, media_type="image/svg+xml")
     etag = f'"{file.sha256}"'
     if etag in request.headers.get("if-none-match", ""):
-        return Response(status_code=304, headers={"etag": etag, "cache-control": KEPT})
+        return Response(status_code=304, headers={"etag": etag, "cache-control": PICTURE_CACHE_CONTROL})
     small = make_thumbnail(rooms.store, file.sha256)
     if small is None:
         return Response(BLANK, media_type="image/svg+xml")
-    return Response(small, media_type="image/png", headers={"etag": etag, "cache-control": KEPT})
+    return Response(small, media_type="image/png", headers={"etag": etag, "cache-control": PICTURE_CACHE_CONTROL})
 
 
 BLANK = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'

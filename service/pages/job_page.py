@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import Response
 
-from ..api.access import RoomsOf, find_own
+from ..api.access import AppStateDependency, find_own
 from ..records import JobReport
 from ..results import list_files, report_jobs
 from ..states import UNSUCCESSFUL
@@ -13,7 +13,7 @@ from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .words import draw_family, draw_gates, draw_state, draw_time, draw_verdict, is_ended, tell_understood
+from .words import describe_understood, draw_family, draw_gates, draw_state, draw_time, draw_verdict, is_ended
 
 router = make_router()
 
@@ -22,7 +22,7 @@ MATCHABLE = ("recover", "dress", "refit", "edit")
 
 
 @router.get("/jobs/{job}")
-def show_job(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the page of one job."""
     row = find_own(rooms, visitor.caller, job)
     (report,) = report_jobs(rooms.database, [row], rooms.settings)
@@ -69,7 +69,7 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
 
 
 def _draw_understood(job: JobReport) -> Html:
-    told = tell_understood(job.details)
+    told = describe_understood(job.details)
     if not told:
         return html('<section class="card" id="understood" hidden></section>')
     rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in told)

@@ -12,7 +12,7 @@ from sqlalchemy import select
 
 from ...core.recover.settings import METHODS
 from ...core.run.units import UNITS
-from ..api.access import Rooms, RoomsOf
+from ..api.access import AppState, AppStateDependency
 from ..families import find_below
 from ..materials import list_materials
 from ..models import JobRow, OwnerRow
@@ -28,8 +28,8 @@ from .words import draw_state, draw_time, draw_verdict
 
 router = make_router()
 
-ROWS = 50
-"""Families on one page."""
+PAGE_FAMILY_COUNT = 50
+"""Number of families on one page."""
 
 Field = Annotated[str, Query(max_length=255)]
 FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
@@ -37,7 +37,7 @@ FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
 
 
 @dataclass(frozen=True)
-class Asked:
+class JobListQuery:
     """Choose jobs by fields and a condition of `query`, empty ones not, and only those older than `before`."""
 
     state: Field = ""
@@ -56,16 +56,17 @@ class Asked:
 
 
 @router.get("/")
-def show_jobs(rooms: RoomsOf, visitor: VisitorOf, given: Annotated[Asked, Depends()]) -> Response:
+def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, given: Annotated[JobListQuery, Depends()]) -> Response:
     """Return the page of the visitor's jobs."""
     chosen, where, before = given.chosen, given.where, given.before
     wanted = JobQuery(chosen, [where] if where.strip() else [])
     owner = None if visitor.caller.sees_all else visitor.caller.key
-    roots = find_roots(rooms.database, wanted.conditions, ROWS + 1, owner, before or None)
-    families = _gather(rooms, roots[:ROWS], owner)
+    roots = find_roots(rooms.database, wanted.conditions, PAGE_FAMILY_COUNT + 1, owner, before or None)
+    families = _gather(rooms, roots[:PAGE_FAMILY_COUNT], owner)
     asked = chosen | ({"where": where} if where.strip() else {})
+    has_older = len(roots) > PAGE_FAMILY_COUNT
     more = html('<a class="button" rel="next" href="/?{}">Older jobs</a>',
-                urlencode(asked | {"before": roots[ROWS - 1].id})) if len(roots) > ROWS else Html()  # fmt: skip
+                urlencode(asked | {"before": roots[PAGE_FAMILY_COUNT - 1].id})) if has_older else Html()  # fmt: skip
     newest = html('<a class="button" href="/?{}">Newest jobs</a>', urlencode(asked)) if before else Html()
     content = join(
         [
@@ -79,7 +80,7 @@ def show_jobs(rooms: RoomsOf, visitor: VisitorOf, given: Annotated[Asked, Depend
     return draw_shell("Jobs", content, visitor, ["jobs.js"], "/")
 
 
-def _gather(rooms: Rooms, roots: list[JobRow], owner: str | None) -> list[list[JobReport]]:
+def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[list[JobReport]]:
     """Return each root with all below it that the visitor sees, in the order of their making."""
     below = find_below(rooms.database, [row.id for row in roots])
     if owner is not None and below:
@@ -131,7 +132,7 @@ def _draw_filters(chosen: Mapping[str, str]) -> Html:
     )  # fmt: skip
 
 
-def _draw_drop(rooms: Rooms, visitor: Visitor) -> Html:
+def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
     fabrics = join(html('<option value="{}">{}</option>', one.name, one.title or one.name)
                    for one in list_materials(rooms.database))  # fmt: skip
     methods = join(html("<option>{}</option>", name) for name in METHODS)

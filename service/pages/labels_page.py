@@ -8,7 +8,7 @@ from fastapi import Response
 
 from ...core.people import PARTS
 from ...core.people.colours import COLOURS, SURE, UNSURE
-from ..api.access import RoomsOf, find_own
+from ..api.access import AppStateDependency, find_own
 from ..derived import InputWrong
 from ..submission import PERSON_KIND
 from .markup import Html, html, join
@@ -20,7 +20,7 @@ router = make_router()
 
 
 @router.get("/results/{job}/labels")
-def show_labels(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the page of one person's labels."""
     row = find_own(rooms, visitor.caller, job)
     if row.kind != PERSON_KIND:

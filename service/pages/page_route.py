@@ -12,7 +12,7 @@ from fastapi.responses import RedirectResponse
 from fastapi.routing import APIRoute
 
 from ...core.run.errors import GarmentqError
-from ..api.problems import RETRY_SECONDS, RequestBad, error_status, tell_message, tell_retry
+from ..api.problems import RETRY_SECONDS, RequestBad, error_status, make_public_message, make_retry_header
 from .markup import html
 from .session import SignInNeeded
 from .shell import draw_shell
@@ -47,7 +47,7 @@ def make_router() -> APIRouter:
 def draw_error(error: GarmentqError) -> Response:
     """Return the page that says what is wrong, and the next step."""
     content = html('<h1>This did not work</h1><p class="error" role="alert">{}</p><p><code>{}</code></p>'
-                   '<p><a href="/">All jobs</a></p>', tell_message(error), error.code)  # fmt: skip
+                   '<p><a href="/">All jobs</a></p>', make_public_message(error), error.code)  # fmt: skip
     answer = draw_shell("Error", content, status=error_status(error))
-    answer.headers.update(tell_retry(answer.status_code, getattr(error, "retry_seconds", RETRY_SECONDS)))
+    answer.headers.update(make_retry_header(answer.status_code, getattr(error, "retry_seconds", RETRY_SECONDS)))
     return answer

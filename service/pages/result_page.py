@@ -8,7 +8,7 @@ from typing import Any
 from fastapi import Response
 from sqlalchemy import select
 
-from ..api.access import Rooms, RoomsOf, find_own
+from ..api.access import AppState, AppStateDependency, find_own
 from ..kinds.recover_request import PERSON
 from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
@@ -20,7 +20,7 @@ from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .shown_meshes import BODY, SCANS, TOGETHER, WORN, is_beside, list_shown
+from .shown_meshes import BODY, SCANS, WORN, WORN_TOGETHER, is_companion_mesh, list_shown
 from .stored_files import REPORT, find_file, list_pictures, read_json
 from .words import draw_family, draw_gates, draw_verdict
 
@@ -41,7 +41,7 @@ EXPORTABLE = ("recover", "dress", "refit", "drape", "edit")
 
 
 @router.get("/results/{job}")
-def show_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the page of one result."""
     row = find_own(rooms, visitor.caller, job)
     (report,) = report_jobs(rooms.database, [row], rooms.settings)
@@ -83,7 +83,7 @@ def _has_view(names: set[str]) -> bool:
     return bool(set(list_shown(names)) - set(SCANS)) or WORN in names
 
 
-def _find_person(rooms: Rooms, job: JobReport, visitor: Visitor) -> str:
+def _find_person(rooms: AppState, job: JobReport, visitor: Visitor) -> str:
     """Return the job of the person that a garment was taken from, where the visitor sees its scan; else nothing."""
     try:
         row = find_own(rooms, visitor.caller, job.inputs.get(PERSON, ""))
@@ -92,11 +92,11 @@ def _find_person(rooms: Rooms, job: JobReport, visitor: Visitor) -> str:
     return row.id if find_file(rooms, row.id, "scan.ply") else ""
 
 
-def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> Html:
+def _draw_views(rooms: AppState, job: JobReport, names: set[str], person: str) -> Html:
     there = list_shown(names)
-    cloth = [name for name in there if not is_beside(name)]
+    cloth = [name for name in there if not is_companion_mesh(name)]
     titles = there | ({PERSON_SCAN: "The person's scan"} if person else {})
-    shown = {*cloth[:1], *TOGETHER, *_find_wearer(cloth)} if cloth else {"scan"} if "scan" in there else {BODY}
+    shown = {*cloth[:1], *WORN_TOGETHER, *_find_wearer(cloth)} if cloth else {"scan"} if "scan" in there else {BODY}
     boxes = join(
         html('<label><input type="checkbox" data-mesh="{}"{}{}> {}</label>', name,
              Html("" if name in cloth else " data-beside"), Html(" checked" if name in shown else ""), title)
@@ -108,8 +108,8 @@ def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> H
              job.id, number, one.title, one.title) for number, one in enumerate(list_pictures(rooms, job.id))
     )  # fmt: skip
     return html(
-        VIEWS, job=job.id, person=person, files=" ".join(sorted(names & WANTED)), boxes=boxes, styles=styles,
-        pictures=pictures, uncoloured=_tell_uncoloured(job),
+        VIEWS, job=job.id, person=person, files=" ".join(sorted(names & VIEW_FILES)), boxes=boxes, styles=styles,
+        pictures=pictures, uncoloured=_explain_missing_colours(job),
         packed=Html(" data-packed") if _has_view(names) else Html(),
         cloth=Html() if cloth else Html(" hidden"),
         flat=Html() if WORN in names else Html(" hidden"),
@@ -127,7 +127,7 @@ PERSON_SCAN = "person"
 """What the page calls the scan of the person that a garment was taken from."""
 
 
-def _tell_uncoloured(job: JobReport) -> str:
+def _explain_missing_colours(job: JobReport) -> str:
     """Return why a result without colours has none, for the place of the colouring that it lacks."""
     checked = job.details.get("checked") or {}
     scan = checked.get("scan") if isinstance(checked, Mapping) else None
@@ -136,11 +136,11 @@ def _tell_uncoloured(job: JobReport) -> str:
     return f"No texture: {'the scan has no colours' if job.kind == 'recover' else 'it is kept with a recovery alone'}."
 
 
-WANTED = {WORN, "garment.pc2", "body.pc2", "frames.json"}
+VIEW_FILES = {WORN, "garment.pc2", "body.pc2", "frames.json"}
 """The files that the page's script asks whether they are there."""
 
 
-def _draw_known(rooms: Rooms, job: JobReport) -> Html:
+def _draw_known(rooms: AppState, job: JobReport) -> Html:
     warnings = join(html('<p class="doubt">{}</p>', text) for text in job.warnings)
     checks = html("<h2>Checks</h2>{}{}", warnings, draw_gates(job.gates))
     if not job.garment:
@@ -150,7 +150,7 @@ def _draw_known(rooms: Rooms, job: JobReport) -> Html:
     return html(both, fabric, checks)
 
 
-def _draw_files(rooms: Rooms, job: JobReport, files: Sequence[Artifact], visitor: Visitor) -> Html:
+def _draw_files(rooms: AppState, job: JobReport, files: Sequence[Artifact], visitor: Visitor) -> Html:
     rows = join(
         html('<tr><td><a href="/v1/jobs/{}/artifacts/{}" download>{}</a></td><td class="number">{}</td></tr>',
              job.id, file.name, file.name, f"{file.size:,}".replace(",", " ")) for file in files
@@ -158,7 +158,7 @@ def _draw_files(rooms: Rooms, job: JobReport, files: Sequence[Artifact], visitor
     return html(FILES, rows=rows, exports=_draw_exports(rooms, job, visitor))
 
 
-def _draw_exports(rooms: Rooms, job: JobReport, visitor: Visitor) -> Html:
+def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
     if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
         return Html()
     from ...core.deliver.formats import DESCRIPTIONS  # patterns bring scipy: not at every start
@@ -176,7 +176,7 @@ def _draw_exports(rooms: Rooms, job: JobReport, visitor: Visitor) -> Html:
     return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if _may_submit(visitor) else Html(), join(made))
 
 
-def _find_exports(rooms: Rooms, job: str, visitor: Visitor) -> list[Any]:
+def _find_exports(rooms: AppState, job: str, visitor: Visitor) -> list[Any]:
     """Return the exports of a result that the visitor sees, newest first."""
     asked = select(JobRow).join(JobInputRow, JobInputRow.job == JobRow.id)
     asked = asked.where(JobInputRow.input == job, JobRow.kind == "export")

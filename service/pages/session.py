@@ -11,15 +11,15 @@ from fastapi.responses import RedirectResponse
 from starlette.concurrency import run_in_threadpool
 
 from ...core.run.errors import GarmentqError
-from ..api.access import Rooms, RoomsOf
+from ..api.access import AppState, AppStateDependency
 from ..api.guard import find_session, name_cookie
-from ..api.problems import RETRY_SECONDS, error_status, tell_message, tell_retry
-from ..keys import LOCAL, Caller, KeyBad, KeyMissing, admit
+from ..api.problems import RETRY_SECONDS, error_status, make_public_message, make_retry_header
+from ..keys import LOCAL_CALLER, Caller, KeyBad, KeyMissing, authenticate_token
 from ..sessions import (
     SESSION_SECONDS,
     LinkUsed,
     SessionEnded,
-    admit_session,
+    authenticate_session,
     begin_session,
     check_csrf,
     end_session,
@@ -45,7 +45,7 @@ class SignInNeeded(GarmentqError):
     code = "session.missing"
 
 
-def get_visitor(request: Request, rooms: RoomsOf) -> Visitor:
+def get_visitor(request: Request, rooms: AppStateDependency) -> Visitor:
     """Return who looks at a page, and count it as a request of theirs.
 
     Raises:
@@ -56,7 +56,7 @@ def get_visitor(request: Request, rooms: RoomsOf) -> Visitor:
     if token is None:
         raise SignInNeeded()
     try:
-        caller = admit_session(rooms.database, token, bool(rooms.local_token))
+        caller = authenticate_session(rooms.database, token, bool(rooms.local_token))
     except SessionEnded:
         raise SignInNeeded() from None
     rooms.meter.take(caller.key)
@@ -68,7 +68,7 @@ VisitorOf = Annotated[Visitor, Depends(get_visitor)]
 
 
 @router.get("/signin")
-def show_signin(request: Request, rooms: RoomsOf, link: str = "", next: str = "/") -> Response:
+def show_signin(request: Request, rooms: AppStateDependency, link: str = "", next: str = "/") -> Response:
     """Return the form; a link of `garmentq serve` signs in at once, and once."""
     if not link:
         return _draw_form(rooms, next)
@@ -77,14 +77,14 @@ def show_signin(request: Request, rooms: RoomsOf, link: str = "", next: str = "/
             raise LinkUsed()
         rooms.meter.check_address(_address(request), link)
         take_link(rooms.database, link)
-        return _begin(request, rooms, LOCAL, next)
+        return _begin(request, rooms, LOCAL_CALLER, next)
     except GarmentqError as error:
         _note(request, rooms, error)
         return _draw_form(rooms, next, error)
 
 
 @router.post("/signin")
-async def sign_in(request: Request, rooms: RoomsOf) -> Response:
+async def sign_in(request: Request, rooms: AppStateDependency) -> Response:
     """Begin a session for who has a key, or the token of a home without keys."""
     given = parse_qs((await request.body()).decode("utf-8", "replace"))
     token, target = given.get("token", [""])[0].strip(), given.get("next", ["/"])[0]
@@ -92,7 +92,7 @@ async def sign_in(request: Request, rooms: RoomsOf) -> Response:
 
 
 @router.post("/signout")
-async def sign_out(request: Request, rooms: RoomsOf) -> Response:
+async def sign_out(request: Request, rooms: AppStateDependency) -> Response:
     """End the session."""
     given = parse_qs((await request.body()).decode("utf-8", "replace"))
     answer = RedirectResponse("/signin", 303, EMPTIED)
@@ -106,11 +106,11 @@ async def sign_out(request: Request, rooms: RoomsOf) -> Response:
     return answer
 
 
-def _sign_in(request: Request, rooms: Rooms, token: str, target: str) -> Response:
+def _sign_in(request: Request, rooms: AppState, token: str, target: str) -> Response:
     try:
         _refuse_foreign(request)
         rooms.meter.check_address(_address(request), token or None)
-        caller = admit(rooms.database, token or None, rooms.local_token)
+        caller = authenticate_token(rooms.database, token or None, rooms.local_token)
         rooms.meter.take(caller.key)
     except GarmentqError as error:
         _note(request, rooms, error)
@@ -125,12 +125,12 @@ def _refuse_foreign(request: Request) -> None:
         raise SignInNeeded("sign in on the page of this service.")
 
 
-def _note(request: Request, rooms: Rooms, error: GarmentqError) -> None:
+def _note(request: Request, rooms: AppState, error: GarmentqError) -> None:
     if error.code in (KeyBad.code, LinkUsed.code):
         rooms.meter.note_wrong(_address(request))
 
 
-def _begin(request: Request, rooms: Rooms, caller: Caller, target: str) -> Response:
+def _begin(request: Request, rooms: AppState, caller: Caller, target: str) -> Response:
     session = begin_session(rooms.database, caller, earlier=find_session(request.scope))
     answer = RedirectResponse(target if LOCAL_PATH.fullmatch(target) else "/", 303, EMPTIED)
     seconds = int(SESSION_SECONDS)
@@ -147,15 +147,15 @@ def _address(request: Request) -> str:
     return request.client.host if request.client else ""
 
 
-def _draw_form(rooms: Rooms, target: str, error: GarmentqError | None = None) -> Response:
+def _draw_form(rooms: AppState, target: str, error: GarmentqError | None = None) -> Response:
     refused, status, seconds = Html(), 200, getattr(error, "retry_seconds", RETRY_SECONDS)
     if error is not None:
-        message = "enter a key." if isinstance(error, KeyMissing) else tell_message(error)
+        message = "enter a key." if isinstance(error, KeyMissing) else make_public_message(error)
         refused, status = html('<p class="error" role="alert">{}</p>', message), error_status(error)
-    told = html(TOLD) if rooms.local_token else Html()
+    told = html(TOKEN_HINT) if rooms.local_token else Html()
     form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=told)
     answer = draw_shell("Sign in", form, status=status)
-    answer.headers.update(tell_retry(status, seconds))
+    answer.headers.update(make_retry_header(status, seconds))
     return answer
 
 
@@ -169,5 +169,6 @@ FORM = """<section class="signin"><h1>Sign in</h1>{refused}
 <p>A key begins with <code>gq_</code>; <code>garmentq keys create NAME</code> makes one. Your browser keeps a session of
 12 hours, not the key.</p>{told}</section>"""
 
-TOLD = """<p>A service without keys takes the token in the file <code>api.token</code> of its home, or the link that
+TOKEN_HINT = """\
+<p>A service without keys takes the token in the file <code>api.token</code> of its home, or the link that
 <code>garmentq serve</code> prints.</p>"""

@@ -39,7 +39,7 @@ them, called as its file. The first is shown at first, and the body."""
 UNDER = "under"
 """What the garment is worn over, which has a pattern of its own."""
 
-TOGETHER = (UNDER, *(name for name in MESHES if "/" in name))
+WORN_TOGETHER = (UNDER, *(name for name in MESHES if "/" in name))
 """Those that are worn together, which are all shown at first."""
 
 BODY = "body"
@@ -48,7 +48,7 @@ BODY = "body"
 SCANS = ("scan",)
 """Those that are large, and sent only when they are asked for."""
 
-UNSHOWN = ("segmented",)
+HIDDEN_MESHES = ("segmented",)
 """The scan once more, for the page of its labels."""
 
 WORN = "worn.npz"
@@ -56,8 +56,8 @@ WORN = "worn.npz"
 
 LETTERS = b"GQV1"
 
-ALIGNED = 8
-"""Arrays begin at multiples of this [bytes]: a browser then reads them where they are."""
+ARRAY_ALIGNMENT = 8
+"""Alignment of arrays in a container [bytes]: a browser then reads them where they are."""
 
 _FLAT = re.compile(
     r"garment\.((uv|uv_faces|uv_node|panel_of_uv)$|edge_uv\.\d+$|edges\.\d+\.|pattern\.seams\.\d+\.[ab]\."
@@ -69,11 +69,11 @@ _FLAT = re.compile(
 def list_shown(files: Collection[str]) -> dict[str, str]:
     """Return the titles of the meshes that a result of some files has for the 3D view, by name, in their order."""
     there = sorted(name.removesuffix(".ply") for name in files if name.endswith(".ply"))
-    further = {name: name.replace("_", " ").capitalize() for name in there if name not in (*MESHES, *UNSHOWN)}
+    further = {name: name.replace("_", " ").capitalize() for name in there if name not in (*MESHES, *HIDDEN_MESHES)}
     return {name: title for name, title in (MESHES | further).items() if name in there}
 
 
-def is_beside(name: str) -> bool:
+def is_companion_mesh(name: str) -> bool:
     """Return whether a mesh is no cloth of the result's pattern: a wearer, a scan, or the garment below."""
     return name in (*SCANS, UNDER) or name.startswith(BODY)
 
@@ -96,7 +96,7 @@ class Packer:
         content = values.astype(f"<{kind}").tobytes()
         key = kind.encode() + content
         if key not in self.places:
-            self.content += bytes(-len(self.content) % ALIGNED)
+            self.content += bytes(-len(self.content) % ARRAY_ALIGNMENT)
             self.places[key] = len(self.content)
             self.content += content
         return [kind, self.places[key], values.size]
@@ -104,7 +104,7 @@ class Packer:
     def finish(self, head: Mapping[str, Any]) -> bytes:
         """Return the container."""
         text = json.dumps(head, separators=(",", ":")).encode()
-        text += b" " * (-(len(text) + len(LETTERS) + 4) % ALIGNED)
+        text += b" " * (-(len(text) + len(LETTERS) + 4) % ARRAY_ALIGNMENT)
         return LETTERS + len(text).to_bytes(4, "little") + text + bytes(self.content)
 
 

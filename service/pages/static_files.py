@@ -35,8 +35,8 @@ VENDORED = "vendor/"
 IMPORT = re.compile(r"^import [^'\";]*?from '(\.[^']+)'", re.MULTILINE)
 """An import of a module at its script's beginning."""
 
-SMALL = 1024
-"""A file below this is not worth packing [bytes]: it fits into one packet."""
+MIN_PACKED_FILE_SIZE = 1024
+"""Size up to which a file is not worth packing [bytes]: it fits into one packet."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def list_imports(script: str) -> tuple[str, ...]:
 
 def _load(path: Path) -> StaticFile:
     content = path.read_bytes()
-    packed = gzip.compress(content, 9, mtime=0) if len(content) > SMALL else b""
+    packed = gzip.compress(content, 9, mtime=0) if len(content) > MIN_PACKED_FILE_SIZE else b""
     return StaticFile(content, packed, f'"{hashlib.sha256(content).hexdigest()[:32]}"', TYPES[path.suffix])
 
 

@@ -22,16 +22,16 @@ REPORT = "report.html"
 PICTURE = re.compile(r'<img [^>]*?alt="([^"]*)"[^>]*? src="data:image/(png|gif);base64,([A-Za-z0-9+/=]+)"')
 """A picture as our reports hold it: what it shows, and its bytes."""
 
-SHOWN = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", "scan, body")
+THUMBNAIL_TITLES = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", "scan, body")
 """What a result is best known by: the beginning of that picture's text in each kind's report."""
 
-THUMBNAIL = (112, 150)
-"""Largest width and height of a small picture [pixel]: twice the size it is shown in, for dense screens."""
+MAX_THUMBNAIL_SIZE_PX = (112, 150)
+"""Largest width and height of a small picture [pixels]: twice the size it is shown in, for dense screens."""
 
-MOST_REPORT = 32 * 1024**2
+MAX_REPORT_FILE_SIZE = 32 * 1024**2
 """Largest report whose pictures are shown by themselves [bytes]; ours are below 5 MB."""
 
-MOST_JSON = 4 * 1024**2
+MAX_JSON_FILE_SIZE = 4 * 1024**2
 """Largest JSON file that a page reads [bytes]; ours are below 100 kB."""
 
 
@@ -57,7 +57,7 @@ def read_bytes(services: Services, file: Artifact) -> bytes:
 def read_json(services: Services, job: str, name: str) -> Any:
     """Return what a JSON file of a result holds, or None where there is none that can be read."""
     file = find_file(services, job, name)
-    if file is None or file.size > MOST_JSON:
+    if file is None or file.size > MAX_JSON_FILE_SIZE:
         return None
     try:
         return json.loads(read_bytes(services, file))
@@ -68,7 +68,7 @@ def read_json(services: Services, job: str, name: str) -> Any:
 def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
     """Return the pictures of a result's report; none where it has no report, or one that is damaged or too large."""
     file = find_file(services, job, REPORT)
-    if file is None or file.size > MOST_REPORT:
+    if file is None or file.size > MAX_REPORT_FILE_SIZE:
         return ()
     with suppress(ArtifactMissing, ArtifactDamaged):
         return _read_pictures(services.store, file.sha256)
@@ -97,14 +97,14 @@ def make_thumbnail(store: Store, sha256: str) -> bytes | None:
     from PIL import Image
 
     pictures = _read_pictures(store, sha256)
-    chosen = next((one for head in SHOWN for one in pictures if one.title.startswith(head)), None)
+    chosen = next((one for head in THUMBNAIL_TITLES for one in pictures if one.title.startswith(head)), None)
     if chosen is None:
         return None
     with Image.open(io.BytesIO(chosen.content)) as whole:
         seen = whole.convert("RGBA")
     small = Image.new("RGB", seen.size, "white")
     small.paste(seen, mask=seen)
-    small.thumbnail(THUMBNAIL)
+    small.thumbnail(MAX_THUMBNAIL_SIZE_PX)
     out = io.BytesIO()
     small.save(out, "PNG", optimize=True)
     return out.getvalue()

@@ -10,7 +10,7 @@ from ..records import Gate, JobReport
 from ..states import ENDED, State
 from .markup import Html, html, join
 
-LOOKS = {State.SUCCEEDED: "good", State.FAILED: "bad", State.DEAD: "bad", State.CANCELLED: "soft"}
+STATE_CLASSES = {State.SUCCEEDED: "good", State.FAILED: "bad", State.DEAD: "bad", State.CANCELLED: "soft"}
 """How a state looks."""
 
 VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
@@ -20,7 +20,7 @@ VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
 def draw_state(job: JobReport) -> Html:
     """Return a job's state, with its stage where it runs."""
     told = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
-    return html('<span class="state {}" data-state="{}">{}</span>', LOOKS.get(job.state, ""), job.state, told)
+    return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, told)
 
 
 def draw_verdict(verdict: str | None) -> Html:
@@ -66,22 +66,22 @@ def is_ended(job: JobReport) -> bool:
     return job.state in ENDED
 
 
-def tell_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
+def describe_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return what the first stage understood of a job's files, as names and texts."""
-    return [(_name(key), text) for key, value in sorted(details.items()) if (text := _tell(value))]
+    return [(_name(key), text) for key, value in sorted(details.items()) if (text := _format_value(value))]
 
 
 def _name(key: str) -> str:
     return key.replace("_", " ")
 
 
-def _tell(value: Any) -> str:
+def _format_value(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, Mapping):
-        return ", ".join(f"{_name(str(key))}: {text}" for key, one in value.items() if (text := _tell(one)))
+        return ", ".join(f"{_name(str(key))}: {text}" for key, one in value.items() if (text := _format_value(one)))
     if isinstance(value, list | tuple):
-        return "; ".join(text for one in value[:20] if (text := _tell(one)))
+        return "; ".join(text for one in value[:20] if (text := _format_value(one)))
     return "" if value is None else str(value)

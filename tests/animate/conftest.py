@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from garmentq.core.body import DistanceGrid, builtin_body, project_outside
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
 from garmentq.core.garment import load_draped_template
 from garmentq.core.recover.drape import pin_waist, remesh
-from garmentq.core.reuse.wear import Worn
+from garmentq.core.reuse.wear import WornGarment
 
 
 @pytest.fixture(scope="session")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a pencil skirt of 500 vertices at rest on its wearer."""
     whole = load_draped_template("pencil_skirt")
     assert whole is not None
@@ -22,6 +22,6 @@ def worn() -> Worn:
     fabric = get_fabric("cotton_poplin")
     grid = DistanceGrid.from_mesh(body.vertices, body.faces)
     nodes = project_outside(garment.nodes, ExposedSurface.of(body), garment.faces, 3e-3)
-    scene = Scene(Topology.from_garment(garment), soften(fabric), grid, pin_waist(garment.at(nodes)))
+    scene = Scene(Topology.from_garment(garment), reduce_membrane_stiffness(fabric), grid, pin_waist(garment.at(nodes)))
     nodes = project_outside(equilibrium(scene, nodes).nodes, ExposedSurface.of(body), garment.faces)
-    return Worn(garment.at(np.asarray(nodes)), fabric, body, None, None, "pencil_skirt", "skirt")
+    return WornGarment(garment.at(np.asarray(nodes)), fabric, body, None, None, "pencil_skirt", "skirt")

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
 from garmentq.core.body.motion import LeadIn, Pose, Recording, Track
-from garmentq.core.cloth import Scene, SelfContact, State, Topology, get_fabric
+from garmentq.core.cloth import ClothState, Scene, SelfContact, Topology, get_fabric
 from garmentq.core.cloth.bending_friction import measure_angles
-from garmentq.core.cloth.carry_step import carry_free
-from garmentq.core.cloth.collision.barrier import find_shut
-from garmentq.core.cloth.collision.near import find_near
+from garmentq.core.cloth.carry_step import move_collision_free
+from garmentq.core.cloth.collision.barrier import find_coincident_nodes
+from garmentq.core.cloth.collision.near import find_near_pairs
 from garmentq.core.cloth.energy import Energy
 from garmentq.core.cloth.motion_step import StepSettings
 from garmentq.core.geometry import self_intersections
@@ -27,8 +27,8 @@ from garmentq.core.reuse.animate import (
     measure_animation,
 )
 from garmentq.core.reuse.animate.moving_skin import MovingSkin
-from garmentq.core.reuse.animate.settings import Pace
-from garmentq.core.reuse.animate.stage import Cloth, Stage
+from garmentq.core.reuse.animate.settings import StepLimits
+from garmentq.core.reuse.animate.stage import AnimationScene, Cloth
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
 from scipy.spatial.transform import Rotation
@@ -104,7 +104,7 @@ def test_only_what_meets_is_held_back():
     goal[corner, 1] -= 0.02
     energy = Energy(Scene(topology, get_fabric("cotton_poplin"), self_contact=SelfContact.of(topology)))
     assert energy.free_share(nodes, goal - nodes)[1] < 0.3
-    found = carry_free(energy, nodes, goal)[1]
+    found = move_collision_free(energy, nodes, goal)[1]
     assert len(self_intersections(found, faces)) == 0
     reached = np.linalg.norm(goal - found, axis=1) < 1e-12
     assert reached[side**2 :][(grid > 0.12).any(axis=1)].all()
@@ -114,7 +114,7 @@ def test_only_what_meets_is_held_back():
 
 def test_a_frame_is_taken_out_of_the_wearer_and_not_through_itself(worn):
     """Broken where what is inside stays there, or layers that go out to one place pass through each other."""
-    stage = Stage(worn, stand(worn), AnimateSettings())
+    stage = AnimationScene(worn, stand(worn), AnimateSettings())
     moment, faces = stage.at(0.0, worn.garment.nodes), worn.garment.faces
     pressed = worn.garment.nodes + [0.0, 0.0, 0.006]
     assert penetration_depth(pressed, faces, moment.surface) > 4e-3
@@ -127,7 +127,7 @@ def test_a_frame_is_taken_out_of_the_wearer_and_not_through_itself(worn):
 
 def test_cloth_without_room_is_let_go_and_what_is_stuck_has_not_converged(worn):
     """Broken where two nodes in one place hold all of the cloth, or a step that was cut short passes for converged."""
-    stage = Stage(worn, stand(worn), AnimateSettings(lead=0.0))
+    stage = AnimationScene(worn, stand(worn), AnimateSettings(lead=0.0))
     now, nodes = stage.at(0.0, worn.garment.nodes), np.array(worn.garment.nodes)
     faces = worn.garment.faces
     ring = np.unique(faces[(faces == 40).any(axis=1)])
@@ -135,18 +135,18 @@ def test_cloth_without_room_is_let_go_and_what_is_stuck_has_not_converged(worn):
     assert other not in ring
     nodes[other] = nodes[40]
     velocities = np.tile([0.0, 0.0, 0.3], (len(nodes), 1))
-    step = stage.step(Cloth(State(nodes, velocities, nodes), stage.layout), now, now, 1 / 30.0)
+    step = stage.step(Cloth(ClothState(nodes, velocities, nodes), stage.layout), now, now, 1 / 30.0)
     assert step.converged and step.residual < 1.0
     held = stage.scene.self_contact
-    pairs = find_near(held, nodes).pairs
-    assert {40, other} <= set(find_shut(nodes, pairs).tolist())
-    assert not len(find_shut(np.array(worn.garment.nodes), find_near(held, worn.garment.nodes).pairs))
+    pairs = find_near_pairs(held, nodes).pairs
+    assert {40, other} <= set(find_coincident_nodes(nodes, pairs).tolist())
+    assert not len(find_coincident_nodes(np.array(worn.garment.nodes), find_near_pairs(held, worn.garment.nodes).pairs))
 
 
 def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch):
     """Broken where positions that are none go on into the next step, or pass for converged."""
     settings = AnimateSettings(end=1 / 30.0, lead=0.0, halvings=0)
-    stage = Stage(worn, step_aside(worn), settings)
+    stage = AnimationScene(worn, step_aside(worn), settings)
     now, then = (stage.at(time, worn.garment.nodes) for time in (0.0, 1 / 30.0))
     nodes = np.array(worn.garment.nodes)
     real, turn = Energy.hessian, []
@@ -157,7 +157,7 @@ def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch
         return energy, gradient * (np.nan if len(turn) == 3 else 1.0), blocks
 
     monkeypatch.setattr(Energy, "hessian", spoiled)
-    step = stage.step(Cloth(State(nodes, np.zeros_like(nodes), nodes), stage.layout), now, then, 1 / 30.0)
+    step = stage.step(Cloth(ClothState(nodes, np.zeros_like(nodes), nodes), stage.layout), now, then, 1 / 30.0)
     assert len(turn) == 3
     assert not step.converged
     np.testing.assert_array_equal(step.state.nodes, turn[1])
@@ -167,7 +167,7 @@ def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch
 def test_a_step_starts_from_the_folds_of_the_step_before(worn):
     """Broken where cloth in motion is pulled back for ever to the folds of the drape it began with."""
     settings = AnimateSettings(lead=0.0)
-    stage = Stage(worn, step_aside(worn), settings)
+    stage = AnimationScene(worn, step_aside(worn), settings)
     moments = [stage.at(n / 30.0, worn.garment.nodes) for n in range(5)]
     cloth, folds, topology = Cloth(stage.start, stage.layout), stage.start.folds, stage.scene.topology
     for now, then in pairwise(moments):
@@ -191,12 +191,12 @@ def test_even_flight_is_rest(worn, monkeypatch):
     wind = StepSettings(wind=(1.5, 0.0, -0.6))
     settings = AnimateSettings(end=5 / 30.0, lead=0.0, step=wind)
     resting = animate(worn, still, replace(settings, step=StepSettings()))
-    before = Stage.start.fget
+    before = AnimationScene.start.fget
 
     def flying_start(stage):
         return replace(before(stage), velocities=np.tile(velocity, (len(worn.garment.nodes), 1)))
 
-    monkeypatch.setattr(Stage, "start", property(flying_start))  # the cloth flies from the beginning on
+    monkeypatch.setattr(AnimationScene, "start", property(flying_start))  # the cloth flies from the beginning on
     moved = animate(worn, flying, settings)
     np.testing.assert_allclose(moved.frames - way[:6, None], resting.frames, atol=1e-3)
 
@@ -218,9 +218,9 @@ def test_a_motion_has_one_beginning(worn):
     motion = replace(step_aside(worn), seconds=0.2)
     settings = AnimateSettings(lead=0.2, end=1 / 30.0)
     first = animate(worn, motion, settings).frames[0]
-    finer = replace(settings, fps=48.0, pace=Pace(0.005, 1 / 60))
+    finer = replace(settings, fps=48.0, pace=StepLimits(0.005, 1 / 60))
     np.testing.assert_array_equal(animate(worn, motion, finer).frames[0], first)
-    slower = replace(settings, lead_pace=Pace(0.06, 1 / 15))
+    slower = replace(settings, lead_pace=StepLimits(0.06, 1 / 15))
     assert not np.array_equal(animate(worn, motion, slower).frames[0], first)
 
 
@@ -229,7 +229,7 @@ def test_half_the_step_changes_little(worn):
     """Broken where the steps are too coarse for what they show."""
     motion = step_aside(worn)
     coarse = animate(worn, motion, AnimateSettings(lead=0.0))
-    fine = animate(worn, motion, AnimateSettings(lead=0.0, pace=Pace(0.015, 1 / 60)))
+    fine = animate(worn, motion, AnimateSettings(lead=0.0, pace=StepLimits(0.015, 1 / 60)))
     rms = np.sqrt(((coarse.frames - fine.frames) ** 2).sum(axis=2).mean(axis=1)).max()
     assert rms < 5e-3
 

@@ -23,7 +23,7 @@ from garmentq.service.api.limits import ApiLimits
 from garmentq.service.api.meter import Meter, TooManyRequests
 from garmentq.service.audit import list_accesses
 from garmentq.service.jobs import claim, find_job
-from garmentq.service.keys import KeyBad, admit, create_key
+from garmentq.service.keys import KeyBad, authenticate_token, create_key
 from garmentq.service.logs import JsonLines
 from garmentq.service.models import ApiKeyRow, UploadRow
 from garmentq.service.settings import ServiceSettingBad
@@ -164,13 +164,13 @@ def test_a_key_ends_and_its_use_is_known(database):
     """Broken where a key lives on beyond its end, or nobody can tell whether it is still used."""
     row, token = create_key(database, "guest", ("read",), days=1.0)
     assert row.expires > row.created and row.used is None
-    admit(database, token)
+    authenticate_token(database, token)
     with database.write() as session:
         kept = session.get(ApiKeyRow, row.id)
         assert kept.used is not None
         kept.expires = 1.0
     with pytest.raises(KeyBad):
-        admit(database, token)
+        authenticate_token(database, token)
 
 
 def test_a_keys_highest_priority(client, database):

@@ -47,17 +47,17 @@ def service(settings):
 @pytest.fixture(scope="module")
 def made(tube_recovery, tmp_path_factory) -> Path:
     """Return a folder with the files of a recovery that are read, and a picture of its pattern."""
-    from garmentq.core.deliver.export import plain, write_ply, write_svg
-    from garmentq.core.reuse.wear import save_worn, worn_of
+    from garmentq.core.deliver.export import to_plain_json, write_ply, write_svg
+    from garmentq.core.reuse.wear import save_worn, worn_from_recovery
 
     folder, recovery = tmp_path_factory.mktemp("made"), tube_recovery()
     for name, nodes in recovery.meshes:
         write_ply(nodes, recovery.garment.faces, folder / f"{name}.ply")
     for name in ("metrics", "manifest"):
-        (folder / f"{name}.json").write_text(json.dumps(plain(getattr(recovery, name))))
+        (folder / f"{name}.json").write_text(json.dumps(to_plain_json(getattr(recovery, name))))
     write_svg(recovery.pattern, folder / "pattern.svg")
     save_pattern(recovery.pattern, folder / "pattern.json")
-    save_worn(worn_of(recovery), folder)
+    save_worn(worn_from_recovery(recovery), folder)
     return folder
 
 

@@ -11,7 +11,7 @@ from api_work import ask
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, fail
 from garmentq.service.models import DeliveryRow, WebhookRow
-from garmentq.service.webhooks import create_webhook, owe_trial, take_due
+from garmentq.service.webhooks import claim_due_messages, create_webhook, queue_trial
 from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
@@ -154,10 +154,10 @@ def test_messages_are_as_described(client, database, queue_job, page):
     (schema,) = [
         content["schema"] for content in page["webhooks"]["job-ended"]["post"]["requestBody"]["content"].values()
     ]
-    owe_trial(database, hook.id)
+    queue_trial(database, hook.id)
     seen = set()
     for _ in range(3):
-        (message,) = take_due(database, 1)
+        (message,) = claim_due_messages(database, 1)
         check_by(page, schema, message.body)
         seen.add(message.body["type"])
         with database.write() as session:

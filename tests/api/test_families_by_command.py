@@ -8,7 +8,7 @@ import pytest
 from api_work import finish, make_ply
 from garmentq.cli.family import arrange
 from garmentq.cli.live import follow_batch
-from garmentq.service.families import advance, make_children
+from garmentq.service.families import make_children, release_waiting_jobs
 from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.local import LocalBackend
@@ -93,7 +93,7 @@ def test_who_waits_waits_for_all(ask, family, files, settings, database, store):
     words = ("submit", files / "skirt.ply", "--body", files / "body.ply", "--wait", "--timeout", "0.1")
     assert ask(*words).returncode == 8
     finish(settings, database, store, sleeve, files / "sleeve")
-    assert advance(database) == 1
+    assert release_waiting_jobs(database) == 1
     fail(database, claim(database, hem, "test", 60.0), "cloth.x", "torn", bad_input=False)
     assert ask(*words).returncode == 5
     rows = follow_batch(LocalBackend(settings), [root], 60.0)

@@ -10,7 +10,7 @@ import pytest
 from api_client import serving
 from api_work import code_of, make_key
 from garmentq.core.people import Part
-from garmentq.core.people.mend import LabelsOld, mend_labels
+from garmentq.core.people.mend import LabelsOld, apply_corrected_labels
 from garmentq.service.client import Client
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.keys import create_key
@@ -70,12 +70,12 @@ def test_labels_go_where_the_files_points_are(tmp_path):
     label = np.array([20, 0, 10, 10, 0], np.uint8)
     np.savez(stored, label=label, confidence=np.ones(5), names=np.array([""]), place=np.array([-1, 2, 0, 0, 1]))
     mended = np.array([11, 0, 1], np.uint8)
-    with np.load(mend_labels(stored, mended, tmp_path / "new.npz")) as found:
+    with np.load(apply_corrected_labels(stored, mended, tmp_path / "new.npz")) as found:
         assert found["label"].tolist() == [20, 1, 11, 11, 0]
         assert found["place"].tolist() == [-1, 2, 0, 0, 1]
     np.savez(stored, label=label, confidence=np.ones(5), names=np.array([""]))
     with pytest.raises(LabelsOld):
-        mend_labels(stored, mended, tmp_path / "new.npz")
+        apply_corrected_labels(stored, mended, tmp_path / "new.npz")
 
 
 @pytest.mark.nightly

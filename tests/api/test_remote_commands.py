@@ -8,7 +8,7 @@ import pytest
 from api_client import serving
 from api_work import finish, make_ply
 from garmentq.cli.live import follow_batch
-from garmentq.cli.main import COMMANDS, LOCAL
+from garmentq.cli.main import COMMANDS, LOCAL_COMMANDS
 from garmentq.core.garment import list_templates
 from garmentq.core.run.errors import NotFound
 from garmentq.service.connection import Connection
@@ -102,10 +102,10 @@ def test_every_command_works_or_says_why_not(remote, cli, settings):
         "keys", "doctor", "dress", "refit", "edit", "animate", "match", "sizes", "webhooks",
     }  # fmt: skip
     files_only = {"inspect", "segment", "bodies", "bench"}  # of this machine, as they are
-    assert asked | files_only | set(LOCAL) == set(COMMANDS) and not (asked | files_only) & set(LOCAL)
+    assert asked | files_only | set(LOCAL_COMMANDS) == set(COMMANDS) and not (asked | files_only) & set(LOCAL_COMMANDS)
     words = {"db": ["db", "upgrade"], "backup": ["backup", "x.tar"], "restore": ["restore", "x.tar"]}
     before = sorted(settings.home.rglob("*"))
-    for name in LOCAL:
+    for name in LOCAL_COMMANDS:
         done = remote(*words.get(name, [name]))
         assert done.returncode == 2 and done.stdout == "", (name, done)
         assert done.stderr.startswith("error command.local_only: ") and len(done.stderr.splitlines()) == 1, name

@@ -11,7 +11,7 @@ import httpx
 from api_client import LIMITS, serving
 from api_work import make_key
 from garmentq.service.models import SessionRow
-from garmentq.service.sessions import MOST_SESSIONS, admit_session
+from garmentq.service.sessions import MAX_KEY_SESSIONS, authenticate_session
 from garmentq_home import wait_for
 from sqlalchemy import func, select
 
@@ -25,14 +25,14 @@ def sign_in(url: str, token: str) -> httpx.Response:
 
 def test_sessions_of_a_key_are_bounded(settings, database):
     """Broken where a right key begins any number of sessions, or one more ends another key's or the newest."""
-    limits = replace(LIMITS, requests_per_second=0.001, burst=MOST_SESSIONS + 3)
+    limits = replace(LIMITS, requests_per_second=0.001, burst=MAX_KEY_SESSIONS + 3)
     with serving(settings, limits, is_open=False) as url:
         tokens = [make_key(database, name)["authorization"].split()[1] for name in ("one", "two")]
         other = sign_in(url, tokens[1]).cookies["garmentq"]
-        begun = [sign_in(url, tokens[0]).cookies["garmentq"] for _ in range(MOST_SESSIONS + 3)]
+        begun = [sign_in(url, tokens[0]).cookies["garmentq"] for _ in range(MAX_KEY_SESSIONS + 3)]
         with database.read() as session:
-            assert session.scalar(select(func.count()).select_from(SessionRow)) == MOST_SESSIONS + 1
-        assert admit_session(database, begun[3], False) and admit_session(database, other, False)
+            assert session.scalar(select(func.count()).select_from(SessionRow)) == MAX_KEY_SESSIONS + 1
+        assert authenticate_session(database, begun[3], False) and authenticate_session(database, other, False)
         browser = {"cookie": f"garmentq={begun[2]}"}
         assert httpx.get(f"{url}/", headers=browser).status_code == 303, "the oldest have ended"
         refused = sign_in(url, tokens[0])

@@ -23,9 +23,9 @@ LARGE = 48 * 1024**2
 @pytest.fixture
 def short(monkeypatch):
     """Ask again, and give a sign of life, so often that a test need not wait."""
-    assert guard.ADMITTED_SECONDS + events.ALIVE_SECONDS <= 30.0
+    assert guard.ADMITTED_SECONDS + events.STREAM_KEEPALIVE_INTERVAL <= 30.0
     monkeypatch.setattr(guard, "ADMITTED_SECONDS", 0.2)
-    monkeypatch.setattr(events, "ALIVE_SECONDS", 0.2)
+    monkeypatch.setattr(events, "STREAM_KEEPALIVE_INTERVAL", 0.2)
 
 
 def find_key(database) -> str:

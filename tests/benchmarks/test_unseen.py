@@ -16,7 +16,7 @@ from garmentq.core.garment import save_pattern
 from garmentq.core.judge import read_packs, read_raw_packs
 from garmentq.core.judge.raw_file import read_raw_file
 from garmentq.core.judge.raw_packs import read_cover, read_true_labels, read_visible
-from garmentq.core.reuse.wear import wear_template
+from garmentq.core.reuse.wear import load_worn_template
 from unseen_draw import Draft, draw_targets
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels
@@ -60,7 +60,7 @@ def test_a_wearer_takes_the_pose_by_steps():
 @pytest.fixture
 def hung(tmp_path) -> Hung:
     """Return a shipped skirt's drape as if another program had made it."""
-    worn = wear_template("skirt", get_fabric("cotton_poplin"))
+    worn = load_worn_template("skirt", get_fabric("cotton_poplin"))
     assert worn is not None
     for name in ("specification.json", "base.json"):
         save_pattern(worn.pattern, tmp_path / name)
@@ -69,7 +69,7 @@ def hung(tmp_path) -> Hung:
 
 def test_an_arm_beside_its_sleeve_is_found():
     """Broken where a garment that a limb slipped out of is kept as a target."""
-    worn = wear_template("tshirt", get_fabric("cotton_poplin"))
+    worn = load_worn_template("tshirt", get_fabric("cotton_poplin"))
     assert worn is not None
     nodes, faces, dressed = worn.garment.nodes, worn.garment.faces, (worn.garment.nodes, worn.body)
     require_worn(dressed, dressed, faces)

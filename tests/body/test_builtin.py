@@ -16,7 +16,7 @@ from garmentq.core.body import (
     read_wearer,
     rest_body,
 )
-from garmentq.core.body.builtin import DENSITY
+from garmentq.core.body.builtin import BODY_DENSITY
 from garmentq.core.body.template import load_template, rotations_of
 
 TEMPLATE = load_template()
@@ -35,7 +35,7 @@ def test_weight_is_the_one_asked_for() -> None:
     """A wrong volume derivative leaves the weight off, and would change the height with it."""
     body = builtin_body("builtin:male,height=1.80,weight=95")
     mesh = trimesh.Trimesh(body.vertices, body.faces, process=False)
-    assert mesh.volume * DENSITY == pytest.approx(95, abs=0.1)
+    assert mesh.volume * BODY_DENSITY == pytest.approx(95, abs=0.1)
     assert np.ptp(body.vertices[:, 1]) == pytest.approx(1.80, abs=0.002)
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, Tape, armpit_height, builtin_body, parse_spec
+from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, TapeMeasure, armpit_height, builtin_body, parse_spec
 from garmentq.core.body.girths import Section
-from garmentq.core.body.measured import Wanted, rest_of, shape_for
+from garmentq.core.body.measured import TargetMeasures, most_probable_shape, t_pose_body
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.body.template import load_template
 from garmentq.core.geometry import HalfEdges
@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 def measure_girths(body) -> dict[str, float]:
     """Return every girth of a body [m]."""
-    tape = Tape.of(body)
+    tape = TapeMeasure.of(body)
     return {name: tape.measure(name).value for name in GIRTHS}
 
 
@@ -43,7 +43,7 @@ def test_girth_of_a_cylinder_and_of_two():
 
 def test_armpits_of_a_mesh_without_vertices_there():
     """Broken where a coarse body, without a vertex at the arms' roots, is a fault instead of a measure."""
-    body = rest_of(load_template(), load_template().means["female"])
+    body = t_pose_body(load_template(), load_template().means["female"])
     fine = armpit_height(body)
     far = np.abs(np.abs(body.vertices[:, 0] - body.joint("pelvis")[0]) - 0.2) > 0.06
     assert body.joint("spine3")[1] < fine < body.joint("left_shoulder")[1]
@@ -90,10 +90,10 @@ def test_no_shape_with_the_measures_is_more_probable(seed):
     template, generator = load_template(), np.random.default_rng(seed)
     mean, covariance = template.means["female"], template.covariances["female"]
     drawn = mean + 0.7 * (generator.multivariate_normal(mean, covariance) - mean)
-    body = rest_of(template, drawn)
-    tape = Tape(body)
+    body = t_pose_body(template, drawn)
+    tape = TapeMeasure(body)
     girths = {name: tape.measure(name).value for name in ("chest", "hip")}
-    found = shape_for(template, Wanted("female", float(np.ptp(body.vertices[:, 1])), None, girths))
+    found = most_probable_shape(template, TargetMeasures("female", float(np.ptp(body.vertices[:, 1])), None, girths))
 
     def norm(shape):
         return float((shape - mean) @ np.linalg.solve(covariance, shape - mean))
@@ -121,7 +121,7 @@ def test_girths_do_not_depend_on_the_pose():
 def test_tape_is_laid_where_the_body_is_narrowest_and_widest():
     """Broken where the waist is not the least, or the hip not the largest girth of its span."""
     body = builtin_body("builtin:female,height=1.70")
-    tape = Tape.of(replace(body))
+    tape = TapeMeasure.of(replace(body))
     low, high = tape.waist_span
     assert tape.measure("waist").value <= min(tape.trunk(h).value for h in np.linspace(low, high, 7)) + 2e-3
     assert tape.measure("hip").value > tape.measure("waist").value

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from dressed_person import Dressed, dress_person
 from garmentq.core.body import NotHuman, PersonFit, PointWeights, fit_person, refit_person
-from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State, find_forearms
-from garmentq.core.body.person import require_contact, weigh_points
+from garmentq.core.body.fit import FitStage, FitState, Fitter, OrientedPoints, find_forearms
+from garmentq.core.body.person import apply_point_weights, strengthen_contact
 from garmentq.core.body.presence import (
     Presence,
     ScanPartial,
     SeveralPersons,
     TooSparse,
+    find_presence_error,
     measure_presence,
-    refuse,
     split_in_two,
 )
 from garmentq.core.body.registration import body_of_state, pose_model
@@ -79,7 +79,7 @@ def test_predicted_depth_moves_points_in() -> None:
     """Broken where a depth goes outward, or where points without one lose what is known of them."""
     points, normals = np.zeros((2, 3)), np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
     weights = PointWeights(np.ones(2), np.array([0.0, 1.0]), np.array([0.02, np.nan]), np.array([0.005, 0.005]))
-    weighed = weigh_points(points, normals, weights)
+    weighed = apply_point_weights(points, normals, weights)
     assert np.allclose(weighed.points, [[0.0, -0.02, 0.0], [0.0, 0.0, 0.0]])
     assert weighed.cloth is not None and weighed.weight is not None and weighed.spread is not None
     assert weighed.cloth.tolist() == [0.0, 1.0] and weighed.spread.tolist() == [0.005, 0.0]
@@ -90,11 +90,11 @@ def test_certain_cloth_counts_as_cloth_ever_did() -> None:
     """Broken where weights of 0 and 1 move another body than False and True do: labelled scans would come out anew."""
     rng = np.random.default_rng(0)
     subset = rng.choice(len(TEMPLATE.vertices), 200, replace=False)
-    state = State(np.zeros(5), np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
+    state = FitState(np.zeros(5), np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
     model, normals = pose_model(TEMPLATE, state)
     cloth = rng.random(len(model)) < 0.5
     surface = OrientedPoints(model + 0.01 * normals, normals, cloth)
-    stage = Stage(3, 0.05, 0.1, True, 5, 0.1)
+    stage = FitStage(3, 0.05, 0.1, True, 5, 0.1)
     states = [
         Fitter(TEMPLATE, subset, known).fit(state, stage)
         for known in (surface, replace(surface, cloth=cloth.astype(float)))
@@ -106,26 +106,26 @@ def test_certain_cloth_counts_as_cloth_ever_did() -> None:
 def test_normals_of_unknown_sign_pair_alike() -> None:
     """Broken where a turned normal is paired as if it were another surface, or where the residual sees its sign."""
     subset = np.arange(0, len(TEMPLATE.vertices), 30)
-    state = State(np.zeros(4), rotations_of(np.zeros((24, 3))), np.array([0.02, 0.0, 0.0]))
-    model, normals = pose_model(TEMPLATE, State(np.zeros(4), state.rotations, np.zeros(3)))
+    state = FitState(np.zeros(4), rotations_of(np.zeros((24, 3))), np.array([0.02, 0.0, 0.0]))
+    model, normals = pose_model(TEMPLATE, FitState(np.zeros(4), state.rotations, np.zeros(3)))
     turned = normals * np.random.default_rng(1).choice([-1.0, 1.0], len(normals))[:, None]
     right = Fitter(TEMPLATE, subset, OrientedPoints(model, normals))
     unknown = Fitter(TEMPLATE, subset, OrientedPoints(model, turned, oriented=False))
     assert unknown.residual(state, 0.1, 0.05) <= right.residual(state, 0.1, 0.05) + 1e-12
-    stage = Stage(4, 0.05, 0.1, True, 4)
+    stage = FitStage(4, 0.05, 0.1, True, 4)
     moved = unknown.fit(state, stage).translation, right.fit(state, stage).translation
     assert np.allclose(moved[0], moved[1], atol=0.003)
 
 
 def test_cloth_that_floats_is_asked_to_touch() -> None:
     """Broken where a body thinner than its shirt everywhere is left so, or one that carries it is made thicker."""
-    state = State(np.zeros(5), np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
+    state = FitState(np.zeros(5), np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
     model, normals = pose_model(TEMPLATE, state)
     far = OrientedPoints(model + 0.03 * normals, normals, np.ones(len(model)))
     near = replace(far, points=model + 0.002 * normals)
-    asked = require_contact(TEMPLATE, far, state)
+    asked = strengthen_contact(TEMPLATE, far, state)
     assert asked is not None and asked.cloth is not None and 0.7 < asked.cloth.min() < 0.9
-    assert require_contact(TEMPLATE, near, state) is None
+    assert strengthen_contact(TEMPLATE, near, state) is None
 
 
 def test_forearm_is_not_paired_with_a_coat() -> None:
@@ -151,12 +151,12 @@ def test_noise_does_not_turn_normals() -> None:
 def test_codes_follow_what_is_seen() -> None:
     """Broken where a half is told to be no person, or a coat or wide skirt that hides the body is refused."""
     whole = Presence(unseen=0.0, found=0.6, head=0.6, upper=0.6, beside=0.02, stray=0.0)
-    assert refuse(whole, 1.7) is None
-    assert refuse(replace(whole, found=0.4, beside=0.3, stray=0.2), 1.7) is None
-    assert isinstance(refuse(replace(whole, unseen=0.2), 1.7), ScanPartial)
-    assert isinstance(refuse(whole, 0.9), ScanPartial)
+    assert find_presence_error(whole, 1.7) is None
+    assert find_presence_error(replace(whole, found=0.4, beside=0.3, stray=0.2), 1.7) is None
+    assert isinstance(find_presence_error(replace(whole, unseen=0.2), 1.7), ScanPartial)
+    assert isinstance(find_presence_error(whole, 0.9), ScanPartial)
     chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, beside=0.25, stray=0.1)
-    assert isinstance(refuse(chair, 0.9), NotHuman)
+    assert isinstance(find_presence_error(chair, 0.9), NotHuman)
 
 
 def test_hands_beyond_the_scan_do_not_refuse_a_whole_person(person: Dressed, monkeypatch) -> None:
@@ -236,6 +236,6 @@ def test_poses_and_outfits_are_accepted(stance: str, outfit: str) -> None:
 
 def test_body_of_a_state_is_the_model() -> None:
     """Broken where the found body's vertices are not the model's: whoever dresses it would miss the wearer."""
-    state = State(np.zeros(4), np.tile(np.eye(3), (24, 1, 1)), np.array([0.3, 0.1, -0.2]))
+    state = FitState(np.zeros(4), np.tile(np.eye(3), (24, 1, 1)), np.array([0.3, 0.1, -0.2]))
     body = body_of_state(TEMPLATE, state, 0.002)
     assert np.allclose(body.vertices, pose_model(TEMPLATE, state)[0]) and body.fit_rms == 0.002

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from everyday_body import everyday_body
 from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
-from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State
+from garmentq.core.body.fit import FitStage, FitState, Fitter, OrientedPoints
 from garmentq.core.body.registration import RegistrationSettings
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.geometry import vertex_normals
@@ -74,20 +74,20 @@ def test_derivatives_by_pose_and_shape_agree_with_differences() -> None:
     rng = np.random.default_rng(0)
     subset = np.arange(0, len(TEMPLATE.vertices), 250)
     fitter = Fitter(TEMPLATE, subset, OrientedPoints(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])))
-    state = State(rng.normal(0, 1, 6), rotations_of(rng.normal(0, 0.4, (24, 3))), rng.normal(0, 1, 3))
+    state = FitState(rng.normal(0, 1, 6), rotations_of(rng.normal(0, 0.4, (24, 3))), rng.normal(0, 1, 3))
     placed = fitter._place(state)
     turn, shape = fitter._turn_slopes(placed), fitter._shape_slopes(6, placed)
     h = 1e-6
     for column in (1, 5, 17, 40, 71):
         step = np.zeros(72)
         step[column] = h
-        ends = [State(state.shape, rotations_of(s * step.reshape(24, 3)) @ state.rotations, state.translation)
+        ends = [FitState(state.shape, rotations_of(s * step.reshape(24, 3)) @ state.rotations, state.translation)
                 for s in (1, -1)]  # fmt: skip
         slope = (fitter._place(ends[0]).points - fitter._place(ends[1]).points) / (2 * h)
         assert np.allclose(slope, turn[:, column].T, atol=1e-7)
     for k in range(6):
         step = np.eye(6)[k] * h
-        ends = [State(state.shape + s * step, state.rotations, state.translation) for s in (1, -1)]
+        ends = [FitState(state.shape + s * step, state.rotations, state.translation) for s in (1, -1)]
         slope = (fitter._place(ends[0]).points - fitter._place(ends[1]).points) / (2 * h)
         assert np.allclose(slope, shape[:, k].T, atol=1e-7)
 
@@ -96,11 +96,11 @@ def test_a_fit_from_the_true_state_stays_there() -> None:
     """Pairs or priors with a bias would walk away from a surface that the model matches."""
     body = builtin_body("builtin:female")
     subset = np.arange(0, len(TEMPLATE.vertices), 10)
-    state = State(body.parameters["shape"], np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
+    state = FitState(body.parameters["shape"], np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
     rest, _ = TEMPLATE.shaped(state.shape)
     normals = vertex_normals(rest, TEMPLATE.faces)
     fitter = Fitter(TEMPLATE, subset, OrientedPoints(rest, normals))
-    after = fitter.fit(state, Stage(3, 0.01, 0.03, True, 60))
+    after = fitter.fit(state, FitStage(3, 0.01, 0.03, True, 60))
     rest_after, _ = TEMPLATE.shaped(after.shape)
     assert np.abs(rest_after - rest).max() < 0.003
     assert np.abs(after.translation).max() < 0.001

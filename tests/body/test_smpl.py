@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINTS, PARENTS, SmplBad, load_smpl
+from garmentq.core.body import JOINT_PARENTS, JOINTS, SmplBad, load_smpl
 from garmentq.core.body.template import load_template
 from garmentq.core.recover.inputs import read_files
 from garmentq.core.recover.recovery import Request
@@ -31,7 +31,7 @@ def arrays(seed: int = 0) -> dict[str, np.ndarray]:
         "posedirs": 1e-3 * rng.standard_normal((count, 3, 207)),
         "J_regressor": regressor,
         "weights": TEMPLATE.weights,
-        "kintree_table": np.array([[2**32 - 1, *PARENTS[1:]], range(24)], dtype=np.uint32),
+        "kintree_table": np.array([[2**32 - 1, *JOINT_PARENTS[1:]], range(24)], dtype=np.uint32),
         "f": TEMPLATE.faces.astype(np.uint32),
         "betas": rng.standard_normal(10),
         "pose": pose.ravel(),
@@ -46,7 +46,7 @@ def pose_slowly(data: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     turns = Rotation.from_rotvec(data["pose"].reshape(24, 3)).as_matrix()
     bent = shaped + np.einsum("nkp,p->nk", data["posedirs"], (turns[1:] - np.eye(3)).reshape(-1))
     world = []
-    for j, parent in enumerate(PARENTS):
+    for j, parent in enumerate(JOINT_PARENTS):
         own = np.eye(4)
         own[:3, :3], own[:3, 3] = turns[j], joints[j] - (joints[parent] if j else 0)
         world.append(world[parent] @ own if j else own)

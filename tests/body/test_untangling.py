@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside, untangling
-from garmentq.core.body.projection import raise_to_depth
+from garmentq.core.body.projection import limit_penetration
 from garmentq.core.geometry import self_intersections, untangle
 
 
@@ -79,8 +79,8 @@ def test_layers_share_the_room_between_parts_of_a_body():
     nodes, faces, skin = lay_between_balls(2e-4)
     limit = 3e-4
     assert len(self_intersections(nodes, faces)) > 0
-    assert penetration_depth(untangle(nodes, faces, untangling.FINE_STEP), faces, skin) > limit
-    apart, crossed = untangling.share_room(nodes, faces, skin, limit)
+    assert penetration_depth(untangle(nodes, faces, untangling.GAP_UNTANGLE_STEP), faces, skin) > limit
+    apart, crossed = untangling.separate_layers_in_gap(nodes, faces, skin, limit)
     assert crossed == len(self_intersections(apart, faces)) == 0
     assert 0.0 < penetration_depth(apart, faces, skin) <= limit
 
@@ -89,6 +89,6 @@ def test_only_what_is_too_deep_is_raised():
     """Broken where cloth outside moves, or cloth inside leaves the body altogether."""
     nodes, faces, skin = lay_on_ball()
     sunk = nodes * (0.3 / np.linalg.norm(nodes, axis=1, keepdims=True) - 0.01)
-    raised = raise_to_depth(np.concatenate([sunk, nodes]), np.concatenate([faces, faces + len(nodes)]), skin, 1e-3)
+    raised = limit_penetration(np.concatenate([sunk, nodes]), np.concatenate([faces, faces + len(nodes)]), skin, 1e-3)
     np.testing.assert_array_equal(raised[len(nodes) :], nodes)
     assert penetration_depth(raised[: len(nodes)], faces, skin) == pytest.approx(1e-3, abs=1e-4)

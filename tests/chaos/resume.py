@@ -33,7 +33,7 @@ from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.run.hooks import Hooks
 from garmentq.service.database import Database, open_database
 from garmentq.service.jobs import find_job
-from garmentq.service.reaper import reap, report_loss
+from garmentq.service.reaper import reap, release_lost_leases
 from garmentq.service.results import export_files
 from garmentq.service.settings import ServiceSettings, read_settings
 from garmentq.service.store import Store
@@ -122,7 +122,7 @@ def run_to_end(settings: ServiceSettings, database: Database, job: str, every: i
         if done.returncode != -signal.SIGKILL:
             return killed
         killed.append(done.stdout.split()[-1])
-        report_loss(database, MARK, "signal 9 (SIGKILL)")
+        release_lost_leases(database, MARK, "signal 9 (SIGKILL)")
         assert reap(database, ATTEMPTS) == 1
 
 

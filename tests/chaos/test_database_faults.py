@@ -20,12 +20,12 @@ from garmentq.service.kinds.recover import Recover
 from garmentq.service.logs import JsonLines
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import ArtifactRow, JobRow
-from garmentq.service.reaper import reap, report_loss, show_life
+from garmentq.service.reaper import reap, record_heartbeat, release_lost_leases
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq.service.store import StorageFull
 from garmentq.service.submission import Order, submit
 from garmentq.workers.recovery import make_hooks, run_job
-from garmentq.workers.watch import Watch
+from garmentq.workers.watch import LeaseKeeper
 from garmentq_home import put_file, wait_for
 from garmentq_standin import make_recovery
 from sqlalchemy import func, select, text
@@ -38,7 +38,7 @@ def never() -> bool:
 
 def hooks_of(database, store, held):
     """Return a claim's hooks without a running watch."""
-    return make_hooks(database, store, held, Watch(database, held, 30.0, 1.0, 60.0, never))
+    return make_hooks(database, store, held, LeaseKeeper(database, held, 30.0, 1.0, 60.0, never))
 
 
 def test_r6_a_database_that_stays_away_for_a_lease(database, queue_job, tmp_path):
@@ -46,7 +46,7 @@ def test_r6_a_database_that_stays_away_for_a_lease(database, queue_job, tmp_path
     held = claim(database, queue_job(), "a", 30.0)
     away = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder.db'}", pooled=False)
     began = time.monotonic()
-    with Watch(away, held, 0.2, 0.05, 1.0, never) as watch:
+    with LeaseKeeper(away, held, 0.2, 0.05, 1.0, never) as watch:
         wait_for(watch.must_stop)
     assert watch.reason == "too_long" and time.monotonic() - began > 1.0
 
@@ -220,7 +220,7 @@ def test_most_urgent_first_and_a_known_death(database, queue_job):
     low, high, other = queue_job("low"), queue_job("high", priority=5), queue_job("gpu", queue="gpu", priority=9)
     held = claim_next(database, low, "host:1:abc", 600.0)
     assert isinstance(held, Claim) and held.job == high
-    report_loss(database, "abc", "signal 11 (SIGSEGV)")
+    release_lost_leases(database, "abc", "signal 11 (SIGSEGV)")
     assert reap(database, 1) == 1
     assert "SIGSEGV" in find_job(database, high).error_message
     assert claim_next(database, high, "b", 30.0).job == low
@@ -235,7 +235,7 @@ def test_metrics_read_back(settings, database, queue_job):
 
     jobs = [queue_job(f"shirt{i}") for i in range(3)]
     assert run_job(settings, database, jobs[0], never) == "succeeded"
-    show_life(database, 'a"b\\c', "cpu,gpu", 4, 30.0)
+    record_heartbeat(database, 'a"b\\c', "cpu,gpu", 4, 30.0)
     families = {family.name: family for family in text_string_to_metric_families(prometheus_text(database))}
     values = {(s.name, tuple(s.labels.values())): s.value for family in families.values() for s in family.samples}
     assert values["garmentq_jobs", ("queued", "cpu")] == 2 and values["garmentq_jobs", ("succeeded", "cpu")] == 1
@@ -265,7 +265,7 @@ def test_status_csv_and_batch(cli, settings, database, queue_job, tmp_path):
     assert run_job(settings, database, job, never) == "succeeded"
     with database.write() as session:
         session.get(JobRow, job).name = "=cmd()\n1"
-    show_life(database, "host:1", "cpu", 2, 30.0)
+    record_heartbeat(database, "host:1", "cpu", 2, 30.0)
     shown = cli("status", "--watch").stdout
     assert "succeeded 1" in shown and "host:1" in shown
     rows = list(csv.DictReader(io.StringIO(cli("query", "--csv").stdout)))

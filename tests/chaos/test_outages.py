@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import pytest
 from garmentq.core.run.errors import BadInput, GarmentqError
-from garmentq.service.clocks import Leaps, set_right
+from garmentq.service.clocks import ClockJumpGuard, clamp_future_times
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, find_job, read_events
 from garmentq.service.models import JobRow, LockRow, WorkerRow
-from garmentq.service.outage import LONGEST_SECONDS, find_outage, find_pause, list_outages
-from garmentq.service.reaper import DUTY, dispatch, hold_duty, list_workers, reap, remind, show_life
+from garmentq.service.outage import MAX_OUTAGE_PAUSE, find_outage, find_pause, list_outages
+from garmentq.service.reaper import (
+    DISPATCHER_LEASE,
+    acquire_leader_lease,
+    dispatch,
+    list_workers,
+    reap,
+    record_heartbeat,
+    republish_stalled_jobs,
+)
 from garmentq.service.store import StorageFull, Store, StoreUnreachable
 from garmentq.workers import patience
 from garmentq.workers.broker import start_broker
 from garmentq.workers.recovery import run_job
-from garmentq.workers.watch import Watch
+from garmentq.workers.watch import LeaseKeeper
 from garmentq_home import wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
 
@@ -59,7 +67,7 @@ def test_r22_the_store_is_away(settings, database, queue_job, start_worker, mark
 
 def test_r22_a_worker_without_a_store_claims_nothing(settings, database, store, queue_job, monkeypatch):
     """Broken where a job is begun that cannot be done, or nobody is told what is waited for."""
-    monkeypatch.setattr(patience, "LONGEST_SECONDS", 0.3)
+    monkeypatch.setattr(patience, "MAX_OUTAGE_PAUSE", 0.3)
     job = queue_job()
     store.root.rename(store.root.with_name("away"))
     assert run_job(settings, database, job, never) == "unclaimed"
@@ -72,7 +80,7 @@ def test_r22_a_worker_without_a_store_claims_nothing(settings, database, store, 
 
 def test_r23_the_store_is_full_then_there_is_room(settings, database, queue_job, monkeypatch):
     """Broken where a full disk ends a job, spends its attempts, or keeps it from going on once there is room."""
-    monkeypatch.setattr(patience, "LONGEST_SECONDS", 0.3)
+    monkeypatch.setattr(patience, "MAX_OUTAGE_PAUSE", 0.3)
     job = queue_job()
     with monkeypatch.context() as full:
         full.setattr(Store, "put_stream", refuse)
@@ -81,7 +89,9 @@ def test_r23_the_store_is_full_then_there_is_room(settings, database, queue_job,
     assert (row.state, row.attempts, row.delays, row.delay_code) == ("queued", 0, 1, "store.full")
     assert [event.kind for event in read_events(database, job)][-1] == "put_off"
     assert run_job(settings, database, job, never) == "unclaimed", "it rests"
-    assert dispatch(database, lambda *_: None) == 0 and remind(database, -1.0, lambda: True) == 0, "nor is it woken"
+    assert dispatch(database, lambda *_: None) == 0 and republish_stalled_jobs(database, -1.0, lambda: True) == 0, (
+        "nor is it woken"
+    )
     let_go(database, job)
     assert dispatch(database, lambda *_: None) >= 1
     assert run_job(settings, database, job, never) == "succeeded"
@@ -97,7 +107,7 @@ def test_room_is_asked_for_before_a_claim(settings, database, store, queue_job, 
     """Broken where a job begins on a disk that cannot hold its result."""
     from dataclasses import replace
 
-    monkeypatch.setattr(patience, "LONGEST_SECONDS", 0.2)
+    monkeypatch.setattr(patience, "MAX_OUTAGE_PAUSE", 0.2)
     job = queue_job()
     assert run_job(replace(settings, free_bytes=1 << 60), database, job, never) == "unclaimed"
     assert [one.code for one in list_outages(database)] == ["store.full"]
@@ -113,13 +123,13 @@ def test_what_is_an_outage_and_how_long_it_is_waited_for(database, store, queue_
     for error in (OSError(2, "no such file"), ValueError("x"), BadInput(), GarmentqError()):
         assert find_outage(error) is None
     pauses = [find_pause(2.0, times) for times in (0, 1, 2, 50, 5000)]
-    assert pauses == [2.0, 4.0, 8.0, LONGEST_SECONDS, LONGEST_SECONDS]
+    assert pauses == [2.0, 4.0, 8.0, MAX_OUTAGE_PAUSE, MAX_OUTAGE_PAUSE]
     job = queue_job()
     held = claim(database, job, "a", 30.0)
     cancel(database, job)
-    from garmentq.service.jobs import put_off
+    from garmentq.service.jobs import reschedule
 
-    put_off(database, held, StorageFull(), 2.0)
+    reschedule(database, held, StorageFull(), 2.0)
     assert find_job(database, job).state == "cancelled", "a rest must not outlive the wish to stop"
 
 
@@ -133,10 +143,10 @@ def test_a_database_away_for_longer_than_a_lease(settings, database, queue_job, 
     def away(*_):
         raise DatabaseUnreachable()
 
-    with monkeypatch.context() as gone, Watch(database, held, 0.2, 0.05, 60.0, never) as seen:
+    with monkeypatch.context() as gone, LeaseKeeper(database, held, 0.2, 0.05, 60.0, never) as seen:
         gone.setattr(watch, "renew", away)
-        gone.setattr(watch, "look", away)
-        leaps = Leaps(60.0)
+        gone.setattr(watch, "read_cancel_flag", away)
+        leaps = ClockJumpGuard(60.0)
         leaps.note_outage()
         import time
 
@@ -164,18 +174,20 @@ def test_r24_the_clock_goes_back_an_hour(database, queue_job):
     """Broken where the queue stands until the clock has caught up, a dead worker lives, or a living one is lost."""
     lost, queued = queue_job("lost"), queue_job("queued")
     held = claim(database, lost, "dead", 0.3)
-    assert hold_duty(database, DUTY, "dead", 5.0)
-    show_life(database, "dead", "cpu", 1, 30.0)
+    assert acquire_leader_lease(database, DISPATCHER_LEASE, "dead", 5.0)
+    record_heartbeat(database, "dead", "cpu", 1, 30.0)
     shift(database, HOUR)
     assert list_workers(database) == []
-    assert hold_duty(database, DUTY, "new", 5.0), "a duty that lies further ahead than it is held is nobody's"
+    assert acquire_leader_lease(database, DISPATCHER_LEASE, "new", 5.0), (
+        "a duty that lies further ahead than it is held is nobody's"
+    )
     assert reap(database, 9) == 0
-    assert set_right(database) == 2 and set_right(database) == 0
+    assert clamp_future_times(database) == 2 and clamp_future_times(database) == 0
     assert find_job(database, held.job).state == "running", "its owner has one more lease"
     wait_for(lambda: reap(database, 9) == 1)
     assert find_job(database, lost).state == "queued"
     dispatch(database, lambda *_: None)
-    wait_for(lambda: remind(database, 0.2, lambda: True) >= 1)
+    wait_for(lambda: republish_stalled_jobs(database, 0.2, lambda: True) >= 1)
     assert queued
 
 
@@ -185,7 +197,7 @@ def test_r25_the_clock_leaps_ahead(monkeypatch):
 
     steady = [100.0]
     monkeypatch.setattr(clocks.time, "monotonic", lambda: steady[0])
-    leaps = Leaps(30.0)
+    leaps = ClockJumpGuard(30.0)
     leaps.note(1e9)
     steady[0] += 0.5
     leaps.note(1e9 + 0.5)

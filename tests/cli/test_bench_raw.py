@@ -15,11 +15,11 @@ from garmentq.cli import bench, bench_raw, bench_raw_target
 from garmentq.cli.bench_raw import OUTCOMES, STATE_NAMES
 from garmentq.core.garment import save_pattern
 from garmentq.core.garment.reading import Reading
-from garmentq.core.judge import STATES, Outcome, read_mesh_file, read_raw_file
+from garmentq.core.judge import SCAN_STATES, Outcome, read_mesh_file, read_raw_file
 from garmentq.core.people import Part
-from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit, Separation
+from garmentq.core.people.separation import FoundContour, FoundGarment, LabelledPerson, Outfit
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Pieces, Scan
+from garmentq.core.scan import Scan, ScanInput
 from garmentq.core.scan.raw import RawScan
 from garmentq_raw_pack import dress, make_raw_pack
 
@@ -49,7 +49,7 @@ class Road:
         count = np.arange(len(points))
         return RawScan(points, file.faces, None, False, None, None, count, count)
 
-    def separate(self, raw: RawScan, hints: object, hooks: object) -> Separation:
+    def separate(self, raw: RawScan, hints: object, hooks: object) -> LabelledPerson:
         """Label the sheet by height; a centimetre off at the waist where `waist` is."""
         if self.error is not None:
             raise self.error
@@ -60,15 +60,15 @@ class Road:
         garments = tuple(FoundGarment(part, 0.9, name, rims) for part, name in categories.items())
         outfits = (Outfit(tuple(categories), 0.0), Outfit((Part.ONE_PIECE,), -1.0))
         confidence = np.full(len(label), 0.95, np.float32)
-        return Separation(self.body, label, confidence, garments, outfits, ("it was dark.",), self.problem)
+        return LabelledPerson(self.body, label, confidence, garments, outfits, ("it was dark.",), self.problem)
 
     def find_surface(self, raw: RawScan, body: object) -> Scan:
         """Return the sheet."""
         return Scan(raw.points, raw.faces)
 
-    def cut_garment_of(self, surface: Scan, separation: Separation, part: Part) -> Reading:
+    def cut_garment_of(self, surface: Scan, separation: LabelledPerson, part: Part) -> Reading:
         """Return all of the sheet."""
-        return Reading(Pieces(surface, None), self.body)
+        return Reading(ScanInput(surface, None), self.body)
 
     def recover(self, request: object) -> object:
         """Return a recovery that is known."""
@@ -180,7 +180,7 @@ def test_the_tables(packs: Path, road: Road) -> None:
 
 def test_names_that_are_stated_twice_agree() -> None:
     """Broken where the options, which load nothing, named other states or outcomes than there are."""
-    assert STATE_NAMES == tuple(state.name for state in STATES)
+    assert STATE_NAMES == tuple(state.name for state in SCAN_STATES)
     assert set(OUTCOMES) == {outcome.value for outcome in Outcome} | {"failed"}
 
 

@@ -16,10 +16,10 @@ from garmentq.core.cloth import (
     equilibrium,
     get_fabric,
     load_fabrics,
-    soften,
+    reduce_membrane_stiffness,
 )
-from garmentq.core.cloth.bending_friction import HELD, measure_angles
-from garmentq.core.cloth.locking import SAG
+from garmentq.core.cloth.bending_friction import MAX_HELD_SLIP_RATIO, measure_angles
+from garmentq.core.cloth.locking import MAX_COARSE_MESH_STRAIN
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +67,8 @@ def test_folds_that_stay_cost_nothing(crumpled, cloth):
 def test_bending_to_and_fro_spends_what_a_bending_tester_measures(middle):
     """Breaks if folds never follow, follow at once, or jump where an angle goes past pi: the loop's area is known.
 
-    The moment rises to 2 / sqrt 5 of M within `HELD` = 2 slips and stays: between -a and a the loop has the area
-    2 (2 / sqrt 5) M (2 a - 4 slips).
+    The moment rises to 2 / sqrt 5 of M within `MAX_HELD_SLIP_RATIO` = 2 slips and stays: between -a and a the loop has
+    the area 2 (2 / sqrt 5) M (2 a - 4 slips).
     """
     moment, reach = 3e-6, 0.5
     folds = BendingFriction(np.array([middle]), np.array([moment]))
@@ -84,7 +84,7 @@ def test_bending_to_and_fro_spends_what_a_bending_tester_measures(middle):
             replace(folds, angles=folds.slide(np.remainder(np.array([angle]) + np.pi, 2 * np.pi) - np.pi)),
             angle,
         )
-    area = 2.0 * (2.0 / np.sqrt(5.0)) * moment * (2.0 * reach - 2.0 * HELD * folds.slip)
+    area = 2.0 * (2.0 / np.sqrt(5.0)) * moment * (2.0 * reach - 2.0 * MAX_HELD_SLIP_RATIO * folds.slip)
     assert sum(spent[2001:]) == pytest.approx(area, rel=2e-3)
 
 
@@ -99,7 +99,7 @@ def test_a_soft_membrane_can_fold(sheet):
         return Energy(Scene(topology, replace(poplin, **parts), gravity=(0.0, 0.0, 0.0))).value(nodes)
 
     none = {"H00": 0.0, "H01": 0.0, "H11": 0.0, "H22": 0.0}
-    soft = soften(poplin)
+    soft = reduce_membrane_stiffness(poplin)
     locked, bent = cost(k=0.0), cost(**none)
     assert locked > 1.5 * bent
     assert cost(k=0.0, H00=soft.H00, H01=soft.H01, H11=soft.H11, H22=soft.H22) < 0.5 * bent
@@ -108,10 +108,10 @@ def test_a_soft_membrane_can_fold(sheet):
 def test_softened_cloth_keeps_its_length_and_its_nature():
     """Breaks if cloth is softened until it sags visibly, its anisotropy or bending is lost, or soft cloth changed."""
     for fabric in load_fabrics():
-        soft = soften(fabric)
+        soft = reduce_membrane_stiffness(fabric)
         sag = fabric.density * 9.81 / max(soft.H00, soft.H11)
-        assert soft == fabric or sag == pytest.approx(SAG)
+        assert soft == fabric or sag == pytest.approx(MAX_COARSE_MESH_STRAIN)
         assert soft.H00 / soft.H11 == pytest.approx(fabric.H00 / fabric.H11)
         assert soft.H22 / soft.H11 == pytest.approx(fabric.H22 / fabric.H11)
         assert (soft.k, soft.density, soft.friction) == (fabric.k, fabric.density, fabric.friction)
-        assert soften(soft).H11 == pytest.approx(soft.H11)
+        assert reduce_membrane_stiffness(soft).H11 == pytest.approx(soft.H11)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 from garmentq.core.body import DistanceGrid, ExposedSurface, penetration_depth, project_outside
-from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
 from garmentq.core.garment import Edge, Panel, Pattern, mesh_pattern
 from garmentq.core.geometry import self_intersections
 
@@ -27,7 +27,9 @@ def test_cloth_in_a_crease_comes_to_rest() -> None:
     flat = np.zeros((len(cloth.nodes), 2))
     flat[cloth.uv_node] = cloth.uv
     nodes = np.stack([flat[:, 0] * np.cos(STEEP), np.abs(flat[:, 0]) * np.sin(STEEP) + 0.006, flat[:, 1]], axis=1)
-    drape = equilibrium(Scene(Topology.from_garment(cloth), soften(get_fabric("cotton_poplin")), grid), nodes)
+    drape = equilibrium(
+        Scene(Topology.from_garment(cloth), reduce_membrane_stiffness(get_fabric("cotton_poplin")), grid), nodes
+    )
     assert drape.converged and drape.iterations < 60
     assert drape.residual < 0.1
 
@@ -45,7 +47,9 @@ def test_cloth_draped_over_touching_limbs_is_delivered_outside() -> None:
     flat[cloth.uv_node] = cloth.uv
     nodes = np.stack([flat[:, 0], np.full(len(flat), 0.09), flat[:, 1]], axis=1)
     grid, skin = DistanceGrid.from_mesh(vertices, faces), ExposedSurface(vertices, faces)
-    drape = equilibrium(Scene(Topology.from_garment(cloth), soften(get_fabric("cotton_poplin")), grid), nodes)
+    drape = equilibrium(
+        Scene(Topology.from_garment(cloth), reduce_membrane_stiffness(get_fabric("cotton_poplin")), grid), nodes
+    )
     moved = project_outside(drape.nodes, skin, cloth.faces)
     assert penetration_depth(moved, cloth.faces, skin) < 1e-3
     assert len(self_intersections(moved, cloth.faces)) <= len(self_intersections(drape.nodes, cloth.faces))

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from garmentq.core.cloth import (
-    FABRIC,
+    FABRIC_PARAMETERS,
     Derivative,
     Energy,
     Friction,
-    Implicit,
+    ImplicitDerivative,
     Inertia,
     NotAtRest,
     Parameters,
@@ -19,7 +19,7 @@ from garmentq.core.cloth import (
     Scene,
     SolveSettings,
     Topology,
-    Unrolled,
+    UnrolledSteps,
     contact_forces,
     equilibrium,
     fabric_forces,
@@ -27,7 +27,7 @@ from garmentq.core.cloth import (
     make_solver,
     pull_forces,
     push_forces,
-    settle,
+    take_time_steps,
 )
 from scipy.sparse import csr_matrix
 
@@ -59,7 +59,7 @@ def lay(sheet, grid_of, cloth, count: int) -> Sheet:
     nodes = np.column_stack([middle[:, 0], np.full(len(flat), 0.103), -middle[:, 1]])
     topology = Topology.from_mesh(faces, flat[faces])
     scene = Scene(topology, cloth, grid)
-    moving = settle(scene, nodes, steps=15)
+    moving = take_time_steps(scene, nodes, steps=15)
     held = np.array([0, count - 1])
     pins = Pins(held, moving.nodes[held] + [0.0, 0.01, 0.0])
     settings = SolveSettings(max_iterations=300, still=0.0)
@@ -72,7 +72,7 @@ def lay(sheet, grid_of, cloth, count: int) -> Sheet:
     fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (u * v, v * v)]
     shape = np.stack([np.stack(field, axis=1)[faces].ravel() for field in fields], axis=1)
     upstream = np.sin(9 * drape.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
-    return Sheet(scene, friction, drape.nodes, Parameters(csr_matrix(shape), FABRIC), upstream)
+    return Sheet(scene, friction, drape.nodes, Parameters(csr_matrix(shape), FABRIC_PARAMETERS), upstream)
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_forces_follow_rest_shape_and_fabric(crumpled, cloth, grid_of):
         assert (rest * ways[..., n]).sum() == pytest.approx(expected, rel=1e-6)
         assert (pushed[..., n] * weights).sum() == pytest.approx(expected, rel=1e-6)
     forces = fabric_forces(energy, nodes)
-    for n, name in enumerate(FABRIC):
+    for n, name in enumerate(FABRIC_PARAMETERS):
         value = getattr(cloth, name)
         moved = [replace(scene, fabric=replace(cloth, **{name: s * value})) for s in (1.1, 0.9)]
         ends = [Energy(each, inertia=inertia).gradient(nodes)[1] for each in moved]
@@ -141,7 +141,7 @@ def test_reshape_equals_a_new_topology(crumpled):
 @pytest.mark.slow
 def test_implicit_against_central_differences(large):
     """A wrong adjoint, Hessian or dg/dp breaks this: 1K nodes, contact, friction and pins on, every parameter kind."""
-    implicit = Implicit(tolerance=0.0)
+    implicit = ImplicitDerivative(tolerance=0.0)
     rest = large.solve(implicit, large.scene, large.nodes)
     assert (contact_forces(large.scene, rest.nodes)[0] > 0).sum() > 50
     found = large.parameters.pull(large.scene, rest.pull(large.upstream))
@@ -151,7 +151,7 @@ def test_implicit_against_central_differences(large):
 
 def test_push_and_pull_are_transposes(large):
     """A push that forgets a term of the pull, or fixed nodes that move, break this."""
-    rest = large.solve(Implicit(), large.scene, large.nodes)
+    rest = large.solve(ImplicitDerivative(), large.scene, large.nodes)
     moves = rest.push(*large.parameters.rates(large.scene))
     found = large.parameters.pull(large.scene, rest.pull(large.upstream))
     np.testing.assert_allclose(np.einsum("vd,vdp->p", large.upstream, moves), found, rtol=1e-9)
@@ -177,7 +177,7 @@ def pin_differences(sheet: Sheet, scene: Scene, derivative, nodes: np.ndarray) -
 def test_pins_differentiate(small, stiffness):
     """A pinned point whose pull on its neighbours is forgotten, or a spring of the wrong sign, breaks this."""
     scene = replace(small.scene, pins=replace(small.scene.pins, stiffness=stiffness))
-    implicit = Implicit(tolerance=0.0)
+    implicit = ImplicitDerivative(tolerance=0.0)
     rest = small.solve(implicit, scene, small.nodes)
     found = rest.pull(small.upstream).pins
     expected = pin_differences(small, scene, implicit, rest.nodes)
@@ -188,7 +188,7 @@ def test_loose_cloth_has_no_derivative(crumpled, cloth):
     """A derivative of cloth that falls for ever would be noise; it must be refused."""
     topology, nodes, _ = crumpled
     with pytest.raises(NotAtRest):
-        Implicit(max_iterations=5).solve(Scene(topology, cloth), nodes)
+        ImplicitDerivative(max_iterations=5).solve(Scene(topology, cloth), nodes)
 
 
 def test_unrolled_against_central_differences(small):
@@ -199,7 +199,7 @@ def test_unrolled_against_central_differences(small):
     """
     start = small.nodes
     scene = small.parameters.move(small.scene, np.array([0.01, -0.01, 0.005, 0.01] + 6 * [0.0]))
-    unrolled = Unrolled(steps=6, dt=0.0125, tolerance=0.0)
+    unrolled = UnrolledSteps(steps=6, dt=0.0125, tolerance=0.0)
     moved = small.solve(unrolled, scene, start)
     assert np.abs(moved.nodes - start).max() > 1e-2
     found = moved.pull(small.upstream)
@@ -215,29 +215,29 @@ def test_unrolled_against_central_differences(small):
 def test_unrolled_sums_losses_along_the_way(small):
     """A loss on every step must be the sum of losses on single steps (targets in motion)."""
     scene = small.parameters.move(small.scene, np.array([0.01, 0.0, 0.0, 0.0] + 6 * [0.0]))
-    moved = small.solve(Unrolled(steps=3), scene, small.nodes)
+    moved = small.solve(UnrolledSteps(steps=3), scene, small.nodes)
     every = moved.pull(np.stack([small.upstream, 0 * small.upstream, 2 * small.upstream]))
-    first = small.solve(Unrolled(steps=1), scene, small.nodes).pull(small.upstream)
+    first = small.solve(UnrolledSteps(steps=1), scene, small.nodes).pull(small.upstream)
     last = moved.pull(2 * small.upstream)
     np.testing.assert_allclose(every.rest, first.rest + last.rest, atol=1e-6 * np.abs(every.rest).max())
 
 
 def test_both_agree_on_a_settled_drape(small):
     """The two ways disagree where one of them is wrong: 20 steps at rest give the equilibrium's gradient."""
-    rest = small.solve(Implicit(tolerance=0.0), small.scene, small.nodes)
+    rest = small.solve(ImplicitDerivative(tolerance=0.0), small.scene, small.nodes)
     one = small.parameters.pull(small.scene, rest.pull(small.upstream))
-    moved = small.solve(Unrolled(steps=20), small.scene, rest.nodes)
+    moved = small.solve(UnrolledSteps(steps=20), small.scene, rest.nodes)
     two = small.parameters.pull(small.scene, moved.pull(small.upstream))
     assert one @ two / np.linalg.norm(one) / np.linalg.norm(two) > 0.9999
 
 
 def test_damped_steps_swing_into_the_gradient_at_rest(small):
     """Breaks where damping is lost on the way back: what undamped steps leave of the difference falls to a tenth."""
-    rest = small.solve(Implicit(tolerance=0.0), small.scene, small.nodes)
+    rest = small.solve(ImplicitDerivative(tolerance=0.0), small.scene, small.nodes)
     expected = rest.pull(small.upstream).rest
     off = []
     for damping in (1.0, 0.6):
-        moved = small.solve(Unrolled(steps=20, damping=damping), small.scene, rest.nodes)
+        moved = small.solve(UnrolledSteps(steps=20, damping=damping), small.scene, rest.nodes)
         off.append(np.linalg.norm(moved.pull(small.upstream).rest - expected) / np.linalg.norm(expected))
     assert off[1] < 0.1 * off[0]
     assert off[1] < 1e-2

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.cloth import (
-    FABRIC,
+    FABRIC_PARAMETERS,
     Energy,
-    Implicit,
+    ImplicitDerivative,
     Parameters,
     Pins,
     Scene,
     Topology,
-    Unrolled,
+    UnrolledSteps,
     list_gathers,
     map_rest,
     pull_forces,
@@ -96,7 +96,7 @@ def test_fabric_moves_by_logarithms(garment, cloth):
     assert moved.fabric.k == pytest.approx(2 * cloth.k)
     assert moved.fabric.H22 > 0
     assert moved.topology is scene.topology
-    assert parameters.rates(scene)[1][FABRIC.index("k"), 0] == cloth.k
+    assert parameters.rates(scene)[1][FABRIC_PARAMETERS.index("k"), 0] == cloth.k
 
 
 @pytest.mark.parametrize(("panel", "edge"), [("front", 1), ("back", 0)])
@@ -158,7 +158,7 @@ def test_gather_ratios_are_parameters(cloth, index):
     assert np.log(lengths[0] / lengths[1]) / 2e-6 == pytest.approx(1.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("derivative", [Implicit(tolerance=0.0), Unrolled(steps=3, tolerance=0.0)])
+@pytest.mark.parametrize("derivative", [ImplicitDerivative(tolerance=0.0), UnrolledSteps(steps=3, tolerance=0.0)])
 def test_torch_passes_gradcheck(sheet, cloth, derivative):
     """A gradient that lands on the wrong input, or an output cut off from the graph, breaks this."""
     flat, faces = sheet(5, 4, 0.08, 0.06)
@@ -170,7 +170,7 @@ def test_torch_passes_gradcheck(sheet, cloth, derivative):
     uv = torch.from_numpy(flat).requires_grad_()
     logs = torch.zeros(6, dtype=torch.float64, requires_grad=True)
     pins = torch.from_numpy(nodes[top]).requires_grad_()
-    values = torch.tensor([getattr(scene.fabric, name) for name in FABRIC], dtype=torch.float64)
+    values = torch.tensor([getattr(scene.fabric, name) for name in FABRIC_PARAMETERS], dtype=torch.float64)
     index = torch.from_numpy(faces)
 
     def loss(uv: torch.Tensor, logs: torch.Tensor, pins: torch.Tensor) -> torch.Tensor:

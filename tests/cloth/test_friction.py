@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import ContactSettings, Scene, SolveSettings, Topology, equilibrium, settle
+from garmentq.core.cloth import ContactSettings, Scene, SolveSettings, Topology, equilibrium, take_time_steps
 
 MU = 0.4  # atan(0.4) = 21.8 degrees
 
@@ -37,9 +37,9 @@ def test_stays_below_the_friction_angle(sheet, grid_of, cloth, kind):
     fabric = fabrics(cloth)[kind]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 18.0)
     scene = Scene(topology, fabric, grid)
-    state = settle(scene, nodes, steps=25, dt=0.04)
+    state = take_time_steps(scene, nodes, steps=25, dt=0.04)
     assert np.abs((state.nodes - nodes) @ down).max() < 6e-4
-    later = settle(scene, state.nodes, state.velocities, steps=10, dt=0.04, anchors=state.anchors)
+    later = take_time_steps(scene, state.nodes, state.velocities, steps=10, dt=0.04, anchors=state.anchors)
     assert np.abs((later.nodes - state.nodes) @ down).max() < 5e-5
     drape = equilibrium(scene, nodes)
     assert drape.converged
@@ -52,7 +52,7 @@ def test_slides_above_the_friction_angle(sheet, grid_of, cloth, kind):
     fabric = fabrics(cloth)[kind]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 28.0)
     settings = SolveSettings(damping=1.0)
-    state = settle(Scene(topology, fabric, grid), nodes, steps=40, dt=0.01, settings=settings)
+    state = take_time_steps(Scene(topology, fabric, grid), nodes, steps=40, dt=0.01, settings=settings)
     angle, time = np.deg2rad(28.0), 0.4
     expected = 9.81 * (np.sin(angle) - MU * np.cos(angle)) * time**2 / 2
     # implicit Euler runs ahead by half a step (2.5 %), the first `slip` is braked less
@@ -64,5 +64,5 @@ def test_no_friction_slides_at_once(sheet, grid_of, cloth):
     fabric = fabrics(cloth)["cloth"]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 18.0)
     scene = Scene(topology, fabric, grid, contact=ContactSettings(friction=False))
-    state = settle(scene, nodes, steps=10, dt=0.04)
+    state = take_time_steps(scene, nodes, steps=10, dt=0.04)
     assert ((state.nodes - nodes) @ down).mean() > 0.05

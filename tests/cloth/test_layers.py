@@ -14,8 +14,8 @@ from garmentq.core.cloth import (
     SettingsBad,
     Topology,
     equilibrium,
-    lay_over,
     pull_forces,
+    stack_garments,
 )
 from garmentq.core.geometry import self_intersections
 from scipy.sparse import csr_matrix
@@ -31,7 +31,7 @@ def test_each_garment_keeps_its_fabric(crumpled, cloth):
     """Broken where faces, hinges or nodes of one garment are taken for the other's."""
     topology, nodes, _ = crumpled
     heavy = replace(cloth, H00=900.0, H11=500.0, k=8e-5, density=0.6)
-    whole, layers = lay_over([topology, topology], [cloth, heavy])
+    whole, layers = stack_garments([topology, topology], [cloth, heavy])
     moved = np.concatenate([nodes, nodes + [0.0, 1.0, 0.0]])
     together = Energy(Scene(whole, heavy, layers=layers))
     alone = [Energy(Scene(topology, fabric)) for fabric in (cloth, heavy)]
@@ -90,7 +90,7 @@ def test_the_outer_tube_rests_on_the_inner(cloth, grid_of):
     inner, low, _ = tube(radius + 3.5e-3, around, 7, 0.09, cuts[0])
     outer, high, _ = tube(radius + 7e-3, around, 7, 0.09, cuts[1])
     firm = replace(cloth, H00=600.0)
-    topology, layers = lay_over([inner, outer], [cloth, firm])
+    topology, layers = stack_garments([inner, outer], [cloth, firm])
     axis = grid_of(lambda p: np.hypot(p[..., 0], p[..., 2]) - radius, -0.15, 0.15)
     contact = SelfContact.of(topology)
     scene = Scene(topology, firm, axis, gravity=(0.0, 0.0, 0.0), self_contact=contact, layers=layers)

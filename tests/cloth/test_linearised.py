@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.cloth import (
-    FABRIC,
+    FABRIC_PARAMETERS,
     Energy,
-    Implicit,
+    ImplicitDerivative,
     Inertia,
-    Linearised,
+    LinearisedSteps,
     Parameters,
     Pins,
-    Unrolled,
+    UnrolledSteps,
     contact_forces,
     make_solver,
 )
@@ -59,8 +59,8 @@ def test_adjoint_against_central_differences(loose, held):
     topology = scene.topology
     rng = np.random.default_rng(3)
     fields = rng.normal(size=(3, *topology.rest.corners.shape)) * 0.05
-    parameters = Parameters(csr_matrix(fields.reshape(3, -1).T), FABRIC)
-    linearised = Linearised(STEPS)
+    parameters = Parameters(csr_matrix(fields.reshape(3, -1).T), FABRIC_PARAMETERS)
+    linearised = LinearisedSteps(STEPS)
     solver = make_solver(topology.pattern)
     upstream = np.sin(9 * nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
     velocities = 0.05 * np.sin(7 * nodes)
@@ -75,7 +75,7 @@ def test_adjoint_against_central_differences(loose, held):
     assert np.abs(moved.nodes - nodes).max() > 2e-3
     found = moved.pull(upstream)
     by_parameters = parameters.pull(scene, found)
-    for n, step in enumerate([1e-7] * 3 + [1e-5] * len(FABRIC)):
+    for n, step in enumerate([1e-7] * 3 + [1e-5] * len(FABRIC_PARAMETERS)):
         way = step * np.eye(parameters.count)[n]
         ends = [loss(parameters.move(scene, s * way), nodes) for s in (1, -1)]
         assert by_parameters[n] == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6, abs=1e-9)
@@ -90,9 +90,9 @@ def test_adjoint_against_central_differences(loose, held):
 def test_gradient_at_rest_is_that_of_solved_steps(loose):
     """At rest a linearised step is the solved one, and so is its adjoint; a matrix that is not the exact one is not."""
     scene, friction, nodes = loose
-    rest = Implicit(tolerance=0.0).solve(scene, nodes, friction=friction)
+    rest = ImplicitDerivative(tolerance=0.0).solve(scene, nodes, friction=friction)
     upstream = np.sin(9 * nodes[:, [1, 2, 0]])
-    ways = (Linearised(5), Unrolled(5, tolerance=0.0))
+    ways = (LinearisedSteps(5), UnrolledSteps(5, tolerance=0.0))
     one, two = (way.solve(scene, rest.nodes, friction=friction).pull(upstream) for way in ways)
     np.testing.assert_allclose(one.rest, two.rest, rtol=0, atol=1e-6 * np.abs(two.rest).max())
     np.testing.assert_allclose(one.fabric, two.fabric, rtol=1e-5)
@@ -101,10 +101,12 @@ def test_gradient_at_rest_is_that_of_solved_steps(loose):
 def test_at_rest_nothing_moves_and_short_steps_are_the_converged_ones(loose):
     """Steps that drift away from rest, or do not approach the solved ones as they get shorter, break this."""
     scene, friction, nodes = loose
-    rest = Implicit(tolerance=0.0).solve(scene, nodes, friction=friction)
-    assert np.abs(Linearised(3).solve(scene, rest.nodes, friction=friction).nodes - rest.nodes).max() < 1e-9
+    rest = ImplicitDerivative(tolerance=0.0).solve(scene, nodes, friction=friction)
+    assert np.abs(LinearisedSteps(3).solve(scene, rest.nodes, friction=friction).nodes - rest.nodes).max() < 1e-9
     off = []
     for dt in (5e-5, 2.5e-5):
-        ends = [way.solve(scene, nodes, friction=friction).nodes for way in (Linearised(2, dt), Unrolled(2, dt))]
+        ends = [
+            way.solve(scene, nodes, friction=friction).nodes for way in (LinearisedSteps(2, dt), UnrolledSteps(2, dt))
+        ]
         off.append(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - nodes).max())
     assert off[1] < 0.5 * off[0] < 0.05

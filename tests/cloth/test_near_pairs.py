@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.cloth import Energy, Pins, Scene, SelfContact, SolveSettings, Topology, equilibrium
-from garmentq.core.cloth.collision.apart import find_close, steady
-from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, span, weigh
-from garmentq.core.cloth.collision.look_back import look_back
-from garmentq.core.cloth.collision.near import find_near
+from garmentq.core.cloth.collision.apart import find_close_patches, remove_mean_motion
+from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
+from garmentq.core.cloth.collision.look_back import verify_pairs_on_path
+from garmentq.core.cloth.collision.near import find_near_pairs
 from garmentq.core.geometry import self_intersections
 
 
@@ -36,8 +36,8 @@ def list_touching(cloth: SelfContact, nodes: np.ndarray, within: float = 2e-3) -
     groups += [(EDGE_EDGE, (*a, *b)) for n, a in enumerate(edges) for b in edges[n + 1 :] if not {*a} & {*b}]
     found = set()
     for kind, pair in groups:
-        weigh(nodes, np.array(pair), kind, weights, rates)
-        if span(nodes, np.array(pair), weights, vector) < within:
+        closest_weights(nodes, np.array(pair), kind, weights, rates)
+        if pair_distance(nodes, np.array(pair), weights, vector) < within:
             found.add((kind, *pair))
     return found
 
@@ -50,18 +50,18 @@ def name_pairs(near) -> list[tuple[int, ...]]:
 def test_a_search_around_what_moved_finds_what_a_full_one_would(sheet, monkeypatch):
     """A pair of moved and resting cloth left out, kept twice, or found too near for what still drifts breaks this."""
     many = 0.5
-    monkeypatch.setattr("garmentq.core.cloth.collision.look_back.MANY", many)
+    monkeypatch.setattr("garmentq.core.cloth.collision.look_back.MAX_MOVED_NODE_SHARE", many)
     topology, nodes = lay_two(sheet, 6e-3)
     cloth = SelfContact.of(topology)
     rng = np.random.default_rng(2)
-    near, known = find_near(cloth, nodes), set()
+    near, known = find_near_pairs(cloth, nodes), set()
     for turn in range(3):
         corner = np.linalg.norm(nodes[:, [0, 2]] - nodes[-1 - turn, [0, 2]], axis=1) < 0.03
         lower = corner & (np.arange(len(nodes)) >= 64)
         assert 0.0 < lower.mean() < many
         drift = 0.5 * cloth.margin * rng.uniform(-1, 1, nodes.shape) / np.sqrt(3.0)
         end = nodes + drift - np.where(lower[:, None], [[0.0, 4.2e-3 - 4e-4 * turn, 0.0]], 0.0)
-        near, _ = look_back(cloth, np.stack([nodes, end]), replace(near, held=True))
+        near, _ = verify_pairs_on_path(cloth, np.stack([nodes, end]), replace(near, held=True))
         names = name_pairs(near)
         assert len(names) == len(set(names)) and len(set(near.keys.tolist())) == len(names)
         nodes = end
@@ -94,14 +94,14 @@ def test_patches_that_are_passed_over_hold_nothing_near(sheet):
     touching = 0
     for nodes in places:
         known = list_touching(cloth, nodes, float(cloth.reach.max()) + 2.0 * cloth.margin)
-        found = name_pairs(find_near(cloth, nodes))
+        found = name_pairs(find_near_pairs(cloth, nodes))
         assert set(found) == known and len(found) == len(known)
-        path, spans = steady(nodes[None])
-        close = find_close(cloth.patches, path, spans, float(cloth.reach.max()) + 2.0 * cloth.margin, None)
+        path, spans = remove_mean_motion(nodes[None])
+        close = find_close_patches(cloth.patches, path, spans, float(cloth.reach.max()) + 2.0 * cloth.margin, None)
         searched.append(len(close) / count)
     assert searched[0] < 0.6 < searched[-1]
     for start, end in itertools.pairwise(places):
-        found = set(name_pairs(find_near(cloth, start, end)))
+        found = set(name_pairs(find_near_pairs(cloth, start, end)))
         for t in (0.0, 0.35, 0.7, 1.0):
             known = list_touching(cloth, start + t * (end - start))
             touching += len(known)
@@ -115,14 +115,14 @@ def test_a_way_holds_as_far_as_nothing_new_came_near(sheet):
     cloth = SelfContact.of(topology)
     upper = np.arange(len(nodes)) >= 64
     way = [nodes - np.where(upper[:, None], [[0.0, fall, 0.0]], 0.0) for fall in (0.0, 3e-3, 6e-3, 10.5e-3, 11e-3)]
-    near, last = look_back(cloth, np.stack(way), find_near(cloth, nodes))
+    near, last = verify_pairs_on_path(cloth, np.stack(way), find_near_pairs(cloth, nodes))
     assert last == 2
     assert list_touching(cloth, way[3]) <= set(name_pairs(near))
-    again, last = look_back(cloth, np.stack(way[2:]), replace(near, held=True))
+    again, last = verify_pairs_on_path(cloth, np.stack(way[2:]), replace(near, held=True))
     assert last == 2 and list_touching(cloth, way[4]) <= set(name_pairs(again))
     # there and back between two places is not at rest in between
     away = [way[0], way[3], way[0]]
-    assert look_back(cloth, np.stack(away), find_near(cloth, nodes))[1] == 0
+    assert verify_pairs_on_path(cloth, np.stack(away), find_near_pairs(cloth, nodes))[1] == 0
 
 
 def test_a_leg_that_outruns_what_it_watched_still_crosses_nothing(sheet, cloth):

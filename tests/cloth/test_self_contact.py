@@ -16,14 +16,14 @@ from garmentq.core.cloth import (
     SettingsBad,
     SolveSettings,
     Topology,
+    continue_time_steps,
     equilibrium,
-    move_on,
-    settle,
+    take_time_steps,
 )
-from garmentq.core.cloth.collision.advance import free_share
-from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, span, weigh
-from garmentq.core.cloth.collision.coupling import couple
-from garmentq.core.cloth.collision.near import PairElements, find_near
+from garmentq.core.cloth.collision.advance import collision_free_share
+from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
+from garmentq.core.cloth.collision.coupling import extend_sparsity
+from garmentq.core.cloth.collision.near import PairElements, find_near_pairs
 from garmentq.core.cloth.solver import make_solver
 from garmentq.core.geometry import self_intersections
 from scipy.optimize import minimize
@@ -47,7 +47,7 @@ def touching(sheet, cloth):
     topology, nodes = lay_sheets(sheet, (0.0, 1.5e-3))
     nodes = nodes + np.random.default_rng(0).normal(0, 2e-4, nodes.shape)
     scene = Scene(topology, cloth, gravity=(0.0, 0.0, 0.0), self_contact=SelfContact.of(topology))
-    energy, _ = couple(Energy(scene), make_solver(topology.pattern), nodes, missing=0.0)
+    energy, _ = extend_sparsity(Energy(scene), make_solver(topology.pattern), nodes, missing=0.0)
     return energy, nodes
 
 
@@ -73,8 +73,8 @@ def test_nearest_points_against_a_general_minimiser(kind):
             np.sqrt(minimize(lambda p: (at(p) ** 2).sum(), start, method="SLSQP", **bounds).fun)
             for start in ([0.3, 0.3], [0.05, 0.9], [0.9, 0.05])
         )
-        weigh(points, own, kind, weights, rates)
-        assert span(points, own, weights, vector) == pytest.approx(best, abs=1e-5)
+        closest_weights(points, own, kind, weights, rates)
+        assert pair_distance(points, own, weights, vector) == pytest.approx(best, abs=1e-5)
         assert abs(weights.sum()) < 1e-12 and np.abs(rates.sum(1)).max() < 1e-12
 
 
@@ -140,7 +140,7 @@ def test_pairs_are_all_that_come_near(sheet):
     nodes = nodes + rng.normal(0, 1e-3, nodes.shape)
     end = nodes + np.where(nodes[:, 1:2] > 1.5e-3, [[0.02, -0.006, 0.01]], 0.0) + rng.normal(0, 1e-3, nodes.shape)
     cloth = SelfContact.of(topology)
-    near = find_near(cloth, nodes, end)
+    near = find_near_pairs(cloth, nodes, end)
     found = {(int(kind), *pair.tolist()) for kind, pair in zip(near.pairs.kinds, near.pairs.nodes, strict=True)}
     assert len(found) == len(near.pairs.kinds)
     weights, rates, vector, wanted = np.zeros(4), np.zeros((2, 4)), np.zeros(3), set()
@@ -150,8 +150,8 @@ def test_pairs_are_all_that_come_near(sheet):
     for t in (0.0, 0.3, 0.6, 1.0):
         at = nodes + t * (end - nodes)
         for kind, pair in groups:
-            weigh(at, np.array(pair), kind, weights, rates)
-            if span(at, np.array(pair), weights, vector) < 2e-3:
+            closest_weights(at, np.array(pair), kind, weights, rates)
+            if pair_distance(at, np.array(pair), weights, vector) < 2e-3:
                 wanted.add((kind, *pair))
     assert len(wanted) > 300 and wanted <= found
 
@@ -163,19 +163,19 @@ def test_no_step_tunnels():
     cut = 0
     for kind in [NODE_FACE, EDGE_EDGE] * 200:
         points, step = rng.normal(size=(4, 3)), 3.0 * rng.normal(size=(4, 3))
-        share = free_share(points, step, PairElements(np.array([kind]), own[None], np.zeros((1, 3))))
+        share = collision_free_share(points, step, PairElements(np.array([kind]), own[None], np.zeros((1, 3))))
         distances = []
         for t in np.linspace(0.0, 1.0, 400):
             place = points + t * step
-            weigh(place, own, kind, weights, rates)
-            distances.append(span(place, own, weights, vector))
+            closest_weights(place, own, kind, weights, rates)
+            distances.append(pair_distance(place, own, weights, vector))
         inside = np.linspace(0.0, 1.0, 400) <= share
         assert min(np.array(distances)[inside]) > 0.19 * distances[0]
         if share < 1.0:
             cut += 1
             place = points + share * step
-            weigh(place, own, kind, weights, rates)
-            assert span(place, own, weights, vector) < 0.25 * distances[0]
+            closest_weights(place, own, kind, weights, rates)
+            assert pair_distance(place, own, weights, vector) < 0.25 * distances[0]
     assert cut > 50
 
 
@@ -189,7 +189,7 @@ def test_a_stack_of_sheets_falls_on_a_ball_and_crosses_nowhere(sheet, cloth, gri
         x, v = nodes, None
         crossed.append([])
         for _ in range(12):
-            state = settle(kept, x, v, steps=1)
+            state = take_time_steps(kept, x, v, steps=1)
             x, v = state.nodes, state.velocities
             crossed[-1].append(len(self_intersections(x, topology.faces)))
     assert max(crossed[0]) == 0
@@ -228,12 +228,12 @@ def test_sheets_slide_above_atan_mu_and_stay_below(laid, share):
     scene = replace(scene, gravity=tuple(gravity))
     dt, steps = 0.01, 20
     settings = SolveSettings(damping=1.0, newton_per_step=4)
-    state = settle(scene, nodes, steps=steps, dt=dt, settings=settings)
+    state = take_time_steps(scene, nodes, steps=steps, dt=dt, settings=settings)
     way = (state.nodes[upper] - nodes[upper])[:, 0].mean()
     free = 0.5 * (gravity[0] + mu * gravity[1]) * (steps * dt) ** 2 * (1.0 + 1.0 / steps)
     if share < 1.0:
         assert abs(way) < 2 * scene.self_contact.settings.slip
-        later = move_on(scene, state, steps=steps, dt=dt, settings=settings)
+        later = continue_time_steps(scene, state, steps=steps, dt=dt, settings=settings)
         assert abs(later.nodes[upper] - state.nodes[upper]).max() < 0.1 * scene.self_contact.settings.slip
     else:
         assert way == pytest.approx(free, rel=0.1)
@@ -284,5 +284,5 @@ def test_what_starts_crossed_comes_apart(sheet, cloth, where):
     assert len(self_intersections(nodes, faces)) > 20
     rest = equilibrium(scene, nodes, settings=SolveSettings(max_iterations=1))
     assert len(self_intersections(rest.nodes, faces)) == 0
-    state = settle(scene, nodes, steps=15, dt=0.01)
+    state = take_time_steps(scene, nodes, steps=15, dt=0.01)
     assert len(self_intersections(state.nodes, faces)) == 0

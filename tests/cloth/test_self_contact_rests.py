@@ -7,19 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.cloth import (
-    FABRIC,
-    Implicit,
+    FABRIC_PARAMETERS,
+    ClothState,
+    ImplicitDerivative,
     Pins,
     Scene,
     SelfContact,
     SelfContactSettings,
     SolveSettings,
-    State,
     Topology,
+    continue_time_steps,
     equilibrium,
     make_solver,
-    move_on,
-    settle,
+    take_time_steps,
 )
 from garmentq.core.geometry import self_intersections
 
@@ -38,7 +38,7 @@ def test_a_folded_sheet_lies_at_the_thickness(sheet, cloth, grid_of):
     table = grid_of(lambda p: p[..., 1], -0.15, 0.15)
     soft = replace(cloth, k=1e-6)
     scene = Scene(topology, soft, table, self_contact=SelfContact.of(topology))
-    state = settle(scene, nodes, steps=20, dt=0.02)
+    state = take_time_steps(scene, nodes, steps=20, dt=0.02)
     rest = equilibrium(scene, state.nodes, anchors=state.anchors)
     assert rest.converged and len(self_intersections(rest.nodes, faces)) == 0
     over = along > 0.24 - 0.06
@@ -66,7 +66,7 @@ def twist(sheet, cloth, size: tuple[float, float], turns: float, steps: int) -> 
     ends = np.flatnonzero((flat[:, 1] == 0.0) | (flat[:, 1] == flat[:, 1].max()))
     start, upper = nodes[ends], nodes[ends, 1] > 0.5 * length
     scene = Scene(topology, cloth, gravity=(0.0, 0.0, 0.0), self_contact=SelfContact.of(topology))
-    state, crossed, solver = State(nodes, np.zeros_like(nodes), nodes), [], make_solver(topology.pattern)
+    state, crossed, solver = ClothState(nodes, np.zeros_like(nodes), nodes), [], make_solver(topology.pattern)
     for n in range(1, steps + 1):
         angle = np.where(upper, 1.0, -1.0) * np.pi * turns * n / steps
         turned = np.column_stack([
@@ -74,7 +74,7 @@ def twist(sheet, cloth, size: tuple[float, float], turns: float, steps: int) -> 
             start[:, 1] - np.where(upper, 0.5 * length * min(0.8, 0.05 * turns) * n / steps, 0.0),
             np.sin(angle) * start[:, 0],
         ])  # fmt: skip
-        state = move_on(replace(scene, pins=Pins(ends, turned)), state, steps=1, dt=0.02, solver=solver)
+        state = continue_time_steps(replace(scene, pins=Pins(ends, turned)), state, steps=1, dt=0.02, solver=solver)
         crossed.append(len(self_intersections(state.nodes, faces)))
     return crossed, float(np.abs(state.nodes[ends] - turned).max())
 
@@ -113,9 +113,9 @@ def test_a_stack_of_five_sheets_on_a_ball_crosses_nowhere(sheet, grid_of, cloth)
     ])  # fmt: skip
     ball = grid_of(lambda p: np.linalg.norm(p, axis=-1) - 0.1)
     scene = Scene(topology, cloth, ball, self_contact=SelfContact.of(topology))
-    state = State(nodes, np.zeros_like(nodes), nodes)
+    state = ClothState(nodes, np.zeros_like(nodes), nodes)
     for _ in range(20):
-        state = move_on(scene, state, steps=1)
+        state = continue_time_steps(scene, state, steps=1)
         assert len(self_intersections(state.nodes, topology.faces)) == 0
     rest = equilibrium(scene, state.nodes, anchors=state.anchors)
     assert rest.converged and len(self_intersections(rest.nodes, topology.faces)) == 0
@@ -132,7 +132,7 @@ def test_momentum_is_kept_where_nothing_acts_from_outside(sheet, cloth):
     velocities[count:] = [0.1, -0.3, 0.0]
     scene = Scene(topology, cloth, gravity=(0.0, 0.0, 0.0), self_contact=SelfContact.of(topology))
     settings = SolveSettings(damping=1.0, newton_per_step=40, still=1e-12)
-    state = move_on(scene, State(nodes, velocities, nodes), steps=6, dt=0.01, settings=settings)
+    state = continue_time_steps(scene, ClothState(nodes, velocities, nodes), steps=6, dt=0.01, settings=settings)
     before, after = (scene.masses @ v for v in (velocities, state.velocities))
     assert np.abs(after - before).max() < 1e-3 * np.abs(before).max()
     shares = [scene.masses[:count] @ state.velocities[:count], scene.masses[count:] @ state.velocities[count:]]
@@ -150,12 +150,12 @@ def test_derivative_at_rest_goes_through_contact(sheet, cloth):
     topology = Topology.from_mesh(np.concatenate([under, over + len(wide)]), np.concatenate([wide[under], small[over]]))
     border = np.flatnonzero(np.abs(wide - 0.06).max(1) > 0.0599)
     scene = Scene(topology, cloth, pins=Pins(border, nodes[border]), self_contact=SelfContact.of(topology))
-    state = settle(scene, nodes, steps=10, dt=0.05)
+    state = take_time_steps(scene, nodes, steps=10, dt=0.05)
     rest = equilibrium(scene, state.nodes, anchors=state.anchors)
     assert rest.converged and rest.rubbing is not None
-    way = Implicit(tolerance=0.0)
+    way = ImplicitDerivative(tolerance=0.0)
     response = way.solve(scene, rest.nodes, rubbing=rest.rubbing)
-    found = response.push(fabric_rates=np.eye(6)[:, [FABRIC.index("density")]])[..., 0]
+    found = response.push(fabric_rates=np.eye(6)[:, [FABRIC_PARAMETERS.index("density")]])[..., 0]
     step = 1e-4 * cloth.density
     ends = [
         way.solve(

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from garmentq.core.people.inspect_garment import inspect_file
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan.contours import find_remarks
+from garmentq.core.scan.contours import find_misfit_warnings
 from garmentq.core.scan.contours.misfit import explain_misfit
 
 
@@ -55,4 +55,6 @@ def test_a_body_that_is_not_its_own(tmp_path, wearers, skin):
     assert "hangs beside it" in explain_misfit(vertices + [0.0, 0.0, 1.0], body.vertices, body.faces)
     assert explain_misfit(vertices, body.vertices * [0.9, 1.0, 0.9], body.faces) == "", "cut loose, or a slimmer body"
     given = replace(body, vertices=wider, source="mesh:wide")
-    assert find_remarks(vertices, given) and not find_remarks(vertices, replace(given, source="smpl:fitted"))
+    assert find_misfit_warnings(vertices, given) and not find_misfit_warnings(
+        vertices, replace(given, source="smpl:fitted")
+    )

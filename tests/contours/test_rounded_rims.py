@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from garmentq.core.geometry import HalfEdges, face_normals
 from garmentq.core.scan import Scan
-from garmentq.core.scan.contours.rounded_rims import ROUNDED, STRAIGHT, STRAIGHTENED, straighten_rims, straighten_scan
+from garmentq.core.scan.contours.rounded_rims import (
+    MAX_RIM_FIT_DISTANCE,
+    ROUNDED_RIM_WIDTH,
+    STRAIGHTENED_RIM_NOTE,
+    straighten_rims,
+    straighten_scan,
+)
 
 RADIUS, LENGTH, EDGE = 0.05, 0.10, 0.004
 DEEP = 0.005
@@ -29,9 +35,9 @@ def roll_sleeve(edge: float, flare: float = 0.0) -> tuple[np.ndarray, np.ndarray
 
 
 def round_off(points: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """Bend the last `ROUNDED` before the edge inward, by `DEEP` at the edge."""
+    """Bend the last `ROUNDED_RIM_WIDTH` before the edge inward, by `DEEP` at the edge."""
     bent = points.copy()
-    depth = DEEP * np.clip(1.0 - way / ROUNDED, 0.0, 1.0) ** 2
+    depth = DEEP * np.clip(1.0 - way / ROUNDED_RIM_WIDTH, 0.0, 1.0) ** 2
     bent[:, 1:] *= (1.0 - depth / np.linalg.norm(points[:, 1:], axis=1))[:, None]
     return bent
 
@@ -75,7 +81,7 @@ def test_an_edge_of_the_scan_itself_and_all_that_is_farther_stays() -> None:
     true, faces, way = roll_sleeve(EDGE)
     bent = round_off(true, way) + round_off(true, LENGTH - way) - true
     found = straighten_rims(bent, faces, way > LENGTH / 2)
-    np.testing.assert_array_equal(found[way > ROUNDED + 1e-9], bent[way > ROUNDED + 1e-9])
+    np.testing.assert_array_equal(found[way > ROUNDED_RIM_WIDTH + 1e-9], bent[way > ROUNDED_RIM_WIDTH + 1e-9])
     assert (HalfEdges.of(faces, len(true)).border_vertices & (way > LENGTH / 2)).any()
 
 
@@ -105,7 +111,7 @@ def test_only_what_was_cut_out_of_a_larger_surface_is_straightened() -> None:
     assert straighten_scan(alone) is alone
     cut = straighten_scan(replace(alone, unseen=way > LENGTH / 2))
     assert np.abs(far_off(cut.vertices, way < 1e-9)).max() < 0.1 * DEEP
-    assert cut.repairs == (STRAIGHTENED,)
+    assert cut.repairs == (STRAIGHTENED_RIM_NOTE,)
 
 
 def test_a_fine_surface_leads_as_a_coarse_one_does() -> None:
@@ -118,7 +124,7 @@ def test_a_fine_surface_leads_as_a_coarse_one_does() -> None:
 
 def test_a_coarse_surface_stays_as_it_is() -> None:
     """Fails if so few vertices that they lie all around a cuff were asked for its edge, or if that were told."""
-    true, faces, way = roll_sleeve(0.7 * STRAIGHT)
+    true, faces, way = roll_sleeve(0.7 * MAX_RIM_FIT_DISTANCE)
     bent = round_off(true, way)
     np.testing.assert_array_equal(straighten_rims(bent, faces, way > LENGTH / 2), bent)
     coarse = Scan(bent, faces, unseen=way > LENGTH / 2)

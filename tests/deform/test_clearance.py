@@ -7,8 +7,8 @@ import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface
 from garmentq.core.geometry import gradient_operator
-from garmentq.core.recover.deform.clearance import Watch, clear_body
-from garmentq.core.recover.deform.easing import LOWEST
+from garmentq.core.recover.deform.clearance import ProximityCache, enforce_clearance
+from garmentq.core.recover.deform.easing import MIN_FACE_STRETCH
 
 MARGIN = 1e-3
 
@@ -44,7 +44,7 @@ def test_what_is_not_asked_again_is_not_missed(sheet):
     """Breaks if a point that has come near since it was asked last is taken for one that is far."""
     nodes, faces, _, _ = sheet
     body, random = two_balls(0.25), np.random.default_rng(5)
-    watch = Watch(faces, body, MARGIN)
+    watch = ProximityCache(faces, body, MARGIN)
     x = nodes.copy()
     for _ in range(12):
         x = x + random.normal(0.0, 3e-3, 3) + random.normal(0.0, 1e-3, x.shape)
@@ -65,7 +65,7 @@ def test_cloth_in_a_narrow_gap_rests_in_its_middle(sheet):
     body = two_balls(0.2012)
     off = nodes + [4e-3, 0.0, 0.0]
     assert -body.measure(off)[0].min() > 3e-3
-    cleared = clear_body(off, gradient, areas, Watch(faces, body, MARGIN))
+    cleared = enforce_clearance(off, gradient, areas, ProximityCache(faces, body, MARGIN))
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
     assert body.measure(points)[0].min() > -1e-4
 
@@ -74,11 +74,11 @@ def test_cloth_through_touching_balls_comes_out_whole(sheet):
     """Breaks if triangles that are pushed out of an overlap are torn, or the rest of the sheet is carried along."""
     nodes, faces, gradient, areas = sheet
     body = two_balls(0.1994)
-    cleared = clear_body(nodes, gradient, areas, Watch(faces, body, MARGIN))
+    cleared = enforce_clearance(nodes, gradient, areas, ProximityCache(faces, body, MARGIN))
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
     assert body.measure(points)[0].min() > -MARGIN
     sizes = np.linalg.svd(np.asarray(gradient @ cleared).reshape(-1, 2, 3), compute_uv=False)
-    assert sizes.min() > LOWEST
+    assert sizes.min() > MIN_FACE_STRETCH
     far = np.linalg.norm(nodes, axis=1) > 0.12
     assert np.abs(cleared - nodes)[far].max() < 1e-3
 
@@ -87,4 +87,6 @@ def test_cloth_in_the_open_stays(sheet):
     """Breaks if clearing moves what is clear already."""
     nodes, faces, gradient, areas = sheet
     away = nodes + [0.0, 0.0, 0.5]
-    assert np.array_equal(clear_body(away, gradient, areas, Watch(faces, two_balls(0.25), MARGIN)), away)
+    assert np.array_equal(
+        enforce_clearance(away, gradient, areas, ProximityCache(faces, two_balls(0.25), MARGIN)), away
+    )

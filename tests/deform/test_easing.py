@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.geometry import gradient_operator, self_intersections
-from garmentq.core.recover.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
+from garmentq.core.recover.deform.easing import MAX_FACE_STRETCH, MIN_FACE_STRETCH, limit_strain, smooth_crossings
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_sound_triangles_do_not_move(sheet):
     """Breaks if easing touches a mesh within the bounds: the fit would drift with every call."""
     nodes, faces, gradient, areas = sheet
     curved = nodes * [1.2, 0.9, 1.0] + 0.01 * np.sin(20.0 * nodes[:, [0]]) * [0.0, 0.0, 1.0]
-    assert np.array_equal(ease_stretch(curved, gradient, areas, faces), curved)
+    assert np.array_equal(limit_strain(curved, gradient, areas, faces), curved)
 
 
 def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
@@ -42,10 +42,10 @@ def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
     wrong = nodes.copy()
     wrong[220] += [0.0125, 0.002, 0.0]
     before = _sizes(gradient, wrong)
-    assert before.min() < 0.3 and before.max() > HIGHEST
-    eased = ease_stretch(wrong, gradient, areas, faces)
+    assert before.min() < 0.3 and before.max() > MAX_FACE_STRETCH
+    eased = limit_strain(wrong, gradient, areas, faces)
     after = _sizes(gradient, eased)
-    assert after.min() > 0.95 * LOWEST and after.max() < 1.05 * HIGHEST
+    assert after.min() > 0.95 * MIN_FACE_STRETCH and after.max() < 1.05 * MAX_FACE_STRETCH
     far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.06
     assert np.abs(eased - wrong)[far].max() < 5e-4
     assert len(self_intersections(eased, faces)) == 0
@@ -62,7 +62,7 @@ def test_a_fold_through_itself_is_ironed_and_the_rest_stays(sheet):
     nodes, faces, gradient, areas = sheet
     folded = _folded(nodes)
     assert len(self_intersections(folded, faces)) > 10
-    ironed = iron_crossings(folded, gradient, areas, faces, 0)
+    ironed = smooth_crossings(folded, gradient, areas, faces, 0)
     assert len(self_intersections(ironed, faces)) == 0
     far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.12
     assert np.abs(ironed - folded)[far].max() < 1e-3
@@ -73,5 +73,5 @@ def test_what_is_allowed_is_left_as_it_is(sheet):
     nodes, faces, gradient, areas = sheet
     folded = _folded(nodes)
     count = len(self_intersections(folded, faces))
-    assert np.array_equal(iron_crossings(folded, gradient, areas, faces, count), folded)
-    assert np.array_equal(iron_crossings(folded, gradient, areas, faces, -1), folded)
+    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, count), folded)
+    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, -1), folded)

@@ -7,7 +7,7 @@ import pytest
 import torch
 from garmentq.core.geometry import gradient_operator, shape_gradients
 from garmentq.core.recover.deform import DeformSettings, DeformSettingsBad
-from garmentq.core.recover.deform.objective import Objective, thin_out
+from garmentq.core.recover.deform.objective import Objective, subsample_by_grid
 from garmentq.core.recover.deform.rest_metric import RestMetric
 from garmentq.core.recover.deform.target_repair import prepare_target
 
@@ -96,7 +96,7 @@ def test_a_crowded_target_is_thinned_evenly_and_keeps_its_weight():
     random = np.random.default_rng(2)
     vertices = np.column_stack([random.random((20000, 2)), np.zeros(20000)])
     vertices[0] = 0.0
-    picked, shares = thin_out(vertices, np.full(20000, 1 / 20000), 0.05)
+    picked, shares = subsample_by_grid(vertices, np.full(20000, 1 / 20000), 0.05)
     assert len(picked) == 400
     assert shares.sum() == pytest.approx(1.0)
     cells = np.unique(np.floor(vertices[picked] / 0.05).astype(int), axis=0)

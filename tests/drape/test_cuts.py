@@ -10,7 +10,14 @@ from garmentq.core.body import Body, DistanceGrid, ExposedSurface, armpit_height
 from garmentq.core.garment import find_cut, load_template, mesh_pattern, name_cut
 from garmentq.core.garment.parts import CUTS, PARTS, PartsConflict, differing_parts
 from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
+from garmentq.core.recover.drape import (
+    PosePath,
+    build_distance_constraints,
+    dress,
+    pose_cloth,
+    size_template,
+    waist_loop,
+)
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
@@ -34,10 +41,10 @@ def wearer(gender: str, pose: str) -> tuple[Body, DistanceGrid, ExposedSurface]:
 
 
 @cache
-def way(gender: str, pose: str) -> Way:
+def way(gender: str, pose: str) -> PosePath:
     """Return a body's frames into a pose."""
     body, _, skin = wearer(gender, pose)
-    return Way.of(body, skin)
+    return PosePath.of(body, skin)
 
 
 @cache
@@ -64,13 +71,13 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
     """Dress a body in a cut in the T-pose, take it into poses, and check that it is whole, outside and calm there."""
     body, grid, skin = wearer(gender, "T")
     garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), NODES)
-    threads, waist = lay_threads(garment), waist_loop(garment)
+    threads, waist = build_distance_constraints(garment), waist_loop(garment)
     nodes = dress(garment, body, grid, threads=threads)
     assert len(self_intersections(nodes, garment.faces)) == 0, f"{name} in T"
     assert skin.measure(project_outside(nodes, skin, garment.faces))[0].min() >= -1e-3
     for pose in poses:
         _, posed, outside = wearer(gender, pose)
-        there, velocity = take_pose(threads, nodes, way(gender, pose), posed, held=waist)
+        there, velocity = pose_cloth(threads, nodes, way(gender, pose), posed, held=waist)
         assert len(self_intersections(there, garment.faces)) == 0, f"{name} in {pose}"
         assert outside.measure(there)[0].min() >= -1e-3, f"{name} in {pose}"
         assert np.quantile(np.linalg.norm(velocity, axis=1), 0.9) < CALM, f"{name} in {pose}"
@@ -116,7 +123,7 @@ def test_a_strapless_top_is_worn_below_the_arms(gender: str) -> None:
     """Breaks where its upper edge, which no arm passes, is taken for a waist and hung from the hips."""
     body, grid, _ = wearer(gender, "T")
     garment = mesh_pattern(size_template("tank+bodice=strapless", body), NODES)
-    nodes = dress(garment, body, grid, threads=lay_threads(garment))
+    nodes = dress(garment, body, grid, threads=build_distance_constraints(garment))
     edge = waist_loop(garment)
     assert edge is not None
     below = armpit_height(body) - nodes[edge, 1]

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 from garmentq.core.garment import list_templates, load_template, mesh_pattern
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template, place, waist_loop
+from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template, place_panels, waist_loop
 from wearers import find_wearer
 
 CONTOURS = {
@@ -73,7 +73,7 @@ def test_origin_of_the_file_does_not_matter(shift: float) -> None:
     for name in ("tshirt", "skirt"):
         garment = mesh_pattern(load_template(name), 500)
         moved = garment.at(garment.nodes + np.array([0.3, shift, -0.2]))
-        assert place(moved, body) == pytest.approx(place(garment, body), abs=1e-9)
+        assert place_panels(moved, body) == pytest.approx(place_panels(garment, body), abs=1e-9)
 
 
 def test_only_garments_without_arms_hang_from_the_waist() -> None:
@@ -88,5 +88,5 @@ def test_waistband_sits_where_the_body_is_as_wide(name: str, below: float) -> No
     garment = mesh_pattern(load_template(name), 500)
     waist = waist_loop(garment)
     assert waist is not None
-    nodes = place(garment, wearer_in("T").rest)
+    nodes = place_panels(garment, wearer_in("T").rest)
     assert nodes[waist, 1].mean() == pytest.approx(1.07 - below, abs=0.05)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.garment import Edge, Garment, Panel, Pattern, mesh_pattern
-from garmentq.core.recover.drape import FollowSettings, PbdState, follow, lay_threads
+from garmentq.core.recover.drape import PbdSettings, PbdState, build_distance_constraints
+from garmentq.core.recover.drape.follow import simulate_pbd
 
 
 def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garment:
@@ -27,7 +28,7 @@ class Sphere:
 def test_rest_lengths_are_those_of_the_flat_panel() -> None:
     """Breaks if threads take their lengths from the placed mesh, or if a hinge's pair is measured folded."""
     garment = sheet()
-    threads = lay_threads(garment)
+    threads = build_distance_constraints(garment)
     flat = np.zeros((len(garment.nodes), 3))
     flat[garment.uv_node, :2] = garment.uv
     found = np.linalg.norm(flat[threads.ends[:, 0]] - flat[threads.ends[:, 1]], axis=1)
@@ -37,7 +38,7 @@ def test_rest_lengths_are_those_of_the_flat_panel() -> None:
 def test_flat_sheet_without_weight_stays_where_it_is() -> None:
     """Breaks if the constraints create motion of their own."""
     garment = sheet()
-    state = follow(lay_threads(garment), PbdState.at_rest(garment.nodes), None, 10)
+    state = simulate_pbd(build_distance_constraints(garment), PbdState.at_rest(garment.nodes), None, 10)
     assert np.abs(state.nodes - garment.nodes).max() < 1e-9
     assert np.abs(state.velocities).max() < 1e-6
 
@@ -45,8 +46,8 @@ def test_flat_sheet_without_weight_stays_where_it_is() -> None:
 def test_stretched_sheet_returns_to_its_size() -> None:
     """Breaks if the sweeps do not converge on the edge lengths."""
     garment = sheet()
-    threads = lay_threads(garment)
-    nodes = follow(threads, PbdState.at_rest(garment.nodes * 1.3), None, 60).nodes
+    threads = build_distance_constraints(garment)
+    nodes = simulate_pbd(threads, PbdState.at_rest(garment.nodes * 1.3), None, 60).nodes
     edges = threads.stiffness == 1.0
     found = np.linalg.norm(nodes[threads.ends[edges, 0]] - nodes[threads.ends[edges, 1]], axis=1)
     assert np.abs(found / threads.lengths[edges] - 1.0).max() < 0.01
@@ -56,9 +57,11 @@ def test_sheet_falls_on_a_sphere_and_stays_outside() -> None:
     """Breaks if contact is lost between steps, or if friction pulls cloth through the surface."""
     garment = sheet()
     nodes = garment.nodes[:, [0, 2, 1]] * np.array([1.0, 1.0, 1.0])
-    settings = FollowSettings()
+    settings = PbdSettings()
     start = PbdState.at_rest(nodes)
-    nodes = follow(lay_threads(garment), start, Sphere(), 120, settings=settings, gravity=9.81).nodes
+    nodes = simulate_pbd(
+        build_distance_constraints(garment), start, Sphere(), 120, settings=settings, gravity=9.81
+    ).nodes
     distance, _ = Sphere().measure(nodes)
     assert distance.min() > settings.thickness - 1e-3
     assert nodes[:, 1].min() < -0.1, "the rim hangs down"
@@ -69,7 +72,7 @@ def test_held_nodes_do_not_move() -> None:
     garment = sheet()
     held = np.array([0, 3, 5])
     start = PbdState.at_rest(garment.nodes)
-    nodes = follow(lay_threads(garment), start, None, 20, gravity=9.81, held=held).nodes
+    nodes = simulate_pbd(build_distance_constraints(garment), start, None, 20, gravity=9.81, held=held).nodes
     assert np.array_equal(nodes[held], garment.nodes[held])
     assert nodes[:, 1].min() < garment.nodes[:, 1].min() - 0.05
 
@@ -78,5 +81,7 @@ def test_same_input_gives_the_same_bits() -> None:
     """Breaks if anything in the steps depends on memory or order of execution."""
     garment = sheet()
     start = PbdState.at_rest(garment.nodes * 1.1)
-    runs = [follow(lay_threads(garment), start, Sphere(), 15, gravity=9.81).nodes for _ in range(2)]
+    runs = [
+        simulate_pbd(build_distance_constraints(garment), start, Sphere(), 15, gravity=9.81).nodes for _ in range(2)
+    ]
     assert np.array_equal(runs[0], runs[1])

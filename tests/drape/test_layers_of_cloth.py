@@ -7,9 +7,16 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.garment import BodyMeasures, Edge, Garment, Panel, Pattern, load_template, mesh_pattern, panel_area
 from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import LayerContact, PbdState, follow, lay_threads, measure_wearer, size_template
-from garmentq.core.recover.drape.layers import find_layers
-from garmentq.core.recover.drape.shell import THICKNESS, Shell
+from garmentq.core.recover.drape import (
+    LayerContact,
+    PbdState,
+    build_distance_constraints,
+    measure_wearer,
+    size_template,
+)
+from garmentq.core.recover.drape.follow import simulate_pbd
+from garmentq.core.recover.drape.layers import find_layer_constraints
+from garmentq.core.recover.drape.shell import SHELL_CONTACT_THICKNESS, Shell
 from scipy.spatial import cKDTree
 
 
@@ -24,7 +31,7 @@ def test_a_node_above_a_face_is_kept_above() -> None:
     nodes = np.array([[0.0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.02, 0.02, 0.004], [0.3, 0, 0.1], [0.3, 0.1, 0.1]])
     faces = np.array([[0, 1, 2], [3, 4, 5]])
     edges = np.array([[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]])
-    found = find_layers(nodes, faces, edges, np.zeros(0, dtype=np.int64), 2e-3, 1e-2)
+    found = find_layer_constraints(nodes, faces, edges, np.zeros(0, dtype=np.int64), 2e-3, 1e-2)
     above = found.corners[:, 0] == 3
     assert above.sum() == 1
     assert found.normals[above][0] == pytest.approx([0, 0, 1])
@@ -43,7 +50,7 @@ def test_halves_that_fly_at_each_other_do_not_cross() -> None:
     inwards = np.column_stack([-1.5 * np.sign(bend) * ends, np.zeros(len(bend)), 0.5 * np.sign(bend) * ends])
     crossed = {}
     for layers in (None, LayerContact()):
-        moved = follow(lay_threads(garment), PbdState(folded, inwards), None, 40, layers=layers)
+        moved = simulate_pbd(build_distance_constraints(garment), PbdState(folded, inwards), None, 40, layers=layers)
         crossed[layers] = len(self_intersections(moved.nodes, garment.faces))
     assert crossed[None] > 0
     assert crossed[LayerContact()] == 0
@@ -57,7 +64,7 @@ def test_a_hollow_pushes_outwards() -> None:
     normals = np.concatenate([np.tile([slope[0], -s * slope[1], 0.0], (len(grid), 1)) for s in (-1.0, 1.0)])
     shell = Shell(vertices, normals, np.zeros(len(vertices)), cKDTree(vertices))
     distance, gradient = shell.measure(np.array([[0.01, 0.0005, 0.0]]))
-    assert distance[0] < THICKNESS
+    assert distance[0] < SHELL_CONTACT_THICKNESS
     assert gradient[0, 0] > 0.9
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body, carry_outside
+from garmentq.core.body import advect_outside, builtin_body
 from garmentq.core.geometry import self_intersections, undo_crossings
-from garmentq.core.recover.drape.follow import FollowSettings, Threads
-from garmentq.core.recover.drape.ironing import iron_crossings
-from garmentq.core.recover.drape.layers import find_layers
-from garmentq.core.recover.drape.stance import spread_legs
+from garmentq.core.recover.drape.follow import DistanceConstraints, PbdSettings
+from garmentq.core.recover.drape.ironing import unfold_crossings
+from garmentq.core.recover.drape.layers import find_layer_constraints
+from garmentq.core.recover.drape.stance import align_legs
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -21,11 +21,11 @@ def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:
     return nodes, np.concatenate([np.column_stack([a, c, b]), np.column_stack([a, d, c])])
 
 
-def threads_of(nodes: np.ndarray, faces: np.ndarray) -> Threads:
+def threads_of(nodes: np.ndarray, faces: np.ndarray) -> DistanceConstraints:
     """Return the edges of a mesh at rest as constraints."""
     edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     lengths = np.linalg.norm(nodes[edges[:, 0]] - nodes[edges[:, 1]], axis=1)
-    return Threads(edges, lengths, np.ones(len(edges)), np.ones(len(nodes)), faces, edges)
+    return DistanceConstraints(edges, lengths, np.ones(len(edges)), np.ones(len(nodes)), faces, edges)
 
 
 class Floor:
@@ -44,12 +44,12 @@ def test_a_crumple_is_laid_smooth() -> None:
     middle = np.linalg.norm(flat[:, [0, 2]] - 0.14, axis=1) < 0.045
     nodes[middle] += np.random.default_rng(0).normal(0.0, 0.03, (middle.sum(), 3))
     assert len(self_intersections(nodes, faces)) > 10
-    found = iron_crossings(threads, nodes, Floor(), settings=FollowSettings())
+    found = unfold_crossings(threads, nodes, Floor(), settings=PbdSettings())
     assert len(self_intersections(found, faces)) == 0
     ends = found[threads.ends]
     assert np.abs(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / threads.lengths - 1.0).max() < 0.1
     assert np.linalg.norm(found - flat, axis=1)[np.abs(flat[:, [0, 2]] - 0.14).max(axis=1) > 0.13].max() < 2e-3
-    assert iron_crossings(threads, flat, Floor(), settings=FollowSettings()) is flat
+    assert unfold_crossings(threads, flat, Floor(), settings=PbdSettings()) is flat
 
 
 def test_layers_leave_a_body_together() -> None:
@@ -59,7 +59,7 @@ def test_layers_leave_a_body_together() -> None:
     nodes[: len(flat), 1] = -0.02 * np.exp(-((flat[:, [0, 2]] - 0.16) ** 2).sum(axis=1) / 0.01) + 1e-3
     nodes[len(flat) :, 1] = nodes[: len(flat), 1] + 2e-3
     both = np.concatenate([faces, faces + len(flat)])
-    found = carry_outside(nodes, both, Floor(), threads_of(nodes, both).mean_edge, 40)
+    found = advect_outside(nodes, both, Floor(), threads_of(nodes, both).mean_edge, 40)
     middles = found[both].mean(axis=1)
     assert nodes[:, 1].min() < -0.015 and found[:, 1].min() >= 0.0 and middles[:, 1].min() >= 0.0
     assert len(self_intersections(found, both)) == 0
@@ -73,7 +73,7 @@ def test_a_jammed_bundle_still_moves() -> None:
     nodes[len(flat) :, 1] = 2e-3
     both = np.concatenate([faces, faces + len(flat)])
     threads = threads_of(nodes, both)
-    room = find_layers(nodes, both, threads.edges, np.zeros(0, np.int64), 2e-3, 10e-3).room(nodes, 10e-3)
+    room = find_layer_constraints(nodes, both, threads.edges, np.zeros(0, np.int64), 2e-3, 10e-3).room(nodes, 10e-3)
     np.testing.assert_allclose(room, 0.9e-3)
     rising = (np.arange(len(nodes)) < len(flat)) & (nodes[:, 0] > 0.07)
     moved = nodes + rising[:, None] * [0.0, 0.05, 0.0]
@@ -92,7 +92,7 @@ def test_legs_are_laid_along_the_wearers(across: float) -> None:
     left, right = leg, leg * [-1.0, 1.0, 1.0]
     nodes, both = np.concatenate([left, right]), np.concatenate([faces, faces + len(flat)])
     nodes[:, 0] += body.joint("pelvis")[0]
-    spread = spread_legs(nodes, both, body)
+    spread = align_legs(nodes, both, body)
     hem = nodes[:, 1] == nodes[:, 1].min()
     ankle, knee = body.joint("left_ankle"), body.joint("left_knee")
     slope = (ankle[0] - knee[0]) / (knee[1] - ankle[1])
@@ -100,6 +100,6 @@ def test_legs_are_laid_along_the_wearers(across: float) -> None:
     assert slope > 0.05 and (moved > 0.5 * slope * (knee[1] - ankle[1])).all()
     np.testing.assert_array_equal(spread[:, 1:], nodes[:, 1:])
     skirt = np.column_stack([4.0 * (flat[:, 0] - 0.11), leg[:, 1], leg[:, 2]])
-    np.testing.assert_array_equal(spread_legs(skirt, faces, body), skirt)
+    np.testing.assert_array_equal(align_legs(skirt, faces, body), skirt)
     slit = np.concatenate([skirt, skirt * [-1.0, 1.0, 1.0] + [0.0, 0.0, 0.02]])
-    np.testing.assert_array_equal(spread_legs(slit, both, body), slit)
+    np.testing.assert_array_equal(align_legs(slit, both, body), slit)

@@ -16,7 +16,7 @@ from garmentq.core.recover.drape import (
     drape_template,
     remesh,
 )
-from garmentq.core.recover.drape.motion import miss, rotation_of
+from garmentq.core.recover.drape.motion import rotation_of, surface_rms
 from garmentq.core.scan.contours import Target
 from wearers import find_wearer
 
@@ -51,10 +51,10 @@ def test_a_twirl_is_told_from_rest(worn):
     assert drape.converged
     assert drape.rotation is not None
     assert 8.0 <= drape.rotation.rate <= 12.0
-    assert miss(found, as_scan(turning)) < 0.015
+    assert surface_rms(found, as_scan(turning)) < 0.015
     still, calm = drape_graded(remesh(skirt, COUNT), wearer, fabric, as_scan(skirt))
     assert calm.rotation is None
-    assert miss(still, as_scan(turning)) > 0.05
+    assert surface_rms(still, as_scan(turning)) > 0.05
     rest = drape_as_scanned(skirt, wearer, fabric, as_scan(still), vertex_count=COUNT)[1]
     assert rest.rotation is None
     plain = drape_graded(remesh(skirt, COUNT), wearer, fabric, as_scan(still))[1]

@@ -12,17 +12,17 @@ from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body,
 from garmentq.core.garment import Garment, list_templates, load_template, mesh_pattern
 from garmentq.core.geometry import self_intersections
 from garmentq.core.recover.drape import (
+    DistanceConstraints,
     LayerContact,
     PbdState,
-    Threads,
-    Way,
+    PosePath,
+    build_distance_constraints,
     dress,
-    lay_threads,
+    pose_cloth,
     size_template,
-    take_pose,
     waist_loop,
 )
-from garmentq.core.recover.drape.follow import follow
+from garmentq.core.recover.drape.follow import simulate_pbd
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
@@ -40,17 +40,17 @@ def wearer(gender: str, pose: str) -> tuple[Body, DistanceGrid]:
 
 
 @cache
-def way(gender: str, pose: str) -> Way:
+def way(gender: str, pose: str) -> PosePath:
     """Return a body's frames into a pose."""
-    return Way.of(wearer(gender, pose)[0], outside(gender, pose))
+    return PosePath.of(wearer(gender, pose)[0], outside(gender, pose))
 
 
 @cache
-def worn(name: str, gender: str) -> tuple[Garment, Threads, np.ndarray | None, np.ndarray]:
+def worn(name: str, gender: str) -> tuple[Garment, DistanceConstraints, np.ndarray | None, np.ndarray]:
     """Dress a body in its T-pose: the templates were drafted for her; for him they are drafted to his measures."""
     body, grid = wearer(gender, "T")
     garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), NODES)
-    threads = lay_threads(garment)
+    threads = build_distance_constraints(garment)
     return garment, threads, waist_loop(garment), dress(garment, body, grid, threads=threads)
 
 
@@ -106,7 +106,7 @@ def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
     garment, threads, waist, nodes = worn(name, gender)
     skin, lookup = outside(gender, "T"), wearer(gender, "T")[1]
     start = PbdState.at_rest(nodes)
-    state = follow(threads, start, lookup, 6, gravity=9.81, held=waist, layers=LayerContact())
+    state = simulate_pbd(threads, start, lookup, 6, gravity=9.81, held=waist, layers=LayerContact())
     # let go from rest for a tenth of a second: what nothing holds falls at 1 m/s by then
     assert at_rest(state.velocities)
     assert tangled(nodes, garment) == 0
@@ -125,7 +125,7 @@ def test_template_hangs_in_every_pose(name: str, gender: str, pose: str) -> None
     """
     garment, threads, waist, nodes = worn(name, gender)
     _, grid = wearer(gender, pose)
-    nodes, velocity = take_pose(threads, nodes, way(gender, pose), grid, held=waist)
+    nodes, velocity = pose_cloth(threads, nodes, way(gender, pose), grid, held=waist)
     assert tangled(nodes, garment) == 0
     assert depth(nodes, garment, way(gender, pose).skin) <= 1e-3
     assert at_rest(velocity)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import DistanceGrid, ExposedSurface, SignedDistance
-from garmentq.core.recover.drape.shell import Shell, ShellBeside
+from garmentq.core.recover.drape.shell import Shell, ShellDistance
 
 RADIUS = 0.1
 
@@ -19,7 +19,7 @@ def make(kind: str) -> SignedDistance:
         "grid": lambda: DistanceGrid.from_mesh(*mesh, spacing=0.005),
         "exposed": lambda: ExposedSurface(*mesh),
         "shell": lambda: Shell.of(*mesh),
-        "beside": lambda: ShellBeside(Shell.of(*mesh), ExposedSurface(*mesh)),
+        "beside": lambda: ShellDistance(Shell.of(*mesh), ExposedSurface(*mesh)),
     }
     return made[kind]()
 

@@ -10,7 +10,7 @@ from garmentq.core.body import Body, builtin_body
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.garment import flat_contours, load_template
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
+from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, oversize_measures, size_template
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.start import find_template
@@ -25,7 +25,7 @@ def heavy() -> Body:
 @pytest.mark.parametrize("spec", ["builtin:female,height=1.70", "builtin:female,height=1.55,weight=45"])
 def test_usual_wearers_get_the_size_of_the_library(spec):
     """Broken where every wearer gets a draft of his own, and with it a recovery that nobody has measured."""
-    assert outgrown_measures(builtin_body(spec)) is None
+    assert oversize_measures(builtin_body(spec)) is None
 
 
 @pytest.mark.parametrize("named", [None, pytest.param("tank", marks=pytest.mark.nightly)])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.garment import Pattern, list_templates, load_template, mesh_pattern
-from garmentq.core.recover.drape import DrapeSettings, drape_template, hangs_in_sleeves
-from garmentq.core.recover.drape.dress import LIFT
+from garmentq.core.recover.drape import DrapeSettings, drape_template, has_hanging_sleeves
+from garmentq.core.recover.drape.dress import SHOULDER_LIFT_HEIGHT
 from garmentq.core.recover.drape.sleeves import turn_sleeves
 from wearers import find_wearer
 
@@ -39,7 +39,7 @@ def test_hanging_sleeves_are_put_over_the_arms() -> None:
 def test_what_is_no_hanging_sleeve_stays(name: str) -> None:
     """Breaks if legs, skirts or sleeves that already lie along the arms are turned."""
     garment = mesh_pattern(load_template(name), 350)
-    rotation, origin = turn_sleeves(garment, find_wearer().body, LIFT)
+    rotation, origin = turn_sleeves(garment, find_wearer().body, SHOULDER_LIFT_HEIGHT)
     assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
     assert np.array_equal(origin, [panel.translation[:2] for panel in garment.pattern.panels])
 
@@ -50,7 +50,7 @@ def test_a_wide_drooping_sleeve_is_put_over_the_arm(scale: float) -> None:
     shirt = load_template("tshirt")
     panels = tuple(replace(panel, translation=scale * panel.translation) for panel in shirt.panels)
     garment = mesh_pattern(replace(shirt, panels=panels).with_points(scale * shirt.points), 350)
-    rotation, origin = turn_sleeves(garment, find_wearer().body, LIFT)
+    rotation, origin = turn_sleeves(garment, find_wearer().body, SHOULDER_LIFT_HEIGHT)
     turned = np.abs(rotation - [panel.rotation[:2, :2] for panel in garment.pattern.panels]).max(axis=(1, 2)) > 0.1
     assert [panel.label == "sleeve" for panel in garment.pattern.panels] == turned.tolist()
     of = garment.panel_of_uv
@@ -63,7 +63,7 @@ def test_a_wide_drooping_sleeve_is_put_over_the_arm(scale: float) -> None:
             if garment.pattern.panel(ref.panel).edges[ref.edge].contour == "cuff.left"
         ]
     )
-    assert height[left].max() - height[cuff].max() <= LIFT + 1e-9
+    assert height[left].max() - height[cuff].max() <= SHOULDER_LIFT_HEIGHT + 1e-9
 
 
 def test_the_side_panel_of_a_bodice_is_no_sleeve() -> None:
@@ -77,7 +77,7 @@ def test_the_side_panel_of_a_bodice_is_no_sleeve() -> None:
         for panel in bodice.panels
     )
     garment = mesh_pattern(replace(bodice, panels=panels), 350)
-    rotation, _ = turn_sleeves(garment, find_wearer().body, LIFT)
+    rotation, _ = turn_sleeves(garment, find_wearer().body, SHOULDER_LIFT_HEIGHT)
     assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
 
 
@@ -88,4 +88,4 @@ def test_the_side_panel_of_a_bodice_is_no_sleeve() -> None:
 def test_sleeves_hang_on_arms_that_hang(pose: str, ends: str, hangs: bool) -> None:
     """Broken where every T-shirt pays for cloth kept apart in its graded drape, or one with hanging arms does not."""
     target = SimpleNamespace(contours=[SimpleNamespace(name=ends)])
-    assert hangs_in_sleeves(target, builtin_body(f"builtin:female,pose={pose}")) == hangs
+    assert has_hanging_sleeves(target, builtin_body(f"builtin:female,pose={pose}")) == hangs

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import Tape, builtin_body, rest_body
+from garmentq.core.body import TapeMeasure, builtin_body, rest_body
 from garmentq.core.garment import Edge, Panel, Pattern, load_template, mesh_pattern
 from garmentq.core.geometry import ClosedCurve, vertex_normals
 from garmentq.core.recover.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
-from garmentq.core.recover.drape.dress import natural_height
+from garmentq.core.recover.drape.dress import waistband_height
 from garmentq.core.recover.drape.tie import place_waist
 from garmentq.core.recover.drape.waist import flat_lengths
 from garmentq.core.scan.contours import Contour, Target, find_loops
@@ -83,9 +83,9 @@ def test_a_skirt_from_flat_pieces_is_spread_as_it_is_cut_and_keeps_a_spacing_tha
 def test_a_waistband_sits_where_the_body_is_as_wide_as_it(spec: str) -> None:
     """Fails if a level at which few vertices lie passes for a narrow place: bands then sit 20 cm too low."""
     body = rest_body(builtin_body(spec))
-    tape = Tape(body)
+    tape = TapeMeasure(body)
     narrowest = tape.measure("waist")
-    assert natural_height(0.9 * narrowest.value, body) == pytest.approx(narrowest.level, abs=0.02)
+    assert waistband_height(0.9 * narrowest.value, body) == pytest.approx(narrowest.level, abs=0.02)
     for height in np.linspace(body.joint("pelvis")[1] + 0.02, narrowest.level - 0.02, 12):
         girth = tape.trunk(height).value
-        assert tape.trunk(natural_height(girth, body)).value == pytest.approx(girth, abs=0.01)
+        assert tape.trunk(waistband_height(girth, body)).value == pytest.approx(girth, abs=0.01)

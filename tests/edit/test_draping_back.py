@@ -19,11 +19,11 @@ from garmentq.core.garment import (
 from garmentq.core.garment.editing import apply_operations, cut_panel
 from garmentq.core.geometry import ClosedCurve
 from garmentq.core.recover.drape import redrape
-from garmentq.core.reuse.edit import Edited, compare_versions, drape_edit, worn_length
-from garmentq.core.reuse.wear import Worn, wear_template
-from garmentq.core.reuse.wear.worn import hang_from
+from garmentq.core.reuse.edit import EditedGarment, compare_versions, drape_edit, worn_length
+from garmentq.core.reuse.wear import WornGarment, load_worn_template
+from garmentq.core.reuse.wear.worn import make_waist_target
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.contours import name_contours
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
@@ -48,25 +48,25 @@ def undo(operations: list[dict]) -> list[dict]:
     return [one | {"by_mm": [-way for way in one["by_mm"]]} for one in reversed(operations)]
 
 
-def hang(spec: str, count: int) -> Worn:
+def hang(spec: str, count: int) -> WornGarment:
     """Return the T-shirt of the library as it hangs on a body, draped from its placement."""
     wearer, mesh = find_wearer(spec), mesh_pattern(load_template("tshirt"), count)
-    nodes, drape = redrape(mesh, wearer, get_fabric("cotton_poplin"), hang_from(None, "tshirt"))
+    nodes, drape = redrape(mesh, wearer, get_fabric("cotton_poplin"), make_waist_target(None, "tshirt"))
     assert drape.converged
     garment = mesh.at(nodes, name_contours(nodes, mesh.faces, wearer.body)[0])
-    return Worn(garment, get_fabric("cotton_poplin"), wearer.body, None, None, "tshirt", "tshirt")
+    return WornGarment(garment, get_fabric("cotton_poplin"), wearer.body, None, None, "tshirt", "tshirt")
 
 
 @pytest.fixture(scope="module")
-def shipped() -> Worn:
+def shipped() -> WornGarment:
     """Return the T-shirt as the library ships it on its wearer: 1500 nodes, to 32 bits."""
-    return wear_template("tshirt", get_fabric("cotton_poplin"))
+    return load_worn_template("tshirt", get_fabric("cotton_poplin"))
 
 
 def test_cut_and_widened_it_rests(shipped):
     """Broken where an edit that adds a panel and moves a hem crosses itself, is not at rest, or starts from nothing."""
     pattern = cut_panel(apply_operations(shipped.pattern, WIDER), "front", np.array([[-0.4, -0.4], [0.4, -0.4]]))
-    edited = drape_edit(shipped, pattern, shipped.pattern, Clock(SILENT))
+    edited = drape_edit(shipped, pattern, shipped.pattern, Clock(SILENT_HOOKS))
     verdicts = {gate.name: gate.verdict for gate in edited.report.gates}
     assert {verdicts[name] for name in ("at_rest", "crossings", "depth", "seams")} == {"pass"}
     assert edited.is_warm and 20.0 < edited.report.metrics["contour_change.hem_mm"] < 42.0
@@ -75,15 +75,15 @@ def test_cut_and_widened_it_rests(shipped):
 
 
 @pytest.fixture(scope="module")
-def settled(shipped) -> Worn:
+def settled(shipped) -> WornGarment:
     """Return it at rest as a recovery's drape is, on a softened membrane."""
-    return drape_edit(shipped, shipped.pattern, shipped.pattern, Clock(SILENT)).worn
+    return drape_edit(shipped, shipped.pattern, shipped.pattern, Clock(SILENT_HOOKS)).worn
 
 
 @pytest.fixture(scope="module")
-def widened(settled) -> Edited:
+def widened(settled) -> EditedGarment:
     """Return it draped after it was made wider."""
-    return drape_edit(settled, apply_operations(settled.pattern, WIDER), settled.pattern, Clock(SILENT))
+    return drape_edit(settled, apply_operations(settled.pattern, WIDER), settled.pattern, Clock(SILENT_HOOKS))
 
 
 def test_a_wider_hem_is_as_much_wider_on_the_hips(settled, widened):
@@ -132,7 +132,7 @@ def test_widened_hem_hangs_wider(spec, count):
     start = json.dumps(write_pattern(worn.pattern), indent=1)
     wider = apply_operations(read_pattern(start), WIDER)
     assert seam_mismatch(wider) < 1e-6
-    edited = drape_edit(worn, wider, worn.pattern, Clock(SILENT))
+    edited = drape_edit(worn, wider, worn.pattern, Clock(SILENT_HOOKS))
     before, now = (one.garment.contour("hem").length for one in (worn, edited.worn))
     assert 1e3 * (now - before) == pytest.approx(40.0, abs=2.0)
     assert edited.report.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
@@ -142,8 +142,8 @@ def test_widened_hem_hangs_wider(spec, count):
     assert np.abs(taken_back.points - worn.pattern.points).max() < 5e-4, "partners follow nearly the same way back"
     back = read_pattern(start)
     assert json.dumps(write_pattern(back), indent=1) == start
-    undone = drape_edit(edited.worn, back, worn.pattern, Clock(SILENT))
+    undone = drape_edit(edited.worn, back, worn.pattern, Clock(SILENT_HOOKS))
     assert undone.report.metrics["contour_change.hem_mm"] == pytest.approx(-40.0, abs=2.0)
-    same = drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT))
+    same = drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT_HOOKS))
     moved = np.linalg.norm(same.worn.garment.nodes - worn.garment.nodes, axis=1)
     assert np.quantile(moved, 0.99) < 1e-3 and moved.max() < 5e-3

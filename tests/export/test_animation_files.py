@@ -12,8 +12,8 @@ from garmentq.core.body import builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.animation import write_animation
 from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.animate import Animation, Moved, Verdict
-from garmentq.core.reuse.wear import Worn
+from garmentq.core.reuse.animate import AnimatedGarment, Animation, FrameVerdict
+from garmentq.core.reuse.wear import WornGarment
 from garmentq.core.run.report import ResultReport
 from PIL import Image
 
@@ -24,11 +24,11 @@ FRAMES = 5
 def animation() -> Animation:
     """Return a skirt that is moved aside and waves, without a simulation."""
     garment, body = load_draped_template("skirt"), builtin_body("builtin:female,height=1.70")
-    worn = Worn(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt")
+    worn = WornGarment(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt")
     share = np.linspace(0.0, 1.0, FRAMES)[:, None, None]
     wave = 0.02 * np.sin(20.0 * garment.nodes[:, [1, 2, 0]])
     frames = garment.nodes + share * (wave + [0.1, 0.0, 0.05])
-    verdicts = tuple(Verdict(True, 1e-4 * n, n, 1, 4, 0.5) for n in range(FRAMES))
+    verdicts = tuple(FrameVerdict(True, 1e-4 * n, n, 1, 4, 0.5) for n in range(FRAMES))
     transforms = np.tile(body.transforms, (FRAMES, 1, 1, 1))
     return Animation(worn, 25.0, np.arange(FRAMES) / 25.0, frames, transforms, verdicts)
 
@@ -124,11 +124,11 @@ def test_without_the_extra_there_is_no_usd_and_that_is_told(animation, tmp_path,
     from garmentq.core.deliver.export import animation as room
 
     monkeypatch.setattr(room, "can_write_usd", lambda: False)
-    moved = Moved(animation, "walk", ResultReport())
-    assert any("garmentq[usd]" in warning for warning in room.tell_left_out(moved).report.warnings)
+    moved = AnimatedGarment(animation, "walk", ResultReport())
+    assert any("garmentq[usd]" in warning for warning in room.add_omission_warnings(moved).report.warnings)
     assert not any(path.suffix == ".usdc" for path in write_animation(animation, tmp_path / "plain"))
     monkeypatch.undo()
-    assert room.tell_left_out(moved).report.warnings == ()
+    assert room.add_omission_warnings(moved).report.warnings == ()
 
 
 def test_pictures_show_motion(folder):

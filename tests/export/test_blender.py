@@ -88,13 +88,13 @@ def test_the_script_is_of_this_garment(mesh: SewnMesh, written: list[Path]) -> N
     """Fails if the script would load another garment's files, or weighs vertices wrongly."""
     scope: dict = {}
     text = written[3].read_text()
-    assigned = "\n".join(line for line in text.splitlines() if line.startswith(("STEM =", "MASS =")))
+    assigned = "\n".join(line for line in text.splitlines() if line.startswith(("STEM =", "VERTEX_MASS =")))
     exec(assigned, scope)
     assert scope["STEM"] == "skirt"
     rest = mesh.garment.rest
     one, two = rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]
     area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]).sum()
-    assert scope["MASS"] * len(mesh.garment.uv) == pytest.approx(area * mesh.fabric.density)
+    assert scope["VERTEX_MASS"] * len(mesh.garment.uv) == pytest.approx(area * mesh.fabric.density)
 
 
 @pytest.mark.nightly

@@ -18,10 +18,10 @@ from garmentq.core.deliver.export.sewn_files import write_sewn_glb
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh, seams_of_uv
 from garmentq.core.deliver.export.textured import write_textured
 from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.animate import Animation, Verdict
-from garmentq.core.reuse.wear import Worn
+from garmentq.core.reuse.animate import Animation, FrameVerdict
+from garmentq.core.reuse.wear import WornGarment
 from garmentq.core.scan import Scan
-from garmentq.core.scan.coloured import coloured_of
+from garmentq.core.scan.coloured import to_coloured_scan
 
 IMPORT = """
 import json, sys
@@ -56,12 +56,12 @@ def files(mesh: SewnMesh, tmp_path_factory) -> dict[str, Path]:
     write_sewn_glb(mesh, folder / "simulation.glb")
     write_meshes(garment, garment.nodes, folder, "detail", ("glb",))
     colours = np.full((len(garment.nodes), 3), 0.5)
-    scan = coloured_of(Scan(garment.nodes, garment.faces, colours=colours))
+    scan = to_coloured_scan(Scan(garment.nodes, garment.faces, colours=colours))
     write_textured(replace(mesh, name="detail"), scan, folder, "tshirt", 2.0)
     body = builtin_body("builtin:female,height=1.70")
-    worn = Worn(garment, mesh.fabric, body, None, None, "tshirt", "tshirt")
+    worn = WornGarment(garment, mesh.fabric, body, None, None, "tshirt", "tshirt")
     frames = garment.nodes + np.linspace(0.0, 0.1, 3)[:, None, None]
-    verdicts = (Verdict(True, 1e-4, 1, 1, 4, 0.5),) * 3
+    verdicts = (FrameVerdict(True, 1e-4, 1, 1, 4, 0.5),) * 3
     turned = np.tile(body.transforms, (3, 1, 1, 1))
     write_animation(Animation(worn, 25.0, np.arange(3) / 25.0, frames, turned, verdicts), folder)
     found = {path.name: path for path in folder.glob("*.glb")}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.deliver.export import uv_layout, write_meshes
-from garmentq.core.garment.pieces import lay_out
+from garmentq.core.garment.pieces import pack_on_shelves
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_shelves_keep_boxes_apart(stacked: bool) -> None:
     """Fails if a shelf were as high as its last box, or a wide box hid another."""
     sizes = np.random.default_rng(2).uniform(0.02, 0.9, (25, 2))
     sizes[3, 0] = 4.0
-    corners = lay_out(sizes, 0.01, 1.5, stacked)
+    corners = pack_on_shelves(sizes, 0.01, 1.5, stacked)
     for i in range(len(sizes)):
         for j in range(i):
             gap = np.maximum(corners[i] - corners[j] - sizes[j], corners[j] - corners[i] - sizes[i])

@@ -15,12 +15,12 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS
 from garmentq.core.cloth import FabricEstimate
-from garmentq.core.deliver.export import pattern_svg, plain, report_html, write_recovery
+from garmentq.core.deliver.export import pattern_svg, report_html, to_plain_json, write_recovery
 from garmentq.core.garment import load_pattern
 from garmentq.core.geometry import TriangleSurface
-from garmentq.core.judge import judge
+from garmentq.core.judge import evaluate_gates
 from garmentq.core.recover.recovery import Recovery
-from garmentq.core.reuse.wear import load_worn, worn_of
+from garmentq.core.reuse.wear import load_worn, worn_from_recovery
 from garmentq.core.run.verdict import Gate, Verdict
 from garmentq.core.scan import Scan
 from PIL import Image
@@ -109,9 +109,9 @@ def test_every_file_holds_what_was_recovered(tube_recovery, tmp_path: Path) -> N
     assert again.seams == recovery.pattern.seams
     np.testing.assert_allclose(again.points, recovery.pattern.points, atol=1e-9)
     for name, value in (("metrics", recovery.report.metrics), ("manifest", recovery.report.manifest)):
-        assert json.loads((tmp_path / f"{name}.json").read_text()) == plain(value)
+        assert json.loads((tmp_path / f"{name}.json").read_text()) == to_plain_json(value)
     kept = load_worn(tmp_path)
-    np.testing.assert_array_equal(kept.garment.nodes, worn_of(recovery).garment.nodes)
+    np.testing.assert_array_equal(kept.garment.nodes, worn_from_recovery(recovery).garment.nodes)
     np.testing.assert_array_equal(kept.body.vertices, body.vertices)
     assert kept.fabric == recovery.fabric
     assert (tmp_path / "report.html").read_text() == report_html(recovery)
@@ -133,7 +133,9 @@ def test_a_simulation_mesh_is_written_where_there_is_one(tube_recovery, tmp_path
 
 def test_json_has_no_nan_and_no_numpy() -> None:
     """Fails if a reader that follows the standard could not read a file of ours."""
-    value = plain({"a": np.float64("nan"), "b": [np.int64(3), np.inf], "c": np.eye(2), "d": Path("x"), "e": True})
+    value = to_plain_json(
+        {"a": np.float64("nan"), "b": [np.int64(3), np.inf], "c": np.eye(2), "d": Path("x"), "e": True}
+    )
     assert json.loads(json.dumps(value, allow_nan=False)) == {
         "a": None, "b": [3, None], "c": [[1.0, 0.0], [0.0, 1.0]], "d": "x", "e": True,
     }  # fmt: skip
@@ -207,7 +209,7 @@ def fitted(tube_recovery) -> Recovery:
     graded = recovery.meshes.graded
     return tube_recovery(
         meshes=replace(recovery.meshes, simulation=graded, redraped=graded), estimates=estimates, metrics=metrics,
-        gates=judge(metrics), nearest_fabrics=("silk_chiffon", "denim"), point_std=np.full((8, 2), 0.004),
+        gates=evaluate_gates(metrics), nearest_fabrics=("silk_chiffon", "denim"), point_std=np.full((8, 2), 0.004),
     )  # fmt: skip
 
 

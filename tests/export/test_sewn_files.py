@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.sewn_files import write_sewn_glb, write_sewn_obj
-from garmentq.core.deliver.export.sewn_mesh import SewnMesh, plain_names, seams_of_uv
+from garmentq.core.deliver.export.sewn_mesh import SewnMesh, sanitise_names, seams_of_uv
 from garmentq.core.garment import load_draped_template
 from gltf_validator import validate_glb
 from PIL import Image
@@ -108,7 +108,7 @@ def test_obj_has_a_group_and_material_for_each_panel(mesh: SewnMesh, tmp_path: P
     garment = mesh.garment
     parts = trimesh.load_scene(files[0], process=False, group_material=False, split_object=False).geometry
     assert sum(len(part.faces) for part in parts.values()) == len(garment.faces)
-    names = plain_names([panel.name for panel in garment.pattern.panels])
+    names = sanitise_names([panel.name for panel in garment.pattern.panels])
     found = {}
     for part in parts.values():
         name = part.visual.material.name
@@ -137,7 +137,7 @@ def test_every_edge_vertex_names_its_seams(mesh: SewnMesh) -> None:
 
 def test_names_from_a_file_are_made_plain() -> None:
     """Fails if a panel's name could add a line to an OBJ, or two panels share a group."""
-    assert plain_names(("back\nf 1 1 1", "Back/f 1 1 1", "", "é")) == [
+    assert sanitise_names(("back\nf 1 1 1", "Back/f 1 1 1", "", "é")) == [
         "back_f_1_1_1",
         "Back_f_1_1_1_1",
         "panel_2",

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export import write_ply
-from garmentq.core.deliver.export.prints import BLEED, PrintPlace, draw_print, list_prints
+from garmentq.core.deliver.export.prints import PRINT_BLEED_WIDTH, PrintPlace, draw_print, list_prints
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.stored import garment_stem, read_nodes
 from garmentq.core.deliver.export.textured import write_textured
@@ -18,7 +18,7 @@ from garmentq.core.deliver.texture import BakedTexture
 from garmentq.core.garment import load_template
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Scan
-from garmentq.core.scan.coloured import ColoursMissing, coloured_of
+from garmentq.core.scan.coloured import ColoursMissing, to_coloured_scan
 from gltf_validator import validate_glb
 from PIL import Image
 
@@ -37,7 +37,7 @@ def written(mesh: SewnMesh, tmp_path_factory) -> dict[str, Path]:
     height = (nodes[:, 1] - nodes[:, 1].min()) / np.ptp(nodes[:, 1])
     scan = Scan(nodes, mesh.garment.faces, colours=np.column_stack([height, 1.0 - height, np.full(len(nodes), 0.5)]))
     folder = tmp_path_factory.mktemp("textured")
-    found = write_textured(mesh, coloured_of(scan), folder, "tube", 2.0)
+    found = write_textured(mesh, to_coloured_scan(scan), folder, "tube", 2.0)
     assert found.coverage > 0.99
     assert sorted(found.files) == sorted(folder.iterdir())
     return {file.name: file for file in found.files}
@@ -76,8 +76,8 @@ def test_a_print_is_the_panel_at_true_scale_with_bleed(written: dict[str, Path])
     assert image.mode == "RGBA"
     assert image.info["dpi"][0] == pytest.approx(12.7, abs=0.01)  # 2 mm a pixel
     wide, high = (0.0254 * pixels / image.info["dpi"][0] for pixels in image.size)
-    assert wide == pytest.approx(np.pi * 0.15 + 2 * BLEED, abs=0.003)
-    assert high == pytest.approx(0.30 + 2 * BLEED, abs=0.003)
+    assert wide == pytest.approx(np.pi * 0.15 + 2 * PRINT_BLEED_WIDTH, abs=0.003)
+    assert high == pytest.approx(0.30 + 2 * PRINT_BLEED_WIDTH, abs=0.003)
     pixels = np.asarray(image)
     middle = pixels[:, pixels.shape[1] // 2]
     assert (middle[:, 3] == 255).all() and pixels[0, 0, 3] == 0
@@ -107,7 +107,7 @@ def test_a_print_of_two_panels_turns_each_into_its_place(mesh: SewnMesh) -> None
 def test_a_scan_without_colours_has_a_code() -> None:
     """Fails if a grey texture is made of nothing."""
     with pytest.raises(ColoursMissing):
-        coloured_of(Scan(np.zeros((3, 3)), np.zeros((1, 3), int)))
+        to_coloured_scan(Scan(np.zeros((3, 3)), np.zeros((1, 3), int)))
 
 
 def test_stored_nodes_come_back_bit_by_bit(mesh: SewnMesh, tmp_path: Path) -> None:

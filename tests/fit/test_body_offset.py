@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Fabric, Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.cloth import Fabric, Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
 from garmentq.core.garment import Garment, load_template
 from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.recover.fit import (
@@ -15,9 +15,9 @@ from garmentq.core.recover.fit import (
     ShapeSettings,
     body_offset,
     estimate_body_offset,
-    is_estimated,
+    is_body_estimated,
 )
-from garmentq.core.recover.fit.body_offset import _spread
+from garmentq.core.recover.fit.body_offset import _average_nearby
 from wearers import find_wearer
 
 
@@ -36,7 +36,7 @@ class Hung:
 def hung() -> Hung:
     """Hang a top."""
     wearer = find_wearer()
-    pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
+    pattern, fabric = load_template("tank"), reduce_membrane_stiffness(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
     scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
     thin = wearer.raised(np.full(len(wearer.body.vertices), -0.012))
@@ -47,7 +47,7 @@ def hung() -> Hung:
 def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned(hung: Hung) -> None:
     """Breaks if the body moves the wrong way, by nodes that do not touch, or not far enough: the top then hangs low."""
     wearer, scanned, thin, problem = hung.wearer, hung.scanned, hung.thin, hung.problem
-    assert not is_estimated(wearer.body)
+    assert not is_body_estimated(wearer.body)
 
     def fall(drape: np.ndarray) -> float:
         return float((scanned.nodes - drape)[:, 1].mean())
@@ -69,13 +69,13 @@ def test_a_body_still_too_low_is_raised_again(hung: Hung, monkeypatch: pytest.Mo
 
     def spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float) -> object:
         missing.append(float(np.sqrt((areas * out**2).sum() / areas.sum())))
-        return _spread(vertices, points, out, areas, radius)
+        return _average_nearby(vertices, points, out, areas, radius)
 
-    monkeypatch.setattr(body_offset, "RADII", (0.03,))
-    monkeypatch.setattr(body_offset, "_spread", spread)
+    monkeypatch.setattr(body_offset, "OFFSET_KERNEL_STD", (0.03,))
+    monkeypatch.setattr(body_offset, "_average_nearby", spread)
     estimate_body_offset(problem, thin)
-    assert 2 < len(missing) < body_offset.ROUNDS
-    assert min(missing[:-1]) > body_offset.AT_REST >= missing[-1]
+    assert 2 < len(missing) < body_offset.MAX_OFFSET_ITERATIONS
+    assert min(missing[:-1]) > body_offset.REST_DISTANCE_TOLERANCE >= missing[-1]
 
 
 def test_a_raised_body_is_one_body() -> None:

@@ -15,12 +15,12 @@ from garmentq.core.garment import Garment, load_draped_template, mesh_pattern, r
 from garmentq.core.geometry import self_intersections, vertex_normals
 from garmentq.core.recover.case import Case
 from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.recover.drape.shipped import WEARER
+from garmentq.core.recover.drape.shipped import TEMPLATE_WEARER
 from garmentq.core.recover.fit import choose_start
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import Target
 
@@ -41,10 +41,10 @@ def case() -> Case:
     worn = load_draped_template("tshirt")
     normals = vertex_normals(worn.nodes, worn.faces)
     return Case(
-        request=Request(Path("tshirt.ply"), BuiltinWearer(WEARER)),
+        request=Request(Path("tshirt.ply"), BuiltinWearer(TEMPLATE_WEARER)),
         scan=Scan(worn.nodes, worn.faces),
         seen=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
-        wearer=WearerGeometry(builtin_body(WEARER)),
+        wearer=WearerGeometry(builtin_body(TEMPLATE_WEARER)),
     )
 
 
@@ -62,7 +62,7 @@ def test_a_drape_without_crossings_stays(case, shirt):
     """Broken where a drape in order costs another one, or is replaced by it."""
     assert not len(self_intersections(shirt.nodes, shirt.faces))
     drape = at_rest(shirt.nodes)
-    found = choose_start(case, start_from(case, shirt, drape), SILENT)
+    found = choose_start(case, start_from(case, shirt, drape), SILENT_HOOKS)
     assert found.garment is shirt and found.drape is drape
 
 
@@ -78,7 +78,7 @@ def lose_sleeve(case: Case, shirt: Garment) -> Garment:
 def test_a_sleeve_beside_its_arm_is_dressed_anew(case, shirt):
     """Broken where a sleeve that a scan shows grown together with the trunk stays beside its arm."""
     lost = lose_sleeve(case, shirt)
-    found = choose_start(case, start_from(case, lost, at_rest(lost.nodes)), SILENT)
+    found = choose_start(case, start_from(case, lost, at_rest(lost.nodes)), SILENT_HOOKS)
     garment = found.garment
     assert garment is found.graded and len(self_intersections(garment.nodes, garment.faces)) == 0
     assert found.drape.converged

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.cloth import (
-    Implicit,
+    ImplicitDerivative,
     Scene,
     SteadyRotation,
     Topology,
@@ -35,13 +35,13 @@ from garmentq.core.recover.fit import (
     RegisteredLoss,
     ShapeProblem,
     ShapeSettings,
-    find_held,
+    find_locked_coordinates,
     fit_isometry,
     fit_pattern,
     fit_shape,
-    keep_held,
-    keep_seams,
     move_pattern,
+    restore_locked,
+    seam_null_space,
 )
 from garmentq.core.recover.grade import find_proportions, mean_width
 from garmentq.core.recover.recovery import Request
@@ -73,7 +73,7 @@ def test_gradient_by_control_points_and_bending(scene: Worn) -> None:
     drape = problem.drape(pattern, scene.worn.nodes)
     cloth = problem.at(pattern)
     friction = lag_friction(cloth, drape.nodes, drape.anchors)
-    implicit = Implicit(tolerance=0.0)
+    implicit = ImplicitDerivative(tolerance=0.0)
     at = implicit.solve(cloth, drape.nodes, friction=friction)
     gradient = problem.linearise(pattern, replace(drape, nodes=at.nodes))[0]
     rng = np.random.default_rng(1)
@@ -227,7 +227,7 @@ def test_the_prior_holds_the_whole_area(scene: Worn) -> None:
 def test_steps_keep_seams_equal(scene: Worn) -> None:
     """A basis that lets a seam open to first order breaks this."""
     symmetry = find_symmetry(scene.template)
-    free = keep_seams(scene.template, scene.template)
+    free = seam_null_space(scene.template, scene.template)
     assert 0 < free.shape[1] < free.shape[0]
     start = symmetry.reduce(scene.template.points).ravel()
     for way in free.T:
@@ -283,36 +283,36 @@ def test_bands_stay_nearly_as_they_are() -> None:
 def test_locked_panels_stay(scene: Worn) -> None:
     """Breaks where the metric, seams or the simulator move a locked panel, or an unknown one is passed over."""
     name = scene.template.panels[0].name
-    held = find_held(scene.template, scene.template, (f"panel:{name}",))
+    held = find_locked_coordinates(scene.template, scene.template, (f"panel:{name}",))
     assert held.any()
-    kept = keep_held(scene.true, scene.template, scene.template, held)
+    kept = restore_locked(scene.true, scene.template, scene.template, held)
     np.testing.assert_allclose(kept.panel(name).points, scene.template.panel(name).points, atol=1e-8)
     assert seam_mismatch(kept) < 1e-6
-    free = keep_seams(scene.template, scene.template, held)
+    free = seam_null_space(scene.template, scene.template, held)
     np.testing.assert_allclose(free[held], 0.0, atol=1e-9)
     with pytest.raises(LockUnknown):
-        find_held(scene.template, scene.template, ("panel:nowhere",))
+        find_locked_coordinates(scene.template, scene.template, ("panel:nowhere",))
 
 
 def test_locked_points_stay_exactly(scene: Worn) -> None:
     """Breaks where a step or the seams move a locked point, or a panel that only lies elsewhere is bent."""
     name = scene.template.panels[0].name
-    held = find_held(scene.template, scene.template, (f"point:{name}/1",))
+    held = find_locked_coordinates(scene.template, scene.template, (f"point:{name}/1",))
     assert 0 < held.sum() < len(held)
-    kept = keep_held(scene.true, scene.template, scene.template, held)
+    kept = restore_locked(scene.true, scene.template, scene.template, held)
     np.testing.assert_allclose(kept.points[1], scene.template.points[1], atol=1e-9)
     assert seam_mismatch(kept) < 1e-6
     own = slice(0, len(scene.template.panels[0].points))
     moved = scene.template.points.copy()
     moved[own] += [0.03, -0.02]
-    again = keep_held(scene.template.with_points(moved), scene.template, scene.template, held)
+    again = restore_locked(scene.template.with_points(moved), scene.template, scene.template, held)
     np.testing.assert_allclose(again.points[own], scene.template.points[own], atol=1e-9)
     fit = fit_shape(state(scene, ShapeSettings(iterations=1), held))
     np.testing.assert_allclose(fit.pattern.points[1], scene.template.points[1], atol=1e-9)
     assert np.abs(fit.pattern.points - scene.template.points).max() > 1e-3
     for wrong in (f"point:{name}/99", "point:nowhere/0", f"point:{name}/x"):
         with pytest.raises(LockUnknown):
-            find_held(scene.template, scene.template, (wrong,))
+            find_locked_coordinates(scene.template, scene.template, (wrong,))
 
 
 def test_left_and_right_may_be_freed(scene: Worn) -> None:

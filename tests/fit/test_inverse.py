@@ -7,7 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Fabric, Implicit, Pins, Scene, SolveSettings, Topology, equilibrium, get_fabric
+from garmentq.core.cloth import (
+    Fabric,
+    ImplicitDerivative,
+    Pins,
+    Scene,
+    SolveSettings,
+    Topology,
+    equilibrium,
+    get_fabric,
+)
 from garmentq.core.garment import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
 from garmentq.core.geometry import TriangleSurface, vertex_normals
 from garmentq.core.recover.case import Case
@@ -18,7 +27,7 @@ from garmentq.core.recover.fit import (
     FitScene,
     InverseSettings,
     descend,
-    find_held,
+    find_locked_coordinates,
     fit_inverse,
     move_pattern,
 )
@@ -85,7 +94,7 @@ def scene() -> Worn:
 
 
 def state(scene: Worn, settings: InverseSettings = SHORT, locks: tuple[str, ...] = ()) -> DescentProblem:
-    held = find_held(scene.template, scene.template, locks)
+    held = find_locked_coordinates(scene.template, scene.template, locks)
     cloth = Scene(Topology.from_garment(scene.worn), scene.fabric, pins=scene.pins)
     return DescentProblem.of(FitScene.of(scene.worn, scene.template, cloth, STIFFNESSES, held), scene.target, settings)
 
@@ -107,7 +116,7 @@ def test_gradient_through_the_simulator(scene: Worn) -> None:
     at = problem.start
     at[: len(problem.scene.locked)] += 2e-3 * rng.normal(size=len(problem.scene.locked))
     at[-1] = problem.material.high[-1] + 0.5
-    implicit = Implicit(tolerance=0.0)
+    implicit = ImplicitDerivative(tolerance=0.0)
     rest = implicit.solve(problem.at(at), problem.drape(at, scene.worn.nodes, None, Hooks())[0])
     _, gradient = problem.evaluate(at, rest.nodes, rest.nodes)
     scale = np.concatenate([np.full(len(problem.scene.locked), 1e-6), np.full(len(STIFFNESSES), 1e-4)])

@@ -13,7 +13,7 @@ from garmentq.core.recover.fit import second_registration
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.contours import Target
 
 
@@ -79,5 +79,5 @@ def test_the_nearer_of_two_second_registrations_is_kept(
 
     monkeypatch.setattr(second_registration, "deform", begin)
     state = SimpleNamespace(target=target, wearer=SimpleNamespace(exposed=exposed))
-    found = second_registration.find_nearer(first, second, case, state, SILENT)
+    found = second_registration.choose_nearer_registration(first, second, case, state, SILENT_HOOKS)
     assert np.array_equal(found.nodes, {"second": second, "other": other}[kept].nodes)

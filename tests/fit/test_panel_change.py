@@ -30,9 +30,9 @@ from garmentq.core.garment.editing.darts import close_dart, find_darts, insert_d
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
 from garmentq.core.recover.fit import fit_isometry
-from garmentq.core.recover.fit.dart_closing import asked_width, close_darts
+from garmentq.core.recover.fit.dart_closing import close_darts, required_dart_width
 from garmentq.core.recover.fit.dart_cutting import cut_darts
-from garmentq.core.recover.fit.dart_search import is_image, propose_dart, relax_panel, rms_strain
+from garmentq.core.recover.fit.dart_search import is_mirror_image, propose_dart, relax_panel, rms_strain
 from garmentq.core.recover.fit.panel_change import change_panels
 from garmentq.core.recover.fit.wedge import wanted_strain
 from garmentq.core.recover.methods import METHODS
@@ -43,7 +43,7 @@ from garmentq.core.recover.start import choose_base, read_case
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.finding import FindingKind
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.contours import Target
 
 ANGLE = np.radians(12.0)
@@ -144,7 +144,7 @@ def test_a_panel_and_its_mirror_image_get_darts_together() -> None:
     garment = garment.at(np.where(is_left[:, None], image.nodes, garment.nodes))
     strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
     index = [panel.name for panel in pattern.panels].index("upper_right")
-    assert [is_image(garment, k) for k in range(4)] == [False, False, True, True]
+    assert [is_mirror_image(garment, k) for k in range(4)] == [False, False, True, True]
     found = propose_dart(garment, strain, index)
     assert found is not None
     assert found.angle == pytest.approx(0.75 * ANGLE, rel=1 / 6)
@@ -184,7 +184,7 @@ def test_a_dart_on_a_flat_surface_asks_to_be_closed() -> None:
     nodes[garment.uv_node, :2] = plain
     garment = garment.at(nodes)
     strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
-    assert asked_width(garment, strain, dart) < 0.006
+    assert required_dart_width(garment, strain, dart) < 0.006
     cut = close_darts(garment, strain, pattern, [dart])
     assert not find_darts(cut.pattern) and not find_darts(cut.base)
     mesh = mesh_pattern(cut.pattern, 900)
@@ -206,7 +206,7 @@ def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None)
     save_pattern(load_template(base), folder / "base.json")
     settings = RecoverySettings(method="deform", keep_cut=keep_cut)
     request = Request(folder / "garment.ply", folder / "body.ply", folder / "base.json", settings)
-    clock = Clock(SILENT)
+    clock = Clock(SILENT_HOOKS)
     case = read_case(request, clock)
     state = run_steps(METHODS["deform"], case, choose_base(case), clock)
     fitted = fit_isometry(state.graded, state.meshes.detail, state.target, case.body, state.base)

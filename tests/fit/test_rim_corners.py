@@ -11,7 +11,7 @@ from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, 
 from garmentq.core.geometry import HalfEdges, vertex_normals
 from garmentq.core.judge import measure_fairness
 from garmentq.core.recover.fit.fairness import fair_garment
-from garmentq.core.recover.fit.locks import find_held
+from garmentq.core.recover.fit.locks import find_locked_coordinates
 from garmentq.core.recover.fit.rim_corners import prove_corners
 from garmentq.core.scan.contours import Contour, Target
 
@@ -82,7 +82,7 @@ def test_a_corner_of_the_hem_is_measured_and_kept() -> None:
     assert np.degrees([corner.angle for corner in corners]) == pytest.approx([20.0, 20.0], abs=0.5)
     assert "20." in corners[0].tell() or "19." in corners[0].tell()
     proved = {corner.join: corner.angle for corner in corners}
-    held = find_held(true, base, ())
+    held = find_locked_coordinates(true, base, ())
     kept = fair_garment(recovered, base, held, corners).pattern
     faired = fair_garment(recovered, base, held).pattern
     assert np.degrees(unplanned_corners(kept, base, proved)) == pytest.approx(0.0, abs=2.6)
@@ -98,8 +98,8 @@ def test_a_corner_that_the_fit_missed_is_given() -> None:
     base, true = make_skirt(0.0), make_skirt(HALF)
     recovered, scan = roll(HALF, 900), as_target(roll(HALF, 2500))
     corners = prove_corners(recovered, recovered.nodes, scan, base)
-    smooth = fair_garment(recovered, base, find_held(true, base, ()))
-    given = fair_garment(smooth, base, find_held(true, base, ()), corners).pattern
+    smooth = fair_garment(recovered, base, find_locked_coordinates(true, base, ()))
+    given = fair_garment(smooth, base, find_locked_coordinates(true, base, ()), corners).pattern
     proved = {corner.join: corner.angle for corner in corners}
     assert np.degrees(np.abs(unplanned_corners(given, base, proved))).max() < 2.6
 

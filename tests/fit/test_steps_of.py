@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.recover.case import Case
-from garmentq.core.recover.fit.isometry import steps_of
+from garmentq.core.recover.fit.isometry import choose_isometry_settings
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.scan.contours import Target
@@ -33,6 +33,6 @@ def test_what_begins_far_off_slides(category: str, template: Path | None, lock: 
     target = Target(nowhere, nowhere.astype(int), nowhere, (), (), category)
     request = Request(Path("scan.ply"), template=template, settings=RecoverySettings(lock=lock))
     case = Case(request, scan=None, seen=target, wearer=None)
-    steps = steps_of(case)
+    steps = choose_isometry_settings(case)
     assert steps.newton == newton
     assert not steps.curves

@@ -17,9 +17,9 @@ from garmentq.core.garment import (
     load_template,
     mesh_pattern,
     panel_area,
-    redraw,
     seam_mismatch,
     unplanned_corners,
+    update_flat_mesh,
 )
 from garmentq.core.garment.fairness import SmoothJoin, find_smooth_joins, measure_corner
 from garmentq.core.judge import measure_fairness
@@ -133,9 +133,9 @@ def test_the_flat_mesh_follows_its_curves() -> None:
     """Fails if the mesh kept the old outline, a face were turned, or the mesh of the same drawing moved."""
     bent, base = make_skirt(dip=0.02), make_skirt()
     garment = mesh_pattern(bent, 600)
-    assert np.abs(redraw(garment, bent).uv - garment.uv).max() < 1e-12
+    assert np.abs(update_flat_mesh(garment, bent).uv - garment.uv).max() < 1e-12
     fair = fair_curves(bent, base)
-    moved = redraw(garment, fair)
+    moved = update_flat_mesh(garment, fair)
     flat = moved.uv[moved.uv_faces]
     sides = flat[:, 1:] - flat[:, :1]
     areas = 0.5 * (sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])

@@ -14,7 +14,7 @@ from garmentq.core.garment import (
     load_template,
     mesh_pattern,
     panel_area,
-    redraw,
+    update_flat_mesh,
 )
 from garmentq.core.garment.fairness import find_smooth_joins, measure_corner
 from garmentq.core.garment.handles import (
@@ -63,7 +63,7 @@ def test_handles_come_back_as_they_were_set(pattern, motion):
 def test_a_mesh_follows_its_handles(pattern, motion):
     """Broken where a rate is of another vertex, or inner vertices do not follow the outline."""
     garment = mesh_pattern(pattern, 400)
-    forwards, backwards = (redraw(garment, one).uv for one in both_ways(pattern, motion))
+    forwards, backwards = (update_flat_mesh(garment, one).uv for one in both_ways(pattern, motion))
     rates = follow_handles(garment) @ motion.ravel()
     np.testing.assert_allclose(rates, (forwards - backwards) / (2.0 * SMALL), atol=1e-5)
     assert np.abs(rates).max() > 0.01

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import lay_over, load_draped_template
+from garmentq.core.garment import load_draped_template, transfer_nodes
 from garmentq.core.garment.editing import cut_panel, join_panels, move_points, split_edges
 from garmentq.core.geometry import TriangleSurface
 
@@ -32,11 +32,11 @@ def strain(garment) -> np.ndarray:
 def test_moved_points_keep_mesh_and_nodes(worn):
     """Broken where an edit that only moves points makes another mesh, or moves cloth before the drape."""
     wider = move_points(worn.pattern, [("front", 0)], np.array([0.01, 0.0]))
-    laid = lay_over(worn, wider)
+    laid = transfer_nodes(worn, wider)
     assert np.array_equal(laid.nodes, worn.nodes) and np.array_equal(laid.faces, worn.faces)
     assert laid.pattern is wider and 1e-3 < np.abs(laid.uv - worn.uv).max() < 0.011
     far = worn.pattern.with_points({"front": worn.pattern.panel("front").points * [1.0, 3.0]})
-    assert lay_over(worn, far) is None, "a metre beyond the cloth nobody knows where it would hang"
+    assert transfer_nodes(worn, far) is None, "a metre beyond the cloth nobody knows where it would hang"
 
 
 @pytest.mark.parametrize("edit", ["split", "cut", "cut_and_joined"])
@@ -47,9 +47,9 @@ def test_changed_panels_hang_where_the_cloth_was(worn, edit):
     if edit != "split":
         pattern = cut_panel(pattern, "front", np.array([[-0.4, -0.4], [0.4, -0.35]]))
     if edit == "cut_and_joined":
-        present = lay_over(worn, pattern)
+        present = transfer_nodes(worn, pattern)
         pattern = join_panels(pattern, len(pattern.seams) - 1)
-    laid = lay_over(present, pattern)
+    laid = transfer_nodes(present, pattern)
     assert [panel.name for panel in laid.pattern.panels] == [panel.name for panel in pattern.panels]
     assert TriangleSurface(worn.nodes, worn.faces).distance(laid.nodes).max() < NEAR
     assert np.quantile(np.abs(strain(laid)), 0.95) < np.quantile(np.abs(strain(worn)), 0.95) + 0.1
@@ -59,7 +59,7 @@ def test_cloth_that_grows_goes_on(worn):
     """Broken where new cloth beyond the outline is heaped up on it, or flies off."""
     pattern = split_edges(worn.pattern, "front", 8, 0.5)
     longer = move_points(pattern, [("front", 0), ("front", 8), ("front", 9)], np.array([0.0, -0.02]))
-    laid = lay_over(worn, longer)
+    laid = transfer_nodes(worn, longer)
     assert 0.01 < worn.nodes[:, 1].min() - laid.nodes[:, 1].min() < 0.04
     assert np.abs(strain(laid)).max() < 1.0
 
@@ -67,7 +67,7 @@ def test_cloth_that_grows_goes_on(worn):
 def test_a_panel_from_nowhere_has_no_place(worn):
     """Broken where a panel that nothing is known of is laid on cloth that it never was."""
     panel = replace(worn.pattern.panels[0], name="hood", translation=np.array([0.0, 3.0, 0.0]))
-    assert lay_over(worn, replace(worn.pattern, panels=(*worn.pattern.panels, panel))) is None
+    assert transfer_nodes(worn, replace(worn.pattern, panels=(*worn.pattern.panels, panel))) is None
     divided = split_edges(worn.pattern, "front", 0, 0.4)
     away = divided.with_points({"front": divided.panel("front").points + 5.0})
-    assert lay_over(worn, away) is None
+    assert transfer_nodes(worn, away) is None

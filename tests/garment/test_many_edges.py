@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, contains
+from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, points_in_polygon
 from garmentq.core.garment.garmentcode import MAX_EDGES
 from garmentq.core.garment.mirrors import FLAT_TOLERANCE, HANDLE_TOLERANCE, PLACE_TOLERANCE, find_mirrors
 from garmentq.core.garment.orientation import place_points
@@ -130,11 +130,11 @@ def test_points_and_crossings_are_those_of_a_slow_search():
         polygon = rng.integers(0, 12, (int(rng.integers(3, 9)), 2)).astype(float)
         points = rng.integers(-1, 13, (200, 2)).astype(float)
         wanted = [count_left(polygon, x, y) % 2 == 1 for x, y in points]
-        assert contains(polygon, points).tolist() == wanted
+        assert points_in_polygon(polygon, points).tolist() == wanted
         found = find_crossing(polygon)
         assert found == first_crossing(polygon)
         crossed += found is not None
-    assert 5 < crossed < 40 and not len(contains(polygon, np.zeros((0, 2))))
+    assert 5 < crossed < 40 and not len(points_in_polygon(polygon, np.zeros((0, 2))))
 
 
 def count_left(polygon: np.ndarray, x: float, y: float) -> int:

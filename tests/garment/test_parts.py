@@ -31,6 +31,7 @@ from garmentq.core.garment.parts import (
     Gores,
     Legs,
     Neckline,
+    NecklineCut,
     PartsConflict,
     PartUnknown,
     Shaping,
@@ -38,7 +39,6 @@ from garmentq.core.garment.parts import (
     Sleeve,
     SleeveHead,
     SleevePieces,
-    Throat,
     Waist,
     Waistband,
     Yoke,
@@ -47,7 +47,7 @@ from garmentq.core.garment.parts import (
     neckline_points,
     parse_parts,
 )
-from garmentq.core.garment.parts.pleats import DEPTH, PLEATS
+from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
 from garmentq.core.garment.parts.sleeves import CAP_EASE, CUFF_FULLNESS
 from garmentq.core.garment.pieces import measure_pieces
 from garmentq.core.scan.contours import CATEGORIES, CONTOUR_NAMES, find_loops
@@ -155,7 +155,7 @@ def test_a_neckline_changes_the_neck_alone(template, neckline):
 
 def test_necklines_have_the_corners_of_their_kind():
     """Breaks where a V is rounded at its point, or a round neckline has a corner there."""
-    turns = {kind: np.degrees(corner_turn(Throat.at_front(kind), 0.09)) for kind in Neckline}
+    turns = {kind: np.degrees(corner_turn(NecklineCut.at_front(kind), 0.09)) for kind in Neckline}
     assert turns[Neckline.V] == pytest.approx(2 * np.degrees(np.arctan2(0.17, 0.09)), abs=0.1)
     for kind in (Neckline.CREW, Neckline.SCOOP, Neckline.BOAT, Neckline.SQUARE):
         assert turns[kind] < 8.0, kind  # of the last 1/32 of half a curve
@@ -164,7 +164,7 @@ def test_necklines_have_the_corners_of_their_kind():
 def test_the_bow_of_a_v_is_its_largest_distance_from_the_chord():
     """Breaks where the sign or the size of a bow is wrong: outwards is positive."""
     for bow in (-0.1, 0.05, 0.12):
-        line = neckline_points(Throat(Neckline.V, 0.16, bow), 0.12, 200)
+        line = neckline_points(NecklineCut(Neckline.V, 0.16, bow), 0.12, 200)
         chord = np.array([-0.12, -0.16]) / 0.2
         across = (line - line[0]) @ np.array([-chord[1], chord[0]])
         assert across[np.abs(across).argmax()] == pytest.approx(0.2 * bow, abs=1e-4)
@@ -263,7 +263,7 @@ def test_pleats_fold_twice_their_depth_away():
     """Breaks where a pleat is not sewn to itself, its depth is lost, or what shows is not the yoke's edge."""
     pattern = draft_cut(Cut(skirt=Skirt.PLEATED, yoke=Yoke.HIP), CURVY)
     own = [seam for seam in pattern.seams if seam.a.panel == seam.b.panel]
-    assert len(own) == 4 * PLEATS
+    assert len(own) == 4 * QUARTER_PLEAT_COUNT
     lengths = {panel.name: [edge_length(panel, i) for i in range(len(panel.edges))] for panel in pattern.panels}
     for face in ("front", "back"):
         panel = pattern.panel(face)
@@ -272,7 +272,7 @@ def test_pleats_fold_twice_their_depth_away():
         )
         yoke = pattern.panel(f"yoke_{face}")
         lower = sum(lengths[yoke.name][i] for i, edge in enumerate(yoke.edges) if edge.label.startswith("hipyoke"))
-        assert upper - lower == pytest.approx(2 * 2 * PLEATS * DEPTH)
+        assert upper - lower == pytest.approx(2 * 2 * QUARTER_PLEAT_COUNT * PLEAT_DEPTH)
     assert not find_darts(pattern), "a pleat is no dart"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from garmentq.core.body import Body
 from garmentq.core.cloth import Fabric
 from garmentq.core.garment import Garment, Pattern, edge_points, panel_area
-from garmentq.core.people.separation import Separation
+from garmentq.core.people.separation import LabelledPerson
 from garmentq.core.recover.drape import measure_wearer
 from garmentq.core.recover.recovery import Recovery
 from garmentq.core.run.verdict import Gate
@@ -152,7 +152,7 @@ def measure_recovery(recovery: Recovery, metrics: Mapping[str, float | None]) ->
     )
 
 
-def measure_separation(separation: Separation, truth: np.ndarray, true_body: np.ndarray) -> Measured:
+def measure_separation(separation: LabelledPerson, truth: np.ndarray, true_body: np.ndarray) -> Measured:
     """Return how labels, outfit and body of a person taken apart compare with the truth.
 
     Args:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 from garmentq.core.body import ExposedSurface, builtin_body
-from garmentq.core.body.motion import find_shipped, load_motion
+from garmentq.core.body.motion import find_shipped_motion, load_motion
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.options import ExportOptions
@@ -24,20 +24,20 @@ from garmentq.core.judge import read_packs, read_true_pattern
 from garmentq.core.judge.patterns import PATTERN_METRICS
 from garmentq.core.judge.penetration import measure_penetration
 from garmentq.core.judge.true_pattern import TruePattern
-from garmentq.core.people.garments import cut_garment_of, find_surface
+from garmentq.core.people.garments import build_person_surface, extract_garment
 from garmentq.core.people.hints import Hints
 from garmentq.core.people.part import Part
-from garmentq.core.people.separate import separate
+from garmentq.core.people.separate import label_person
 from garmentq.core.recover.drape import measure_wearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.truth import measure_recovery as measure_beside_truth
-from garmentq.core.reuse.animate import AnimateSettings, move_worn
+from garmentq.core.reuse.animate import AnimateSettings, animate_garment
 from garmentq.core.reuse.edit import drape_edit
-from garmentq.core.reuse.wear import Worn, dress_body, make_to_measure, wear_template
+from garmentq.core.reuse.wear import WornGarment, dress_body, load_worn_template, make_to_measure
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.scan.raw import RawScan
 from golden_numbers import (
@@ -140,20 +140,20 @@ def take_person_apart(name: str, shift: Shift, wearing: tuple[Part, ...] | None 
     points = shift.move(points)
     normals = vertex_normals(points, faces)
     raw = RawScan(points, faces, normals, True, None, None, every, every, name)
-    separation = separate(raw, Hints(wearing=wearing), SILENT)
+    separation = label_person(raw, Hints(wearing=wearing), SILENT_HOOKS)
     found = measure_separation(separation, truth, true_body)
     if wearing is None:
         return found
     garment = separation.garments[-1]
-    reading = cut_garment_of(find_surface(raw, separation.body), separation, garment.part)
+    reading = extract_garment(build_person_surface(raw, separation.body), separation, garment.part)
     settings = RecoverySettings(method="deform", vertex_count=VERTICES)
     recovery = recover(Request(Path(name), settings=settings, reading=reading))
     return found | measure_recovery(recovery, recovery.report.metrics)
 
 
-def wear(template: str, shift: Shift) -> Worn:
+def wear(template: str, shift: Shift) -> WornGarment:
     """Return a shipped drape, its nodes moved."""
-    worn = wear_template(template, get_fabric("cotton_poplin"))
+    worn = load_worn_template(template, get_fabric("cotton_poplin"))
     assert worn is not None
     return replace(worn, garment=worn.garment.at(shift.move(worn.garment.nodes)))
 
@@ -185,10 +185,10 @@ def edit_hem(shift: Shift) -> Measured:
 
 def animate_walk(shift: Shift) -> Measured:
     """Move a skirt with its wearer into the shipped walk, and through the first frames of it."""
-    path = find_shipped("walk")
+    path = find_shipped_motion("walk")
     assert path is not None
     settings = AnimateSettings(fps=24.0, end=WALK, lead=LEAD)
-    moved = move_worn(wear("skirt", shift), load_motion(path), "walk", settings, Clock())
+    moved = animate_garment(wear("skirt", shift), load_motion(path), "walk", settings, Clock())
     found = measure_all(moved.report.metrics) | measure_gates(moved.report.gates)
     for n, nodes in enumerate(moved.animation.frames):
         low, high = nodes.min(axis=0), nodes.max(axis=0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body, lies_under_arm, skin, weights_at
 from garmentq.core.garment import load_draped_template
-from garmentq.core.recover.fit.isometry import STEPS, fit_isometry
+from garmentq.core.recover.fit.isometry import FIT_ISOMETRY_SETTINGS, fit_isometry
 from garmentq.core.recover.grade import grade_pattern, register_coarsely
 from garmentq.core.recover.grade.armpits import Armpits
 from garmentq.core.scan.contours import Target, name_contours
@@ -82,9 +82,9 @@ def test_cloth_that_sags_in_the_armpit_leaves_its_panels_as_they_are(worn, body)
     sunk = worn.nodes - SAG * lies_under_arm(worn.nodes, body)[:, None] * [0.0, 1.0, 0.0]
 
     def longest_way(stay_hidden: float) -> float:
-        settings = replace(STEPS, stay_hidden=stay_hidden)
+        settings = replace(FIT_ISOMETRY_SETTINGS, stay_hidden=stay_hidden)
         fitted = fit_isometry(worn, sunk, scan, body, worn.pattern, settings)
         return float(np.linalg.norm(fitted.pattern.points - worn.pattern.points, axis=1).max())
 
-    assert longest_way(STEPS.stay_hidden) < 0.006
+    assert longest_way(FIT_ISOMETRY_SETTINGS.stay_hidden) < 0.006
     assert longest_way(0.0) > 0.012  # what it is with the nodes held

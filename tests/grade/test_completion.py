@@ -10,7 +10,7 @@ import trimesh
 from garmentq.core.body import ExposedSurface
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.recover.grade import complete_target
-from garmentq.core.recover.grade.completion import KEPT
+from garmentq.core.recover.grade.completion import HIDDEN_WAIST_HEIGHT_SHARE
 from garmentq.core.recover.grade.registration import HiddenCloth
 from garmentq.core.scan.contours import Contour, Target, find_loops, mark_hidden_border
 
@@ -71,7 +71,9 @@ def test_a_hidden_waist_sits_halfway_to_where_its_band_holds_it(worn, skin) -> N
     sunk = 0.04
     completed = complete_target(worn, cover(roll(WIDTH, HEIGHT, 2000, TOP - sunk)), skin)
     waist = completed.contour("waist")
-    np.testing.assert_allclose(completed.vertices[waist.vertices, 1].mean(), TOP - KEPT * sunk, atol=4e-3)
+    np.testing.assert_allclose(
+        completed.vertices[waist.vertices, 1].mean(), TOP - HIDDEN_WAIST_HEIGHT_SHARE * sunk, atol=4e-3
+    )
     np.testing.assert_allclose(waist.length, 2 * WIDTH, rtol=0.02)
 
 

@@ -10,7 +10,7 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.garment import BodyMeasures, find_cut, mesh_pattern
 from garmentq.core.garment.parts import CUTS, draft_cut
-from garmentq.core.recover.grade import choose_cut, name_recovered, tell_cut
+from garmentq.core.recover.grade import choose_cut, describe_cut_change, name_recovered
 from garmentq.core.recover.grade.cut_search import CutFit, compare_girths, rank_fits
 from garmentq.core.recover.grade.distances import limb_chain
 from garmentq.core.recover.grade.girth_profile import GirthProfile, measure_girths, profile_pattern
@@ -207,7 +207,7 @@ def test_a_recovered_pattern_is_named_by_what_came_out(drawn: str, template: str
     """
     pattern = draft_cut(find_cut(drawn), LARGER)
     assert name_recovered(pattern, template, BODY) == name
-    assert bool(tell_cut(name, template)) == (name != template)
+    assert bool(describe_cut_change(name, template)) == (name != template)
 
 
 def test_what_the_user_chose_is_not_renamed() -> None:

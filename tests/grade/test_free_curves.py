@@ -13,13 +13,13 @@ from garmentq.core.garment import (
     equalise_seams,
     load_draped_template,
     load_template,
-    redraw,
     seam_lengths,
     seam_mismatch,
+    update_flat_mesh,
 )
 from garmentq.core.garment.handles import handles_of, list_curves, with_handles
 from garmentq.core.recover.grade import SlideSettings, find_proportions, freedom, slide_seams
-from garmentq.core.recover.grade.freedom import Freedom
+from garmentq.core.recover.grade.freedom import PatternParameters
 from garmentq.core.scan.contours import Target
 
 
@@ -69,10 +69,10 @@ def depth(pattern: Pattern) -> float:
 
 def test_the_cloth_tells_how_an_armhole_is_cut(worn, body, monkeypatch):
     """Broken where handles are not fitted, or by the wrong rates: a third of the depth stays then."""
-    monkeypatch.setattr(freedom, "CURVE_SPREAD", 1.0)  # the base pattern is known to be another maker's
+    monkeypatch.setattr(freedom, "CURVE_HANDLE_STD", 1.0)  # the base pattern is known to be another maker's
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "tshirt")
     other = cut_otherwise(worn.pattern)
-    start = redraw(worn, other)
+    start = update_flat_mesh(worn, other)
     true, flat = depth(worn.pattern), depth(other)
     assert flat < 0.5 * true
     kept, freed = (
@@ -87,7 +87,7 @@ def test_the_cloth_tells_how_an_armhole_is_cut(worn, body, monkeypatch):
 def test_rates_are_those_of_the_drawing():
     """Broken where a rule or a seam forgets that curves change lengths, areas and corners."""
     base = load_template("tshirt")
-    free, proportions = Freedom.of(base, curves=True), find_proportions(base)
+    free, proportions = PatternParameters.of(base, curves=True), find_proportions(base)
     change = 1e-4 * np.random.default_rng(0).normal(size=free.points.shape[1] + free.handles.shape[1])
     forwards, backwards = free.move(base, change), free.move(base, -change)
 
@@ -122,7 +122,7 @@ def test_side_seams_keep_their_curves():
 
 def moved_curves(base: Pattern) -> set[EdgeRef]:
     """Return the curves that change where every parameter does."""
-    free = Freedom.of(base, curves=True)
+    free = PatternParameters.of(base, curves=True)
     moved = free.move(base, np.full(free.points.shape[1] + free.handles.shape[1], 0.01))
     return {ref for ref, _, _ in list_curves(base) if not np.allclose(*_both(ref, base, moved), atol=1e-9)}
 
@@ -134,7 +134,7 @@ def _both(ref: EdgeRef, *patterns: Pattern) -> list[np.ndarray]:
 def test_curves_stay_where_they_are_not_free():
     """Broken where a maker's own curves are redrawn."""
     base = load_template("tshirt")
-    free = Freedom.of(base, curves=False)
+    free = PatternParameters.of(base, curves=False)
     moved = free.move(base, np.full(free.points.shape[1], 0.01))
     assert not free.has_curves
     np.testing.assert_array_equal(handles_of(moved), handles_of(base))

@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.garment import edge_points, load_template
-from garmentq.core.garment.neckline_fit import CLEAR, CORNER, _curvature_beside, _rank, _Turns, fit_necklines
-from garmentq.core.garment.parts import Neckline, Throat, corner_turn, neckline_points
+from garmentq.core.garment.neckline_fit import (
+    MAX_NONROUND_MISFIT_SHARE,
+    MIN_V_TURN_ANGLE,
+    _curvature_beside,
+    _rank,
+    _Turns,
+    fit_necklines,
+)
+from garmentq.core.garment.parts import Neckline, NecklineCut, corner_turn, neckline_points
 from garmentq.core.geometry import rim_turns
 from garmentq.core.recover.grade import choose_cut, find_proportions
 from garmentq.core.scan.contours import Contour, Target, unroll_neck
@@ -17,7 +24,9 @@ from garmentq.core.scan.contours import Contour, Target, unroll_neck
 BODY = builtin_body("builtin:female,height=1.70")
 
 
-def neck_target(front: Throat, back: Throat, *, noise: float = 0.0, turn: float = 0.0, lean: float = 0.0) -> Target:
+def neck_target(
+    front: NecklineCut, back: NecklineCut, *, noise: float = 0.0, turn: float = 0.0, lean: float = 0.0
+) -> Target:
     """Return a target whose neck contour is two drafted necklines, laid on a chest that leans as cylinders do.
 
     The front's edges lean in by `lean` of their height, as straps do that are nearer to each other on the shoulders.
@@ -42,13 +51,13 @@ def neck_target(front: Throat, back: Throat, *, noise: float = 0.0, turn: float 
 TSHIRT = {"hem": 1.02, "cuff.left": 0.35, "cuff.right": 0.35}
 """The other contours of the T-shirt, as the library has them."""
 
-CREW_BACK = Throat.at_back(Neckline.CREW)
+CREW_BACK = NecklineCut.at_back(Neckline.CREW)
 
 
 @pytest.mark.parametrize("kind", [Neckline.CREW, Neckline.SCOOP, Neckline.V, Neckline.SQUARE, Neckline.BOAT])
 def test_each_neckline_is_told_from_the_others(kind):
     """Breaks where a line is taken for another: 1 mm of noise is a scanner's, and teeth are smoothed away."""
-    fits = fit_necklines(neck_target(Throat.at_front(kind), CREW_BACK, noise=0.001), BODY)
+    fits = fit_necklines(neck_target(NecklineCut.at_front(kind), CREW_BACK, noise=0.001), BODY)
     assert fits is not None
     assert fits.front[0].throat.kind is kind
     assert fits.front[0].misfit < 0.04
@@ -58,7 +67,7 @@ def test_each_neckline_is_told_from_the_others(kind):
 @pytest.mark.parametrize("lean", [0.1, 0.3])
 def test_a_square_neckline_may_be_wider_below(lean):
     """Broken where side neck points are looked for at the lower corners, so that a square is a boat in front."""
-    square = Throat.at_front(Neckline.SQUARE)
+    square = NecklineCut.at_front(Neckline.SQUARE)
     fits = fit_necklines(neck_target(square, CREW_BACK, lean=lean), BODY)
     assert fits is not None and fits.front[0].throat.kind is Neckline.SQUARE
     assert fits.front[0].throat.depth == pytest.approx(square.depth, abs=0.01)
@@ -67,7 +76,7 @@ def test_a_square_neckline_may_be_wider_below(lean):
 
 def test_unrolled_lines_have_the_drafted_width_and_depth():
     """Breaks where the profile is not measured along the cloth, or front and back are exchanged."""
-    target = neck_target(Throat(Neckline.V, 0.18), CREW_BACK)
+    target = neck_target(NecklineCut(Neckline.V, 0.18), CREW_BACK)
     lines = unroll_neck(target.vertices[: len(target.contours[0].vertices)], BODY)
     assert lines is not None
     assert lines.front[0] == pytest.approx([0.10, 0.0], abs=2e-3)
@@ -77,10 +86,10 @@ def test_unrolled_lines_have_the_drafted_width_and_depth():
 
 def test_a_bowed_v_is_a_v_until_its_corner_is_gone():
     """Breaks where any pointed curve counts: a side that bows by 0.1 keeps a corner, a shallow round line has none."""
-    bowed = fit_necklines(neck_target(Throat(Neckline.V, 0.18, 0.08), CREW_BACK), BODY)
+    bowed = fit_necklines(neck_target(NecklineCut(Neckline.V, 0.18, 0.08), CREW_BACK), BODY)
     assert bowed is not None and bowed.front[0].throat.kind is Neckline.V
     assert bowed.front[0].throat.bow == pytest.approx(0.08, abs=0.03)
-    shallow = fit_necklines(neck_target(CREW_BACK, Throat(Neckline.V, 0.05, 0.125)), BODY)
+    shallow = fit_necklines(neck_target(CREW_BACK, NecklineCut(Neckline.V, 0.05, 0.125)), BODY)
     assert shallow is not None and shallow.back[0].throat.kind is not Neckline.V
 
 
@@ -99,7 +108,7 @@ def collared(target: Target, at: np.ndarray, out: np.ndarray) -> Target:
 @pytest.mark.parametrize("folded", [False, True])
 def test_folds_make_no_corner(folded, kind):
     """Broken where a round neckline that hangs in folds has corners: cloth bent about a fold does not turn within."""
-    target = neck_target(Throat.at_front(Neckline.CREW), Throat(kind, 0.12))
+    target = neck_target(NecklineCut.at_front(Neckline.CREW), NecklineCut(kind, 0.12))
     loop, slope = target.vertices, np.radians(25.0)
     along = loop - loop.mean(axis=0)
     across = np.array([0.0, -np.sin(slope), np.cos(slope)])
@@ -112,7 +121,7 @@ def test_folds_make_no_corner(folded, kind):
 @pytest.mark.parametrize(("turn", "kind"), [(119.0, Neckline.V), (60.0, Neckline.SCOOP)])
 def test_a_v_may_bulge(turn, kind):
     """Broken where a V whose sides bulge is round though the cloth has its point, or 2 mm of noise make that point."""
-    drawn = [neckline_points(Throat(each, 0.16), 0.10) * (1.0, -1.0) for each in (Neckline.SCOOP, Neckline.V)]
+    drawn = [neckline_points(NecklineCut(each, 0.16), 0.10) * (1.0, -1.0) for each in (Neckline.SCOOP, Neckline.V)]
     at = np.linspace(0.0, 1.0, 100)
     alike = [
         np.stack([np.interp(at, np.linspace(0.0, 1.0, len(line)), column) for column in line.T], axis=1)
@@ -126,7 +135,7 @@ def test_a_v_may_bulge(turn, kind):
 @pytest.mark.parametrize(("tilt", "kind"), [(0.0, Neckline.V), (62.0, Neckline.SCOOP)])
 def test_a_round_line_that_is_drawn_together_is_no_v(tilt, kind):
     """Broken where a V may turn within the cloth by no more than a round line of its width does."""
-    bowed = Throat(Neckline.V, 0.16, 0.125)
+    bowed = NecklineCut(Neckline.V, 0.16, 0.125)
     target = neck_target(bowed, CREW_BACK)
     loop, slope = target.vertices, np.radians(25.0)
     front = np.array([0.0, np.sin(slope), np.cos(slope)])
@@ -134,14 +143,14 @@ def test_a_round_line_that_is_drawn_together_is_no_v(tilt, kind):
     along -= (along @ front)[:, None] * front
     tilted = 0.3 * np.cos(np.radians(tilt)) * along + 0.03 * np.sin(np.radians(tilt)) * front
     fits = fit_necklines(collared(target, loop, tilted), BODY)
-    assert corner_turn(bowed, 0.10) > CORNER
+    assert corner_turn(bowed, 0.10) > MIN_V_TURN_ANGLE
     assert fits is not None and fits.front[0].throat.kind is kind
 
 
 @pytest.mark.parametrize(("sag", "kind"), [(0.0, Neckline.SQUARE), (0.04, Neckline.SQUARE), (0.08, Neckline.SCOOP)])
 def test_a_square_neckline_may_sag(sag, kind):
     """Broken where a square whose lower edge hangs is a scoop, or where a round line without corners is a square."""
-    target = neck_target(Throat(Neckline.SQUARE, 0.14), CREW_BACK)
+    target = neck_target(NecklineCut(Neckline.SQUARE, 0.14), CREW_BACK)
     loop, slope = target.vertices.copy(), np.radians(25.0)
     down = np.array([0.0, -np.cos(slope), np.sin(slope)])
     low = (loop - [0.0, 1.40, 0.0]) @ down > 0.138
@@ -152,7 +161,9 @@ def test_a_square_neckline_may_sag(sag, kind):
     fits = fit_necklines(collared(target, loop, 0.3 * (along - (along @ across)[:, None] * across)), BODY)
     assert fits is not None and fits.front[0].throat.kind is kind
     if sag:
-        assert fits.front[0].misfit > CLEAR * fits.front[1].misfit  # by their lines alone it would be round
+        assert (
+            fits.front[0].misfit > MAX_NONROUND_MISFIT_SHARE * fits.front[1].misfit
+        )  # by their lines alone it would be round
 
 
 def test_dents_beside_a_contour_do_not_turn_it():
@@ -188,14 +199,14 @@ def test_corners_beside_the_side_neck_points_make_no_square(depth, kind):
 def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
     """Breaks where the V lands in the back, or keeps the template's depth instead of the scan's proportion."""
     for front, back, name in (
-        (Throat(Neckline.V, 0.16), CREW_BACK, "tshirt+neckline=v"),
-        (Throat.at_front(Neckline.CREW), Throat(Neckline.V, 0.13), "tshirt+back_neckline=v"),
-        (Throat(Neckline.CREW, 0.08), CREW_BACK, "tshirt"),
+        (NecklineCut(Neckline.V, 0.16), CREW_BACK, "tshirt+neckline=v"),
+        (NecklineCut.at_front(Neckline.CREW), NecklineCut(Neckline.V, 0.13), "tshirt+back_neckline=v"),
+        (NecklineCut(Neckline.CREW, 0.08), CREW_BACK, "tshirt"),
     ):
         choice = choose_cut(neck_target(front, back), BODY)
         assert choice.template == name == choice.candidates[0].template
         assert len(choice.candidates) == 3
-    choice = choose_cut(neck_target(Throat(Neckline.V, 0.16), CREW_BACK), BODY)
+    choice = choose_cut(neck_target(NecklineCut(Neckline.V, 0.16), CREW_BACK), BODY)
     panel = choice.pattern.panel("front")
     neck = [edge_points(panel, i, 8) for i, edge in enumerate(panel.edges) if edge.contour == "neck"]
     width, depth = np.ptp(np.concatenate(neck), axis=0)
@@ -204,7 +215,7 @@ def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
 
 def test_the_user_overrules_the_scan():
     """Breaks where --part is a hint only, or a part that trousers have no place for stops a person's recovery."""
-    target = neck_target(Throat(Neckline.V, 0.16), CREW_BACK)
+    target = neck_target(NecklineCut(Neckline.V, 0.16), CREW_BACK)
     assert choose_cut(target, BODY, {"neckline": "square"}).template == "tshirt+neckline=square"
     plain = choose_cut(target, BODY, {"neckline": "crew"})
     assert plain.template == "tshirt"
@@ -217,7 +228,7 @@ def test_the_user_overrules_the_scan():
 
 def test_a_neck_that_cannot_be_trusted_changes_nothing():
     """Breaks where damage at the neck chooses the cut."""
-    target = neck_target(Throat(Neckline.V, 0.16), CREW_BACK)
+    target = neck_target(NecklineCut(Neckline.V, 0.16), CREW_BACK)
     torn = replace(target, contours=(replace(target.contours[0], trusted=False), *target.contours[1:]))
     choice = choose_cut(torn, BODY)
     assert choice.template == "tshirt"
@@ -229,8 +240,8 @@ def test_a_turned_wearer_has_the_same_neckline():
     turn = 0.6
     around = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
     turned = replace(BODY, joints=BODY.joints @ around.T)
-    straight = fit_necklines(neck_target(Throat.at_front(Neckline.V), CREW_BACK), BODY)
-    found = fit_necklines(neck_target(Throat.at_front(Neckline.V), CREW_BACK, turn=turn), turned)
+    straight = fit_necklines(neck_target(NecklineCut.at_front(Neckline.V), CREW_BACK), BODY)
+    found = fit_necklines(neck_target(NecklineCut.at_front(Neckline.V), CREW_BACK, turn=turn), turned)
     assert straight is not None and found is not None
     assert found.front[0].throat.kind is straight.front[0].throat.kind
     assert found.front[0].misfit == pytest.approx(straight.front[0].misfit, abs=0.01)

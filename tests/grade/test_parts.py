@@ -18,11 +18,11 @@ from garmentq.core.garment import (
     seam_mismatch,
 )
 from garmentq.core.garment.handles import handles_of, list_curves, with_handles
-from garmentq.core.recover.fit import keep_seams
+from garmentq.core.recover.fit import seam_null_space
 from garmentq.core.recover.grade import area_growth, find_proportions
 from garmentq.core.recover.grade.compared_area import ComparedArea
 from garmentq.core.recover.grade.flattening import fit_control_points
-from garmentq.core.recover.grade.parts import across_armholes, find_parts
+from garmentq.core.recover.grade.parts import find_armhole_pairs, find_parts
 from garmentq.core.recover.grade.registration import bending_operators
 
 SIDE = 0.3
@@ -109,10 +109,10 @@ def test_a_kink_is_free_between_parts_only(garment):
 def test_armholes_are_found_and_waists_are_not(darted):
     """Broken where a waist that darts divide, or a trouser's crotch, is taken for a pair of armholes, or none is."""
     for name in ("skirt", "pencil_skirt", "trousers", "shorts", "tank", "dress", "jumpsuit"):
-        assert not across_armholes(load_template(name))
-    assert not across_armholes(darted)
+        assert not find_armhole_pairs(load_template(name))
+    assert not find_armhole_pairs(darted)
     shirt = load_template("tshirt")
-    across = across_armholes(shirt)
+    across = find_armhole_pairs(shirt)
     assert len(across) == 2  # front and back
     for shoulders, chest in across:
         height = [shirt.points[list(pair), 1] for pair in (shoulders, chest)]
@@ -124,7 +124,7 @@ def test_shoulders_keep_their_width_by_the_chest():
     """Broken where the rule has a wrong sign, spread or rate: a wider chest then costs nothing, or widens."""
     shirt = load_template("tshirt")
     rules = find_proportions(shirt)
-    (_, chest), _ = across_armholes(shirt)
+    (_, chest), _ = find_armhole_pairs(shirt)
     points = shirt.points.copy()
     points[list(chest), 0] *= 1.04
     wider = shirt.with_points(points)
@@ -202,7 +202,7 @@ def test_a_file_that_rounds_is_graded_as_it_is_drawn(name):
     equal = equalise_seams(rounded)
     assert np.abs(equal.points - rounded.points).max() < 1e-3
     assert seam_mismatch(equal) < 1e-5
-    assert keep_seams(rounded, rounded).shape == keep_seams(drawn, drawn).shape
+    assert seam_null_space(rounded, rounded).shape == seam_null_space(drawn, drawn).shape
 
 
 def test_halves_of_a_circle_are_compared_by_what_their_hems_round():

@@ -21,7 +21,7 @@ from garmentq.core.garment import (
 )
 from garmentq.core.geometry import face_areas, vertex_normals
 from garmentq.core.recover.grade import SlideSettings, slide_seams, sliding
-from garmentq.core.recover.grade.strain import hidden_folds
+from garmentq.core.recover.grade.strain import subgrid_stretch
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
 from garmentq.core.scan.contours import Contour, Target, find_loops
@@ -129,7 +129,7 @@ def test_crumpled_cloth_hides_no_folds():
     low = start.nodes[:, 1] < np.quantile(start.nodes[:, 1], 0.2)
     crumpled = nodes + low[:, None] * np.random.default_rng(0).normal(0.0, 0.01, nodes.shape)
     found = coarse.at(resample(start, crumpled, coarse))
-    hidden = hidden_folds(found, start, crumpled)
+    hidden = subgrid_stretch(found, start, crumpled)
     heights = start.nodes[:, 1]
     middle = coarse.nodes[coarse.faces].mean(axis=1)[:, 1]
     is_low = middle < np.quantile(heights, 0.1)

@@ -11,7 +11,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
 from garmentq.core.garment.parts import CUTS, draft_cut
 from garmentq.core.geometry import ClosedCurve, vertex_normals
-from garmentq.core.judge import judge, measure_contour_shapes, measure_plausibility
+from garmentq.core.judge import evaluate_gates, measure_contour_shapes, measure_plausibility
 from garmentq.core.scan.contours import Contour, Target, find_loops
 from standing_gores import stand_gores
 
@@ -49,7 +49,7 @@ def compare(ours: np.ndarray, theirs: Target) -> dict[str, float | None]:
 
 def verdicts(metrics: dict[str, float | None]) -> dict[str, str]:
     """Judge metrics, by gate."""
-    return {gate.name: str(gate.verdict) for gate in judge(metrics)}
+    return {gate.name: str(gate.verdict) for gate in evaluate_gates(metrics)}
 
 
 NECKLINES = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.cloth import FabricEstimate
-from garmentq.core.judge import Product, judge, measure_knowledge, product_of
-from garmentq.core.judge.gates import RULES
+from garmentq.core.judge import Product, evaluate_gates, product_of, summarise_estimates
+from garmentq.core.judge.gates import GATE_RULES
 from garmentq.core.run.verdict import Verdict, worst_verdict
 
 GOOD = {
@@ -45,13 +45,13 @@ GOOD = {
 def verdicts(**changes: float | None) -> dict[str, str]:
     """Judge good metrics with some of them changed; `__` stands for a dot."""
     metrics = GOOD | {name.replace("__", "."): value for name, value in changes.items()}
-    return {gate.name: gate.verdict for gate in judge(metrics)}
+    return {gate.name: gate.verdict for gate in evaluate_gates(metrics)}
 
 
 def test_a_good_result_passes_every_gate() -> None:
     """Fails if a gate were missing or judged the wrong way round."""
     found = verdicts()
-    assert list(found) == [rule.name for rule in RULES]
+    assert list(found) == [rule.name for rule in GATE_RULES]
     assert set(found.values()) == {"pass"}
 
 
@@ -97,7 +97,7 @@ def test_each_gate_warns_then_fails(gate: str, metric: str, warns: float, fails:
 
 def test_every_gate_is_tried_at_its_limits() -> None:
     """Fails if a gate were added whose limits nothing tries; drapes in unrest are counted, and tried below."""
-    assert {gate for gate, *_ in LIMITS} == {rule.name for rule in RULES} - {"at_rest"}
+    assert {gate for gate, *_ in LIMITS} == {rule.name for rule in GATE_RULES} - {"at_rest"}
 
 
 def test_a_pattern_dressed_anew_may_be_as_stretched_as_the_scan() -> None:
@@ -113,7 +113,7 @@ def test_what_was_not_measured_is_not_judged() -> None:
     """Fails if a missing number passed for a good one."""
     assert "penetration" not in verdicts(body_penetration_mm=None)
     assert "pinched" not in verdicts(pinched_mm=None)
-    assert judge({}) == ()
+    assert evaluate_gates({}) == ()
 
 
 def test_the_drape_that_counts_is_judged() -> None:
@@ -135,7 +135,7 @@ def test_every_drape_that_is_delivered_is_judged() -> None:
 
 def test_every_gate_judges_one_product() -> None:
     """Fails if an unsettled drape counted against the detail mesh, or the seams against the drape."""
-    products = {rule.name: product_of(rule.name) for rule in RULES}
+    products = {rule.name: product_of(rule.name) for rule in GATE_RULES}
     assert set(products.values()) == set(Product)
     assert products["drape_residual"] == products["simulation_fit"] == "drape"
     assert products["seams"] == "pattern"
@@ -148,13 +148,13 @@ def test_what_is_known_are_flat_numbers() -> None:
         FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),
         FabricEstimate("H00", 300.0, 0.7, 0.7, False, "left open"),
     )
-    found = measure_knowledge(estimates, np.array([[0.001, 0.003]]))
+    found = summarise_estimates(estimates, np.array([[0.001, 0.003]]))
     assert found == {
         "fabric.k": 2e-5, "fabric.k.std": 0.3, "fabric.k.identifiable": 1.0,
         "fabric.H00": None, "fabric.H00.std": 0.7, "fabric.H00.identifiable": 0.0,
         "pattern.point_std_mm.mean": pytest.approx(2.0), "pattern.point_std_mm.max": pytest.approx(3.0),
     }  # fmt: skip
-    assert measure_knowledge(()) == {}
+    assert summarise_estimates(()) == {}
 
 
 def test_a_number_that_is_none_fails() -> None:
@@ -170,7 +170,7 @@ def test_intersections_of_the_drape_are_not_charged_to_the_deformer() -> None:
 
 def test_messages_name_the_value_and_the_next_step() -> None:
     """Fails if a failing gate only named itself."""
-    gates = {gate.name: gate for gate in judge(GOOD | {"body_penetration_mm": 8.2})}
+    gates = {gate.name: gate for gate in evaluate_gates(GOOD | {"body_penetration_mm": 8.2})}
     assert "8.2 mm" in gates["penetration"].message
     assert "garmentq inspect" in gates["penetration"].message
     assert gates["penetration"].limit == 5.0
@@ -180,6 +180,6 @@ def test_messages_name_the_value_and_the_next_step() -> None:
 
 def test_every_limit_has_a_reason_and_an_order() -> None:
     """Fails if a rule were added without its reason, or could fail before it warns."""
-    for rule in RULES:
+    for rule in GATE_RULES:
         assert rule.reason and rule.next_step
         assert rule.doubtful < rule.fail

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.judge import (
-    STATES,
+    SCAN_STATES,
     Outcome,
     RawFile,
+    degrade_scan,
     find_edges,
     find_frame,
     judge_outcome,
@@ -29,7 +30,6 @@ from garmentq.core.judge import (
     read_raw_packs,
     read_true_labels,
     read_visible,
-    worsen,
     write_raw_file,
 )
 from garmentq.core.people import Part
@@ -167,23 +167,23 @@ def make_file(with_faces: bool = True) -> tuple[RawFile, np.ndarray]:
 
 
 @pytest.mark.parametrize("with_faces", [True, False])
-@pytest.mark.parametrize("state", STATES, ids=lambda state: state.name)
+@pytest.mark.parametrize("state", SCAN_STATES, ids=lambda state: state.name)
 def test_states_keep_labels_in_place(state, with_faces: bool) -> None:
     """Broken where a state left labels of other points, drew otherwise each time, or forgot the file's unit."""
     raw, labels = make_file(with_faces)
-    once, kept = worsen(raw, labels, state, 1.0)
-    again, _ = worsen(raw, labels, state, 1.0)
+    once, kept = degrade_scan(raw, labels, state, 1.0)
+    again, _ = degrade_scan(raw, labels, state, 1.0)
     assert len(once.points) == len(kept) and np.array_equal(once.points, again.points)
     assert not len(once.faces) or once.faces.max() < len(once.points)
     assert np.mean(kept == dress(once.points, 0.3, 0.8, 1.3)) > 0.97
-    large, _ = worsen(RawFile(2.0 * raw.points, raw.faces, raw.normals, raw.colours), labels, state, 0.5)
+    large, _ = degrade_scan(RawFile(2.0 * raw.points, raw.faces, raw.normals, raw.colours), labels, state, 0.5)
     assert np.array_equal(large.points, 2.0 * once.points)  # 2 is exact, so that no tie falls another way
 
 
 def test_states_do_what_their_names_say() -> None:
     """Broken where a state were a name only."""
     raw, labels = make_file()
-    found = {state.name: worsen(raw, labels, state, 1.0)[0] for state in STATES}
+    found = {state.name: degrade_scan(raw, labels, state, 1.0)[0] for state in SCAN_STATES}
     assert found["as_is"] is not None and np.array_equal(found["as_is"].points, raw.points)
     shift = found["noise_5mm"].points - raw.points
     assert np.std(shift) == pytest.approx(0.005, rel=0.05) and found["noise_5mm"].normals is None

@@ -16,8 +16,8 @@ from garmentq.core.geometry import (
     principal_stretches,
     vertex_normals,
 )
-from garmentq.core.judge import Reference, carry_contours, measure_distance, measure_fit
-from garmentq.core.judge.chamfer import MOST, VertexCloud, chamfer_and_normals, meshing_floor
+from garmentq.core.judge import Reference, measure_distance, measure_fit, transfer_contours
+from garmentq.core.judge.chamfer import MAX_QUERY_VERTEX_COUNT, VertexCloud, chamfer_and_normals, meshing_floor
 from garmentq.core.judge.contours import contour_rms, loop_rms
 from garmentq.core.judge.fit import count_flipped
 from garmentq.core.judge.penetration import measure_penetration
@@ -95,7 +95,7 @@ def test_normals_are_voted_on_and_keep_their_angle() -> None:
 def test_some_vertices_of_a_dense_mesh_stand_for_all() -> None:
     """Fails if the sampled mean were of one side of the mesh, or divided by the number of all its vertices."""
     rng = np.random.default_rng(0)
-    dense = rng.random((int(2.5 * MOST), 3)) * [1.0, 1.0, 0.0]
+    dense = rng.random((int(2.5 * MAX_QUERY_VERTEX_COUNT), 3)) * [1.0, 1.0, 0.0]
     dense = dense[np.argsort(dense[:, 0])]  # as files are: neighbours follow each other
     ours = rng.random((500, 3)) * [1.0, 1.0, 0.0]
     up = VertexCloud(ours, np.tile([0.0, 0.0, 1.0], (500, 1)))
@@ -138,7 +138,7 @@ def test_boundary_loops_and_names_carried_over(tube, tube_pattern) -> None:
     coarse, fine = tube(tube_pattern(), 0.04), tube(tube_pattern(), 0.015)
     loops = find_loops(fine.faces)
     assert sorted(len(loop) for loop in loops) == sorted(len(contour.vertices) for contour in fine.contours)
-    carried = carry_contours(coarse.contours, coarse.nodes, fine.nodes, fine.faces)
+    carried = transfer_contours(coarse.contours, coarse.nodes, fine.nodes, fine.faces)
     heights = {contour.name: set(np.round(fine.nodes[contour.vertices, 1], 9)) for contour in carried}
     assert heights == {"hem": {0.8}, "waist": {1.1}}
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import judge, measure_upright, measure_wear
+from garmentq.core.judge import evaluate_gates, measure_upright, measure_wear
 from garmentq.core.scan.contours import Contour, Target
 
 AROUND, ROWS = 60, 30
@@ -41,7 +41,7 @@ def verdicts(target, nodes, faces):
     """Return the verdict of each gate that judges how the scan is worn."""
     metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0)
     metrics |= measure_upright(target)
-    return {gate.name: gate.verdict for gate in judge(metrics)}
+    return {gate.name: gate.verdict for gate in evaluate_gates(metrics)}
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.body.motion import GROUPS, LIMIT, MovingBody, Pose, Track, clear_limbs
-from garmentq.core.body.motion.clear_limbs import spread
+from garmentq.core.body.motion import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, MovingBody, Pose, Track, clear_limbs
+from garmentq.core.body.motion.clear_limbs import spread_limbs
 from scipy.spatial.transform import Rotation
 
-ARM = list(GROUPS).index("left arm")
+ARM = list(LIMB_GROUPS).index("left arm")
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_an_arm_in_the_trunk_is_spread_until_it_is_out(body):
     """Broken where it stays inside, turns the wrong way, or goes further than the cloth needs."""
     track = lower(body, [80.0])
     found = clear(body, track)
-    assert np.deg2rad(2) < found.angles[0, ARM] <= LIMIT
+    assert np.deg2rad(2) < found.angles[0, ARM] <= MAX_LIMB_SPREAD_ANGLE
     before, after = (swallowed(body, each.at(0.0)) for each in (track, found.track))
     assert after < 0.6 * before
     assert clear(body, track, cloth=False).angles[0, ARM] < found.angles[0, ARM]
@@ -73,9 +73,9 @@ def test_angles_change_smoothly_and_are_never_less_than_needed(body):
 def test_spread_legs_leave_the_feet_on_the_floor_and_flat(body):
     """Broken where a wearer who stands wider hovers, or stands on the edges of the soles."""
     pose, angles = Pose.of(body), np.zeros(3)
-    angles[list(GROUPS).index("legs")] = np.deg2rad(8)
+    angles[list(LIMB_GROUPS).index("legs")] = np.deg2rad(8)
     mover = MovingBody(body)
-    before, after = mover.posed(pose), mover.posed(spread(pose, body.rest_joints, angles))
+    before, after = mover.posed(pose), mover.posed(spread_limbs(pose, body.rest_joints, angles))
     for name in ("left_ankle", "right_foot"):
         joint = JOINTS.index(name)
         np.testing.assert_allclose(after.transforms[joint, :3, :3], before.transforms[joint, :3, :3], atol=1e-12)

@@ -9,12 +9,12 @@ import pytest
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.body.builtin import named_pose
 from garmentq.core.body.motion import (
-    SHIPPED,
+    SHIPPED_MOTIONS,
     LeadIn,
     MotionBad,
     MovingBody,
     Pose,
-    find_shipped,
+    find_shipped_motion,
     load_motion,
     retarget,
 )  # fmt: skip
@@ -70,10 +70,10 @@ def test_wrong_keys_end_in_codes(given, tmp_path):
         load_motion(keys(tmp_path, given))
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SHIPPED_MOTIONS)
 def test_shipped_motions_stand_on_the_floor_and_loop(name, body):
     """Broken where a shipped motion sinks into the floor, jumps at its seam, or leaves the place."""
-    track, mover = retarget(load_motion(find_shipped(name)), body), MovingBody(body)
+    track, mover = retarget(load_motion(find_shipped_motion(name)), body), MovingBody(body)
     floor = body.vertices[:, 1].min()
     lowest = min(mover.vertices(track.at(t))[:, 1].min() for t in np.linspace(0, 1, 7))
     assert lowest == pytest.approx(floor, abs=0.02)
@@ -86,7 +86,7 @@ def test_shipped_motions_stand_on_the_floor_and_loop(name, body):
 
 def test_the_lead_in_begins_in_the_own_pose(body):
     """Broken where an animation starts with a jump, or joins the motion late."""
-    track = retarget(load_motion(find_shipped("walk")), body)
+    track = retarget(load_motion(find_shipped_motion("walk")), body)
     lead = LeadIn(Pose.of(body), track, 0.5, 1.0)
     np.testing.assert_allclose(lead.at(-0.5).turns, Pose.of(body).turns, atol=1e-12)
     np.testing.assert_allclose(lead.at(0.5).turns, track.at(0.5).turns, atol=1e-12)
@@ -127,7 +127,7 @@ def test_a_part_of_a_motion_begins_where_the_wearer_stands(name, tmp_path, body)
         {"t": 4, "pose": {"pelvis": [0, 90, 0]}, "move": [8, 0, 4]},
         {"t": 8, "pose": {"pelvis": [0, 90, 0]}, "move": [16, 0, 8]},
     ]}  # fmt: skip
-    path = find_shipped("walk") if name == "walk" else keys(tmp_path, walked)
+    path = find_shipped_motion("walk") if name == "walk" else keys(tmp_path, walked)
     track, own = retarget(load_motion(path), body, begin=4.0), Pose.of(body)
     joined = track.at(4.0)
     np.testing.assert_allclose(joined.pelvis[[0, 2]], own.pelvis[[0, 2]], atol=1e-9)

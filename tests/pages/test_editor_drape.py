@@ -11,7 +11,7 @@ import pytest
 from garmentq.core.garment import load_draped_template, read_pattern, seam_mismatch
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.jobs import find_job
-from garmentq.service.keys import create_key, own
+from garmentq.service.keys import create_key, grant_job
 from garmentq.service.models import JobRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.results import list_files, report_jobs
@@ -134,7 +134,7 @@ def test_two_people_edit_one_result_at_once(open_window, own_site, quick):
     keys = {name: create_key(database, name, ("read", "submit")) for name in ("anna", "ben", "eve")}
     with database.write() as session:
         for name in ("anna", "ben"):
-            own(session, keys[name][0].id, first)
+            grant_job(session, keys[name][0].id, first)
     original = read_file(site, first, "pattern.json")
     steps, made, seen = {"anna": -10.0, "ben": 20.0}, {}, {}
     with ExitStack() as stack:

@@ -8,7 +8,7 @@ import json
 
 import httpx
 import pytest
-from garmentq.service.keys import LOCAL, create_key, revoke_key
+from garmentq.service.keys import LOCAL_CALLER, create_key, revoke_key
 from garmentq.service.pages.markup import Html, html, join
 from garmentq.service.pages.shell import POLICY
 from garmentq.service.pages.static_files import FOLDER, find_edition, list_imports, load_files
@@ -155,7 +155,7 @@ def test_a_browser_has_one_session_and_keeps_nothing_of_it(address, visitor, set
 
 def test_a_link_signs_in_once(visitor, settings, database):
     """Broken where a link works twice, or a session's cookie passes for one."""
-    link = begin_session(database, LOCAL, is_link=True)
+    link = begin_session(database, LOCAL_CALLER, is_link=True)
     assert visitor.get("/v1/jobs", headers={"cookie": f"garmentq={link}"}).status_code == 401
     assert visitor.get("/signin", params={"link": link}).headers["location"] == "/"
     assert visitor.get("/v1/jobs").status_code == 200

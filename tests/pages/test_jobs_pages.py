@@ -10,7 +10,7 @@ import pytest
 from api_work import make_ply
 from garmentq.service import inspection
 from garmentq.service.jobs import claim, fail, find_job
-from garmentq.service.keys import create_key, own
+from garmentq.service.keys import create_key, grant_job
 from garmentq.service.pages import jobs_page
 from garmentq.service.progress import report
 from garmentq.service.records import Progress
@@ -184,8 +184,8 @@ def test_another_key_sees_and_changes_nothing(chromium, own_site):
     queued = site.queue("hers")
     (hers, her_token), (_, his_token) = (create_key(database, name, ("read", "submit")) for name in ("hers", "his"))
     with database.write() as session:
-        own(session, hers.id, queued)
-        own(session, hers.id, site.result)
+        grant_job(session, hers.id, queued)
+        grant_job(session, hers.id, site.result)
     for token, is_hers in ((his_token, False), (her_token, True)):
         with chromium.new_context(base_url=site.url) as opened:
             assert opened.request.post("/signin", form={"token": token}).ok
@@ -205,7 +205,7 @@ def test_who_may_only_read_is_offered_no_change(own_site):
     site = own_site
     row, token = create_key(site.services.database, "reader", ("read",))
     with site.services.database.write() as session:
-        own(session, row.id, site.result)
+        grant_job(session, row.id, site.result)
     with httpx.Client(base_url=site.url) as client:
         assert client.post("/signin", data={"token": token}).status_code == 303
         listed, result = client.get("/").text, client.get(f"/results/{site.result}").text
@@ -216,7 +216,7 @@ def test_who_may_only_read_is_offered_no_change(own_site):
 def test_pages_of_the_list_follow_each_other(own_site, monkeypatch):
     """Broken where a job is left out or shown twice at the turn of a page, or a child stands without its parent."""
     site = own_site
-    monkeypatch.setattr(jobs_page, "ROWS", 2)
+    monkeypatch.setattr(jobs_page, "PAGE_FAMILY_COUNT", 2)
     made = [site.queue(f"job {n}") for n in range(4)]
     with httpx.Client(base_url=site.url) as client:
         client.post("/signin", data={"token": site.token})

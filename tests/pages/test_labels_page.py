@@ -13,10 +13,10 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.deliver.export.person import write_person
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import PARTS, Part, Separation
+from garmentq.core.people import PARTS, LabelledPerson, Part
 from garmentq.core.people.colours import COLOURS
-from garmentq.core.people.given import PersonFiles, read_given
-from garmentq.core.people.separate import to_file
+from garmentq.core.people.given import PersonFiles, read_person_input
+from garmentq.core.people.separate import expand_to_file
 from garmentq.core.scan import RawScan, load_raw
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request
@@ -236,11 +236,11 @@ def demo(site, tmp_path_factory) -> Demo:
     )  # fmt: skip
     raw = load_raw(scan)
     red, _, blue = raw.colours.T
-    label, sure = to_file(raw, np.where(blue > red, int(Part.UPPER), int(Part.SKIN)), np.ones(len(raw.points)))
+    label, sure = expand_to_file(raw, np.where(blue > red, int(Part.UPPER), int(Part.SKIN)), np.ones(len(raw.points)))
     body = builtin_body("builtin:female,height=1.70")
     job = submit(site.services.database, site.services.store, Order(scan, None, given_as="person")).job
     out.mkdir()
-    write_person(raw, Separation(body, label, sure, (), ()), out)
+    write_person(raw, LabelledPerson(body, label, sure, (), ()), out)
     (out / "person.json").write_text('{"garments": []}')
     held = claim(site.services.database, job, "test", 600.0)
     found = PersonFound(body, {"garments": [], "outfits": [], "parts": {}})
@@ -269,7 +269,7 @@ def test_the_shipped_examples_labels_are_mended(page, site, demo, tmp_path):
     assert (made.state, made.scan) == ("queued", find_job(site.services.database, demo.job).scan)
     labels = tmp_path / "labels.npz"
     labels.write_bytes(site.services.store.get_bytes(request.labels.sha256))
-    given = read_given(PersonFiles(demo.scan, labels=labels))
+    given = read_person_input(PersonFiles(demo.scan, labels=labels))
     assert np.array_equal(given.label[demo.raw.origin[changed]], painted[changed])
     assert (given.label[demo.raw.origin] == painted).mean() > 0.999
     assert np.array_equal(given.label[demo.raw.place < 0], np.full((demo.raw.place < 0).sum(), int(Part.OTHER)))

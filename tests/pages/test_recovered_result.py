@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.deliver.ply import read_ply
-from garmentq.core.deliver.texture.lookup import UNSEEN
+from garmentq.core.deliver.texture.lookup import UNSEEN_COLOUR
 from garmentq.core.garment import load_draped_template
 from garmentq.core.reuse.wear import load_worn
 
@@ -58,7 +58,7 @@ def test_the_cloth_has_the_colours_of_its_scan(shown):
     """Broken where a vertex has the colour of another place, or most of the cloth none."""
     page, folder = shown
     mesh = read_ply((Path(folder) / "detail.ply").read_bytes())
-    seen = (mesh.colours != UNSEEN).any(axis=1)
+    seen = (mesh.colours != UNSEEN_COLOUR).any(axis=1)
     assert seen.mean() > 0.9
     off = np.abs(mesh.colours[seen] - colour_of(mesh.vertices[seen, 1])).max(axis=1)
     assert np.quantile(off, 0.99) < 6.0  # 20 mm of height

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.cloth import Drape, Outcome, get_fabric
-from garmentq.core.deliver.export.animation import write_moved
+from garmentq.core.deliver.export.animation import write_animation_result
 from garmentq.core.deliver.export.dressed import write_dressed
 from garmentq.core.deliver.export.edited import write_edited
 from garmentq.core.deliver.export.meshes import write_ply
@@ -19,11 +19,11 @@ from garmentq.core.deliver.export.outfit import write_outfit
 from garmentq.core.deliver.export.stored_result import load_result
 from garmentq.core.garment import load_draped_template
 from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.animate import Animation, Moved, Verdict
+from garmentq.core.reuse.animate import AnimatedGarment, Animation, FrameVerdict
 from garmentq.core.reuse.edit import drape_edit
-from garmentq.core.reuse.wear import Dressed, DressedOutfit, Worn, judge_wear, measure_ease, measure_worn
+from garmentq.core.reuse.wear import DressedGarment, DressedOutfit, WornGarment, judge_wear, measure_ease, measure_worn
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.run.report import ResultReport
 from garmentq.service.jobs import claim
 from garmentq.service.kinds import KINDS
@@ -34,12 +34,12 @@ from quick_edit import drape_at_once
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the body that it was drafted for."""
     garment, body = load_draped_template("skirt"), builtin_body("builtin:female,height=1.70")
     if garment is None:
         pytest.skip("no drape is shipped for this machine's triangulation")
-    return Worn(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt")
+    return WornGarment(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt")
 
 
 @pytest.fixture(scope="module")
@@ -62,43 +62,44 @@ def window(open_window):
         yield opened.new_page()
 
 
-def dress(worn: Worn) -> Dressed:
+def dress(worn: WornGarment) -> DressedGarment:
     """Return the garment where it is, as if a body had been dressed in it."""
     drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
     metrics, loads = measure_worn(worn, WearerGeometry(worn.body), drape), np.zeros((2, len(worn.garment.nodes)))
     ease = measure_ease(worn.garment, worn.body)
-    return Dressed(worn, worn, drape, ease, *loads, ResultReport(metrics, judge_wear(metrics)))
+    return DressedGarment(worn, worn, drape, ease, *loads, ResultReport(metrics, judge_wear(metrics)))
 
 
-def write_dress(worn: Worn, folder: Path) -> None:
+def write_dress(worn: WornGarment, folder: Path) -> None:
     """Write a garment over another one."""
     write_dressed(replace(dress(worn), under=worn), folder)
 
 
-def write_outfits(worn: Worn, folder: Path) -> None:
+def write_outfits(worn: WornGarment, folder: Path) -> None:
     """Write an outfit of every garment that a person can wear."""
     one = dress(worn)
     garments = dict.fromkeys(("lower", "upper", "one-piece", "outer"), one)
     write_outfit(DressedOutfit(garments, worn.body, one.drape, one.report), folder)
 
 
-def write_motion(worn: Worn, folder: Path) -> None:
+def write_motion(worn: WornGarment, folder: Path) -> None:
     """Write two frames."""
     frames, turned = np.stack([worn.garment.nodes] * 2), np.tile(worn.body.transforms, (2, 1, 1, 1))
-    verdicts = (Verdict(True, 1e-4, 1, 1, 4, 0.5),) * 2
-    write_moved(
-        Moved(Animation(worn, 25.0, np.arange(2) / 25.0, frames, turned, verdicts), "walk", ResultReport()), folder
+    verdicts = (FrameVerdict(True, 1e-4, 1, 1, 4, 0.5),) * 2
+    write_animation_result(
+        AnimatedGarment(Animation(worn, 25.0, np.arange(2) / 25.0, frames, turned, verdicts), "walk", ResultReport()),
+        folder,
     )
 
 
-def write_edit(worn: Worn, folder: Path) -> None:
+def write_edit(worn: WornGarment, folder: Path) -> None:
     """Write a version; the drape took no time."""
     with pytest.MonkeyPatch.context() as patch:
         drape_at_once(patch)
-        write_edited(drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT)), folder)
+        write_edited(drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT_HOOKS)), folder)
 
 
-def write_sizes(worn: Worn, folder: Path) -> None:
+def write_sizes(worn: WornGarment, folder: Path) -> None:
     """Write the meshes of two draped sizes, by the names that the export of sizes gives them."""
     folder.mkdir()
     for name in ("36", "38"):

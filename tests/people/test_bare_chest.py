@@ -12,7 +12,7 @@ from garmentq.core.people.bare_chest import bare_chest_probability
 from garmentq.core.people.colour import link_alike, use_colours
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.features import Features, describe_points
-from garmentq.core.people.outfit import above_waist, rank_outfits
+from garmentq.core.people.outfit import above_waist_probability, rank_outfits
 from garmentq.core.people.points import sample_person
 from garmentq.core.people.rules import predict_by_rules
 from garmentq.core.people.tone import skin_evidence
@@ -57,7 +57,7 @@ def tell(thick: float, coloured: bool = True) -> tuple[tuple[Part, ...], float]:
     chest = (features.column("part_chest") > 0.8) & (rest < joint["neck"][1] - 0.08)
     assert chest.sum() > 500
     is_top = posterior.argmax(axis=1) == PARTS.index(Part.UPPER)
-    return rank_outfits(posterior, above_waist(features.place, body))[0].parts, float(is_top[chest].mean())
+    return rank_outfits(posterior, above_waist_probability(features.place, body))[0].parts, float(is_top[chest].mean())
 
 
 @pytest.mark.parametrize(

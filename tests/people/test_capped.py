@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.garment import load_draped_template
-from garmentq.core.people.capped import cut_part, find_cap
+from garmentq.core.people.capped import cut_part, find_hem_cap
 from garmentq.core.scan import Scan
 from garmentq.core.scan.contours import name_contours
 from scipy.spatial import Delaunay
@@ -82,5 +82,5 @@ def test_trousers_keep_their_legs(body):
 def test_the_seat_is_no_cap(body):
     """Broken where what faces down above the crotch is left out, as the seat of tight trousers does."""
     scan = Scan(body.vertices, body.faces)
-    cap = find_cap(scan, np.ones(len(scan.vertices), bool), body)
+    cap = find_hem_cap(scan, np.ones(len(scan.vertices), bool), body)
     assert scan.vertices[cap, 1].max() < body.joint("left_hip")[1] - 0.1

@@ -12,12 +12,12 @@ from garmentq.core.people import PARTS, Part
 from garmentq.core.people.cloths import overlap_of_cloths
 from garmentq.core.people.coat import Coat, find_coat, open_evidence
 from garmentq.core.people.colour import link_alike
-from garmentq.core.people.confidence import UNSURE_OUTFIT
+from garmentq.core.people.confidence import MIN_OUTFIT_LOG_ODDS
 from garmentq.core.people.diffusion import link_points
 from garmentq.core.people.features import describe_points
 from garmentq.core.people.front import find_path
 from garmentq.core.people.looseness import loose_evidence, measure_looseness
-from garmentq.core.people.outfit import above_waist, rank_outfits, read_as
+from garmentq.core.people.outfit import above_waist_probability, condition_on_outfit, rank_outfits
 from garmentq.core.people.points import sample_person
 from garmentq.core.people.rules import WaistShown, waist_evidence
 from garmentq.core.scan.raw import RawScan
@@ -70,9 +70,9 @@ def wear(inner: tuple[float, ...], legs: tuple[float, ...], coat: tuple[float, .
     features = describe_points(points, fit)
     links = link_alike(link_points(points.positions, points.normals), points.colours)
     found = find_coat(points, features, posterior, links, body)
-    above = above_waist(features.place, body)
+    above = above_waist_probability(features.place, body)
     outfits = rank_outfits(posterior, above, coat=found)
-    read = read_as(posterior, outfits[0].parts, above, found.over)
+    read = condition_on_outfit(posterior, outfits[0].parts, above, found.over)
     return Worn(part[near], found, outfits[0].parts, np.array(PARTS)[read.argmax(axis=1)])
 
 
@@ -129,7 +129,7 @@ def test_loose_cloth_speaks_for_an_outer_layer_and_close_cloth_against_it():
     found = [loose_evidence(offset) for offset in offsets]
     assert found == pytest.approx([-2.8, -2.8, -0.76, 0.0, 0.62, 1.05, 1.2], abs=0.05)
     assert loose_evidence(None) == 0.0
-    prior, unsure = Coat().odds, UNSURE_OUTFIT
+    prior, unsure = Coat().odds, MIN_OUTFIT_LOG_ODDS
     assert [prior, unsure] == pytest.approx([np.log(1 / 9), np.log(2)], abs=0.05)  # one person in ten, two to one
     assert prior + found[-1] < -unsure
 

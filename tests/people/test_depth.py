@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from garmentq.core.people import PARTS, Part
 from garmentq.core.people.depth import HANGING, HELD, LEG, LOOSE, TIGHT, Excess, find_depth
-from garmentq.core.people.features import LENGTH, NAMES
+from garmentq.core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES
 from garmentq.core.people.limbs import BodyPlace, Limb
-from garmentq.core.people.separate import weigh
+from garmentq.core.people.separate import to_point_weights
 from garmentq.training.depth import measure_excess
 from garmentq.training.describe import Described
 
@@ -76,7 +76,7 @@ def test_rounding_makes_no_weight_negative() -> None:
     posterior = np.zeros((1, len(PARTS)))
     posterior[0, [PARTS.index(Part.UPPER), PARTS.index(Part.LOWER)]] = 0.5, 0.5 + 3e-16
     assert posterior.sum() > 1.0
-    assert weigh(posterior).cloth.max() <= 1.0
+    assert to_point_weights(posterior).cloth.max() <= 1.0
 
 
 def test_an_excess_is_measured_as_it_was_drawn() -> None:
@@ -90,8 +90,8 @@ def test_an_excess_is_measured_as_it_was_drawn() -> None:
         near = np.abs(station[:, None] - true.stations).argmin(axis=1)
         height = np.full(count, (0.0, 0.02)[n % 2])
         drawn = np.array(true.mean)[near] + np.array(true.spread)[near] * rng.normal(size=count)
-        values = np.zeros((count, len(NAMES)))
-        values[:, NAMES.index("offset")] = height / LENGTH
+        values = np.zeros((count, len(FEATURE_NAMES)))
+        values[:, FEATURE_NAMES.index("offset")] = height / FEATURE_LENGTH_SCALE
         none = np.zeros((count, 3))
         scans.append(
             Described(

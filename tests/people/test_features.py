@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.geometry.point_normals import calm_normals, orient_normals
-from garmentq.core.people.features import LENGTH, NAMES, describe_points
+from garmentq.core.geometry.point_normals import denoise_normals, orient_normals
+from garmentq.core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES, describe_points
 from garmentq.core.people.limbs import Limb, closest_in_triangles, place_on_body
-from garmentq.core.people.neighbourhood import RADII, gather
-from garmentq.core.people.points import BORDER_REACH, SPACING, PersonPoints, sample_person
+from garmentq.core.people.neighbourhood import NEIGHBOURHOOD_RADII, neighbourhood_statistics
+from garmentq.core.people.points import MAX_SAMPLE_BORDER_DISTANCE, MIN_SAMPLE_SPACING, PersonPoints, sample_person
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -52,15 +52,15 @@ def test_samples_are_even_and_the_same_twice(fit):
     assert np.array_equal(points.nearest, again.nearest)
     assert 15_000 < len(points.positions) < 30_000
     tree = cKDTree(points.positions)
-    assert tree.query(body.vertices)[0].max() < 2 * SPACING
+    assert tree.query(body.vertices)[0].max() < 2 * MIN_SAMPLE_SPACING
     step = tree.query(points.positions, k=2)[0][:, 1]
-    assert np.quantile(step, 0.05) > 0.5 * SPACING
+    assert np.quantile(step, 0.05) > 0.5 * MIN_SAMPLE_SPACING
     assert np.abs(np.linalg.norm(points.normals, axis=1) - 1).max() < 1e-6
     assert points.colours is not None
     carried = points.carry(points.positions)
-    assert np.linalg.norm(carried - body.vertices, axis=1).max() < SPACING
+    assert np.linalg.norm(carried - body.vertices, axis=1).max() < MIN_SAMPLE_SPACING
     # Some folds (armpits, between fingers) look like borders.
-    assert np.median(points.border) > 0.8 * BORDER_REACH
+    assert np.median(points.border) > 0.8 * MAX_SAMPLE_BORDER_DISTANCE
 
 
 def test_the_border_of_a_hole_is_found(fit):
@@ -93,10 +93,10 @@ def test_normals_that_are_noise_are_averaged_and_others_are_kept(fit):
     """Broken where a noisy scan's normals point anywhere, or a clean one's edges are rounded."""
     body = fit.body
     points = sample_person(raw_of(body.vertices, body.faces), fit)
-    assert calm_normals(points.positions, points.normals) is points.normals
+    assert denoise_normals(points.positions, points.normals) is points.normals
     noisy = points.normals + np.random.default_rng(0).normal(scale=0.5, size=points.normals.shape)
     noisy /= np.linalg.norm(noisy, axis=1, keepdims=True)
-    calm = calm_normals(points.positions, noisy)
+    calm = denoise_normals(points.positions, noisy)
     off = [np.median(np.arccos(np.einsum("na,na->n", found, points.normals))) for found in (noisy, calm)]
     assert off[1] < 0.6 * off[0]
 
@@ -106,20 +106,20 @@ def test_offsets_and_steps_of_a_sleeve(fit):
     body = fit.body
     points = sample_person(raw_of(coat(body), body.faces), fit)
     features = describe_points(points, fit)
-    assert features.names == NAMES
-    assert features.values.shape == (len(points.positions), len(NAMES))
+    assert features.names == FEATURE_NAMES
+    assert features.values.shape == (len(points.positions), len(FEATURE_NAMES))
     assert features.values.dtype == np.float32
     assert np.isfinite(features.values).all()
     place = features.place
     arm = np.isin(place.limb, (Limb.LEFT_ARM, Limb.RIGHT_ARM))
     upper = arm & (place.weights[:, [16, 17]].sum(axis=1) > 0.95)
-    bare = (place.parts[:, NAMES.index("part_forearm") - NAMES.index("part_pelvis")] > 0.9) & arm
-    assert np.median(features.column("offset")[upper]) * LENGTH == pytest.approx(0.015, abs=0.001)
-    assert abs(np.median(features.column("offset")[bare])) * LENGTH < 0.001
+    bare = (place.parts[:, FEATURE_NAMES.index("part_forearm") - FEATURE_NAMES.index("part_pelvis")] > 0.9) & arm
+    assert np.median(features.column("offset")[upper]) * FEATURE_LENGTH_SCALE == pytest.approx(0.015, abs=0.001)
+    assert abs(np.median(features.column("offset")[bare])) * FEATURE_LENGTH_SCALE < 0.001
     elbow = body.rest_joints[18, 0] - body.rest_joints[16, 0]
     at_end = arm & (np.abs(place.station - elbow) < 0.02)
-    assert features.column("offset_step_40")[at_end].min() * LENGTH < -0.008
-    assert features.column("slice_step")[at_end].min() * LENGTH < -0.008
+    assert features.column("offset_step_40")[at_end].min() * FEATURE_LENGTH_SCALE < -0.008
+    assert features.column("slice_step")[at_end].min() * FEATURE_LENGTH_SCALE < -0.008
 
 
 def test_the_mirror_changes_no_feature(fit):
@@ -168,8 +168,8 @@ def test_neighbourhoods_of_a_ball_and_of_a_step():
     radius = 0.3
     up = np.tile([0.0, 1.0, 0.0], (len(normals), 1))
     offset = np.where(normals[:, 1] > 0, 0.02, 0.0)
-    found = gather(radius * normals, normals, offset, up)
-    for reach, values in zip(RADII, found, strict=True):
+    found = neighbourhood_statistics(radius * normals, normals, offset, up)
+    for reach, values in zip(NEIGHBOURHOOD_RADII, found, strict=True):
         assert np.median(values[:, 3]) == pytest.approx(1 / radius, rel=0.02)
         edge = np.abs(radius * normals[:, 1]) < 0.1 * reach
         assert np.median(values[edge, 2]) == pytest.approx(0.02, rel=0.1)
@@ -197,7 +197,7 @@ def test_vertices_of_the_body_lie_on_it(fit):
     body = fit.body
     normals = vertex_normals(body.vertices, body.faces)
     zero = np.zeros((0, 3))
-    points = PersonPoints(body.vertices, normals, None, SPACING, np.zeros(len(normals)), zero, zero)
+    points = PersonPoints(body.vertices, normals, None, MIN_SAMPLE_SPACING, np.zeros(len(normals)), zero, zero)
     place = place_on_body(points, body)
     assert np.quantile(place.distance, 0.95) < 1e-3
     assert np.quantile(np.linalg.norm(place.rest - body.rest_vertices, axis=1), 0.95) < 2e-3

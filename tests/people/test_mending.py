@@ -10,8 +10,8 @@ import trimesh
 from garmentq.core.deliver.export.person import write_segmented
 from garmentq.core.people import PARTS
 from garmentq.core.people.labels import read_parts, write_labels
-from garmentq.core.people.mend import LabelsOld, mend_labels
-from garmentq.core.people.separate import to_file
+from garmentq.core.people.mend import LabelsOld, apply_corrected_labels
+from garmentq.core.people.separate import expand_to_file
 from garmentq.core.scan import Limits, load_raw
 from garmentq.core.scan.refusal import LabelsMismatch
 from hypothesis import HealthCheck, given, settings
@@ -104,7 +104,7 @@ def check_mending(folder: Path, form: str, has_faces: bool, defects: set[str], s
     raw = load_raw(scan, "m", "y", INSIDE)
     assert raw.is_cloud != has_faces
     assert not has_faces or "pinched" not in defects or any("non-manifold vert" in note for note in raw.notes)
-    label, sure = to_file(raw, rng.choice(WORDS, len(raw.points)), np.ones(len(raw.points), np.float32))
+    label, sure = expand_to_file(raw, rng.choice(WORDS, len(raw.points)), np.ones(len(raw.points), np.float32))
     stored = write_labels(label, sure, folder / "labels.npz", raw.place, raw.origin)
     shown = label[raw.origin]
     segmented = write_segmented(raw, shown, sure[raw.origin], folder / "segmented.ply")
@@ -112,7 +112,7 @@ def check_mending(folder: Path, form: str, has_faces: bool, defects: set[str], s
     _, where = np.unique(raw.points, axis=0, return_inverse=True)
     for painted in (np.isin(where, rng.choice(where.max() + 1, 500)), rng.random(len(shown)) < 0.02):
         mended = np.where(painted, rng.choice(WORDS, len(shown)), shown)
-        asked = mend_labels(stored, mended, folder / "mended.npz")
+        asked = apply_corrected_labels(stored, mended, folder / "mended.npz")
         given_back = read_parts(asked)[raw.origin]
         changed = mended != shown
         alone = np.bincount(where, changed)[where.ravel()] == 1  # of a split vertex one copy was painted
@@ -122,14 +122,14 @@ def check_mending(folder: Path, form: str, has_faces: bool, defects: set[str], s
         dropped = raw.place < 0
         assert np.array_equal(read_parts(asked)[dropped], label[dropped])
     with pytest.raises(LabelsMismatch):
-        mend_labels(stored, shown[1:], folder / "mended.npz")
+        apply_corrected_labels(stored, shown[1:], folder / "mended.npz")
 
 
 def test_labels_stored_without_the_way_back(tmp_path):
     """Broken where what an earlier version stored is mended by the wrong points, or no longer mended at all."""
     place = np.array([1, -1, 0, 2])
     stored = write_labels(np.array([0, 20, 10, 0], np.uint8), np.ones(4), tmp_path / "labels.npz", place)
-    asked = mend_labels(stored, np.array([11, 0, 1], np.uint8), tmp_path / "mended.npz")
+    asked = apply_corrected_labels(stored, np.array([11, 0, 1], np.uint8), tmp_path / "mended.npz")
     assert read_parts(asked).tolist() == [0, 20, 11, 1]
     with pytest.raises(LabelsOld):
-        mend_labels(stored, np.array([11, 0, 1, 1], np.uint8), tmp_path / "mended.npz")
+        apply_corrected_labels(stored, np.array([11, 0, 1, 1], np.uint8), tmp_path / "mended.npz")

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from garmentq.core.people import GARMENTS, PARTS, Part
 from garmentq.core.people.colour import fit_colours, is_painted, to_lab
-from garmentq.core.people.confidence import NoCloth, Unsure, judge, temper
-from garmentq.core.people.crumbs import give_crumbs
+from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence
+from garmentq.core.people.crumbs import relabel_small_pieces
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
 from garmentq.core.people.labels import has_names, read_parts, write_labels
-from garmentq.core.people.outfit import outfit_probabilities, rank_outfits, read_all, read_as
+from garmentq.core.people.outfit import condition_on_outfit, marginalise_outfits, outfit_probabilities, rank_outfits
 from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit
 from garmentq.core.scan import LabelsUnreadable
 from garmentq.core.scan.contours import Contour
@@ -103,7 +103,7 @@ def test_crumbs_go_to_what_is_around_them():
     small = np.linalg.norm(points - points[620], axis=1) < 0.0126
     large = np.linalg.norm(points - points[2440], axis=1) < 0.031
     column[small], column[large] = 3, 4
-    given = give_crumbs(column, points, np.full(len(points), 0.007**2), links)
+    given = relabel_small_pieces(column, points, np.full(len(points), 0.007**2), links)
     assert (given[small] == 0).all() and (given[large] == 4).all() and (given[~small & ~large] == 0).all()
 
 
@@ -129,10 +129,10 @@ def test_outfits_are_ranked_by_what_is_seen():
 def test_a_dress_read_as_two_is_cut_at_the_waist():
     """Broken where probability is lost between readings, or all of a dress becomes the top."""
     row, above = np.array([spread(ONE_PIECE=1.0)] * 2), np.array([0.999, 0.001])
-    read = read_as(row, (Part.UPPER, Part.LOWER), above)
+    read = condition_on_outfit(row, (Part.UPPER, Part.LOWER), above)
     np.testing.assert_allclose(read.sum(axis=1), 1.0, atol=2e-3)  # an outer layer's share
     assert [PARTS[k] for k in read.argmax(axis=1)] == [Part.UPPER, Part.LOWER]
-    assert PARTS[read_as(read, (Part.ONE_PIECE,), above).argmax(axis=1)[0]] is Part.ONE_PIECE
+    assert PARTS[condition_on_outfit(read, (Part.ONE_PIECE,), above).argmax(axis=1)[0]] is Part.ONE_PIECE
 
 
 @pytest.mark.parametrize("odds", [0.6, 0.8])
@@ -144,7 +144,7 @@ def test_doubt_of_the_outfit_is_doubt_of_each_point(odds):
     outfits = rank_outfits(posterior, above)
     assert outfits[0].parts == (Part.ONE_PIECE,)
     assert outfits[0].score - outfits[1].score == pytest.approx(np.log(odds / (1.0 - odds)), abs=0.05)
-    believed = read_all(posterior, outfits, above)
+    believed = marginalise_outfits(posterior, outfits, above)
     np.testing.assert_allclose(believed.sum(axis=1), 1.0)
     assert believed[60:, PARTS.index(Part.ONE_PIECE)].mean() == pytest.approx(odds, abs=0.06)
     assert believed[:40, PARTS.index(Part.SKIN)].min() > 0.99
@@ -154,8 +154,8 @@ def test_doubt_of_the_outfit_is_doubt_of_each_point(odds):
 def test_tempering_keeps_order_and_softens():
     """Broken where a temperature above 1 makes surer."""
     posterior = np.array([[0.7, 0.2, 0.1]])
-    np.testing.assert_allclose(temper(posterior, 1.0), posterior)
-    soft = temper(posterior, 2.0)[0]
+    np.testing.assert_allclose(apply_temperature(posterior, 1.0), posterior)
+    soft = apply_temperature(posterior, 2.0)[0]
     assert soft[0] < 0.7 and (np.diff(soft) < 0).all()
 
 
@@ -164,17 +164,19 @@ def test_what_is_unsure_is_not_recovered():
     sure = FoundGarment(Part.UPPER, 0.95, "tshirt", (FoundContour("neck", 0.1, True),))
     weak = FoundGarment(Part.LOWER, 0.3, "skirt")
     outfits = (Outfit((Part.UPPER, Part.LOWER), -1.0), Outfit((Part.ONE_PIECE,), -1.5))
-    warnings, problem = judge((sure,), outfits[:1], told=False)
+    warnings, problem = check_confidence((sure,), outfits[:1], told=False)
     assert problem is None and "neck" in warnings[0]
-    warnings, problem = judge((sure, weak), outfits, told=False)
-    assert isinstance(problem, Unsure) and "one-piece" in warnings[0]
-    assert judge((sure, weak), outfits, told=True)[1] is None
-    assert isinstance(judge((), outfits, told=False)[1], NoCloth)
+    warnings, problem = check_confidence((sure, weak), outfits, told=False)
+    assert isinstance(problem, LabelsUnsure) and "one-piece" in warnings[0]
+    assert check_confidence((sure, weak), outfits, told=True)[1] is None
+    assert isinstance(check_confidence((), outfits, told=False)[1], NoCloth)
     coat = FoundGarment(Part.OUTER, 0.95, "long_sleeve_tshirt", (FoundContour("neck", 0.9, False),))
-    assert isinstance(judge((sure, coat), outfits[:1], told=False)[1], Unsure)  # recovered, it would be closed
+    assert isinstance(
+        check_confidence((sure, coat), outfits[:1], told=False)[1], LabelsUnsure
+    )  # recovered, it would be closed
     ends = tuple(FoundContour(f"armhole.{side}", 0.1, True) for side in ("left", "right"))
     guessed = FoundGarment(Part.UPPER, 0.95, "tank", ends)
-    assert isinstance(judge((guessed,), outfits[:1], told=False)[1], Unsure)
+    assert isinstance(check_confidence((guessed,), outfits[:1], told=False)[1], LabelsUnsure)
 
 
 def test_labels_round_trip(tmp_path):
@@ -238,5 +240,5 @@ def test_a_top_with_legs_is_doubted(part, names):
     """Broken where a top that swallowed the trousers is sure to be a jumpsuit, worn with something below."""
     contours = tuple(Contour(name, np.arange(3), 0.5, ()) for name in names)
     assert choose_part_category(part, contours, None, None) == ""
-    problem = judge((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), told=False)[1]
-    assert isinstance(problem, Unsure)
+    problem = check_confidence((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), told=False)[1]
+    assert isinstance(problem, LabelsUnsure)

@@ -15,19 +15,19 @@ from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.points import PersonPoints, sample_person
 from garmentq.core.people.prior import below_hair
 from garmentq.core.people.rings import (
-    APART,
     BEND_COST,
-    SIDE,
-    contrasts,
+    MIN_RING_DISTANCE,
+    STEP_ROW_COUNT,
+    colour_contrasts,
     edge_evidence,
     find_ring,
-    ridges,
+    ridge_strengths,
     score_ring,
     step_heights,
 )
 from garmentq.core.people.rules import predict_by_rules
 from garmentq.core.people.tone import skin_evidence
-from garmentq.core.people.unrolled import ANGLES, NECK_RADIUS, STATION_STEP, unroll
+from garmentq.core.people.unrolled import LIMB_COLUMN_COUNT, NECK_RADIUS, STATION_STEP, unroll
 from garmentq.core.scan.raw import RawScan
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
@@ -48,24 +48,24 @@ def sleeve(end: np.ndarray, rows: int = 60, height: float = 0.004, noise: float 
     row = np.arange(rows)[:, None]
     rng = np.random.default_rng(0)
     cloth = height + 0.0002 * (row - end)
-    return np.where(row < end, cloth, 0.0) + noise * rng.normal(size=(rows, ANGLES))
+    return np.where(row < end, cloth, 0.0) + noise * rng.normal(size=(rows, LIMB_COLUMN_COUNT))
 
 
 def test_the_step_of_a_known_height_is_read_where_it_is():
     """Broken where a step is read a row off, or a slope counts as a step."""
-    offset = sleeve(np.full(ANGLES, 30), noise=0.0)
+    offset = sleeve(np.full(LIMB_COLUMN_COUNT, 30), noise=0.0)
     steps = step_heights(offset)
     assert (steps.argmax(axis=0) == 30).all()
     # The line through the sleeve meets its end half a row beyond its last row's middle.
     assert steps[30] == pytest.approx(0.0039, abs=1e-5)
-    slope = step_heights(np.repeat(0.01 * np.arange(60.0)[:, None], ANGLES, axis=1))
-    assert np.abs(slope[SIDE:-SIDE]).max() < 1e-9
+    slope = step_heights(np.repeat(0.01 * np.arange(60.0)[:, None], LIMB_COLUMN_COUNT, axis=1))
+    assert np.abs(slope[STEP_ROW_COUNT:-STEP_ROW_COUNT]).max() < 1e-9
 
 
 @pytest.mark.parametrize("tilt", [0, 4])
 def test_a_sleeves_end_is_found_within_one_station(tilt):
     """Broken where a ring, level or tilted, is found elsewhere than where the cloth ends."""
-    end = np.round(30 + tilt * np.sin(2 * np.pi * np.arange(ANGLES) / ANGLES))
+    end = np.round(30 + tilt * np.sin(2 * np.pi * np.arange(LIMB_COLUMN_COUNT) / LIMB_COLUMN_COUNT))
     step = step_heights(sleeve(end))
     edge = edge_evidence(step, np.zeros_like(step))
     ring = find_ring(edge)
@@ -81,9 +81,9 @@ def test_a_sleeves_end_is_found_within_one_station(tilt):
 
 def test_nothing_there_is_not_sure():
     """Broken where noise alone is taken for a ring as surely as a hem."""
-    step = step_heights(sleeve(np.full(ANGLES, 30), height=0.0))
+    step = step_heights(sleeve(np.full(LIMB_COLUMN_COUNT, 30), height=0.0))
     quiet = find_ring(edge_evidence(step, np.zeros_like(step)))
-    hem = step_heights(sleeve(np.full(ANGLES, 30)))
+    hem = step_heights(sleeve(np.full(LIMB_COLUMN_COUNT, 30)))
     clear = find_ring(edge_evidence(hem, np.zeros_like(hem)))
     assert clear.score - clear.second > 3 * (quiet.score - quiet.second)
     assert clear.score > quiet.score + 10
@@ -91,12 +91,12 @@ def test_nothing_there_is_not_sure():
 
 def test_two_rings_the_second_is_the_other_one():
     """Broken where the second best ring is the best one's neighbour, or none at all."""
-    first, second = sleeve(np.full(ANGLES, 20)), sleeve(np.full(ANGLES, 45), height=0.003)
+    first, second = sleeve(np.full(LIMB_COLUMN_COUNT, 20)), sleeve(np.full(LIMB_COLUMN_COUNT, 45), height=0.003)
     step = step_heights(first + second)
     edge = edge_evidence(step, np.zeros_like(step))
     ring = find_ring(edge)
     other = edge.copy()
-    other[: 45 - int(APART / STATION_STEP)] = -50.0
+    other[: 45 - int(MIN_RING_DISTANCE / STATION_STEP)] = -50.0
     assert np.median(ring.rows) == 20
     assert ring.second == pytest.approx(find_ring(other).score, abs=1.0)
 
@@ -104,27 +104,27 @@ def test_two_rings_the_second_is_the_other_one():
 def test_the_best_ring_is_the_best_of_all():
     """Broken where dynamic programming misses a closed ring that trying all would find."""
     rng = np.random.default_rng(3)
-    edge = np.full((4, ANGLES), -50.0)
+    edge = np.full((4, LIMB_COLUMN_COUNT), -50.0)
     edge[:, :4] = rng.normal(size=(4, 4))
     edge[1, 4:] = 0.0
     ring = find_ring(edge)
     every = np.stack(np.meshgrid(*[np.arange(4)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
-    paths = np.concatenate([every, np.ones((len(every), ANGLES - 4), dtype=int)], axis=1)
+    paths = np.concatenate([every, np.ones((len(every), LIMB_COLUMN_COUNT - 4), dtype=int)], axis=1)
     turns = np.abs(np.diff(paths, axis=1, append=paths[:, :1])).sum(axis=1)
-    scores = (edge[paths, np.arange(ANGLES)].sum(axis=1) - BEND_COST * turns) / 4.0
+    scores = (edge[paths, np.arange(LIMB_COLUMN_COUNT)].sum(axis=1) - BEND_COST * turns) / 4.0
     assert ring.score == pytest.approx(scores.max())
 
 
 def test_a_waist_is_level_where_folds_drown_it():
     """Broken where the folds of a half that shows no hem draw the ring aslant by more than 2 cm."""
-    row, columns = np.arange(80)[:, None], np.arange(ANGLES)
-    seen = columns < ANGLES // 2
+    row, columns = np.arange(80)[:, None], np.arange(LIMB_COLUMN_COUNT)
+    seen = columns < LIMB_COLUMN_COUNT // 2
     errors = []
     for seed in range(12):
         rng = np.random.default_rng(seed)
-        folds = gaussian_filter(rng.normal(size=(80, ANGLES)), 2.5, mode=("nearest", "wrap"))
+        folds = gaussian_filter(rng.normal(size=(80, LIMB_COLUMN_COUNT)), 2.5, mode=("nearest", "wrap"))
         offset = np.where((row < 40) & seen, 0.008, 0.0) + 0.002 * folds / folds.std()
-        edge = edge_evidence(step_heights(offset), ridges(rng.normal(size=(80, ANGLES))))
+        edge = edge_evidence(step_heights(offset), ridge_strengths(rng.normal(size=(80, LIMB_COLUMN_COUNT))))
         rings = (find_ring(edge, None, WARMTH, cost) for cost in (WAIST_BEND_COST, BEND_COST))
         errors.append([np.abs(ring.rows[~seen] - 40).mean() for ring in rings])
     waist, loose = np.median(errors, axis=0) * STATION_STEP
@@ -277,14 +277,14 @@ def test_two_colours_are_an_edge_and_stripes_are_none():
     """Broken where stripes or a print pass for the border of two garments, or two fabrics for one."""
     row = np.arange(80)[:, None, None]
     red, cream = np.array([20.0, 50.0, 30.0]), np.array([36.0, 2.0, 8.0])
-    two = np.where(row < 40, red, cream) * np.ones((80, ANGLES, 1))
-    found = contrasts(two)
+    two = np.where(row < 40, red, cream) * np.ones((80, LIMB_COLUMN_COUNT, 1))
+    found = colour_contrasts(two)
     assert (found.argmax(axis=0) == 40).all()
     assert found.max() == pytest.approx(np.linalg.norm(red - cream))
-    stripes = np.where(row // 3 % 2 == 0, red, cream) * np.ones((80, ANGLES, 1))
-    assert contrasts(stripes)[15:-15].max() < 0.1 * found.max()
-    blobs = np.random.default_rng(0).random((8, 8)).repeat(10, axis=0).repeat(ANGLES // 8, axis=1) > 0.5
-    assert np.median(contrasts(np.where(blobs[:, :, None], red, cream))) < 0.4 * found.max()
+    stripes = np.where(row // 3 % 2 == 0, red, cream) * np.ones((80, LIMB_COLUMN_COUNT, 1))
+    assert colour_contrasts(stripes)[15:-15].max() < 0.1 * found.max()
+    blobs = np.random.default_rng(0).random((8, 8)).repeat(10, axis=0).repeat(LIMB_COLUMN_COUNT // 8, axis=1) > 0.5
+    assert np.median(colour_contrasts(np.where(blobs[:, :, None], red, cream))) < 0.4 * found.max()
 
 
 def test_the_end_of_hair_is_no_neckline():

@@ -15,12 +15,12 @@ from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.body.presence import SeveralPersons
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.people import Part
-from garmentq.core.people.garments import PartNotWorn, cut_garment_of, find_surface
-from garmentq.core.people.given import PersonFiles, read_given
+from garmentq.core.people.garments import PartNotWorn, build_person_surface, extract_garment
+from garmentq.core.people.given import PersonFiles, read_person_input
 from garmentq.core.people.hints import Hints
 from garmentq.core.people.labels import has_names, read_parts
-from garmentq.core.people.separate import separate
-from garmentq.core.people.separation import Separation
+from garmentq.core.people.separate import label_person
+from garmentq.core.people.separation import LabelledPerson
 from garmentq.core.scan.contours import segment_garment
 from garmentq.core.scan.raw import RawScan
 from shells import BODY, dress_in_shells
@@ -108,11 +108,11 @@ def test_files_are_read_by_others(run):
 
 
 @pytest.fixture(scope="session")
-def mended(run) -> tuple[RawScan, np.ndarray, Separation]:
+def mended(run) -> tuple[RawScan, np.ndarray, LabelledPerson]:
     """Read the labels back with the left hand called something else, and take the person apart by them."""
-    raw, label = read_given(PersonFiles(run.path)).raw, read_parts(run.out / "labels.npz")
+    raw, label = read_person_input(PersonFiles(run.path)).raw, read_parts(run.out / "labels.npz")
     label = np.where((label == Part.SKIN) & (raw.points[raw.place, 0] > 0.5), int(Part.OTHER), label).astype(np.uint8)
-    return raw, label, separate(raw, Hints(label=label, body=builtin_body(BODY)))
+    return raw, label, label_person(raw, Hints(label=label, body=builtin_body(BODY)))
 
 
 def test_mended_labels_come_back(run, mended):
@@ -122,13 +122,13 @@ def test_mended_labels_come_back(run, mended):
     np.testing.assert_array_equal(separation.label, label)
     assert [garment.part for garment in separation.garments] == [Part.UPPER, Part.LOWER]
     with pytest.raises(PartNotWorn):
-        cut_garment_of(find_surface(raw, separation.body), separation, Part.OUTER)
+        extract_garment(build_person_surface(raw, separation.body), separation, Part.OUTER)
 
 
 def test_an_inferred_opening_is_not_trusted(mended):
     """Broken where the waist below the shirt's hem is fitted as if the trousers ended there."""
     raw, _, separation = mended
-    reading = cut_garment_of(find_surface(raw, separation.body), separation, Part.LOWER)
+    reading = extract_garment(build_person_surface(raw, separation.body), separation, Part.LOWER)
     assert reading.body is separation.body and reading.category == "trousers"
     trusted = {c.name: c.trusted for c in segment_garment(reading.pieces.garment, reading.body).contours}
     assert trusted == {"leg.left": True, "leg.right": True, "waist": False}
@@ -142,4 +142,4 @@ def test_two_who_stand_apart_are_refused_before_any_fit(monkeypatch):
     every = np.arange(3)
     raw = RawScan(np.eye(3), np.zeros((0, 3), int), None, False, None, None, every, every, pieces=2)
     with pytest.raises(SeveralPersons):
-        separate(raw)
+        label_person(raw)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from garmentq.core.body import JOINTS, PersonFit, refit_person
-from garmentq.core.body.fit import State
+from garmentq.core.body.fit import FitState
 from garmentq.core.body.registration import body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.geometry import vertex_normals
 from garmentq.core.people import PARTS, Part
-from garmentq.core.people.separate import weigh
+from garmentq.core.people.separate import to_point_weights
 
 TEMPLATE = load_template()
 WIDE = 0.11
@@ -18,7 +18,7 @@ WIDE = 0.11
 
 def test_shoes_hold_the_feet_of_a_suits_wearer() -> None:
     """Broken where shoes hardly count: legs then go where they like within wide trousers (ankles 3 to 6 cm off)."""
-    state = State(np.zeros(10), rotations_of(np.zeros((24, 3))), np.zeros(3))
+    state = FitState(np.zeros(10), rotations_of(np.zeros((24, 3))), np.zeros(3))
     body = body_of_state(TEMPLATE, state, 0.0)
     skin, normals = pose_model(TEMPLATE, state)
     joint = np.array(JOINTS)[TEMPLATE.weights.argmax(axis=1)]
@@ -38,6 +38,6 @@ def test_shoes_hold_the_feet_of_a_suits_wearer() -> None:
     posterior = (label[:, None] == np.array(PARTS)).astype(np.float64)
     fit = PersonFit(body, state, 0.0, 0.0, 1.0, 0.0)
     for _ in range(2):
-        fit = refit_person(fit, points, vertex_normals(points, TEMPLATE.faces), weigh(posterior))
+        fit = refit_person(fit, points, vertex_normals(points, TEMPLATE.faces), to_point_weights(posterior))
     for name in ("left_ankle", "right_ankle"):
         assert np.linalg.norm(fit.body.joint(name) - body.joint(name)) < 0.015

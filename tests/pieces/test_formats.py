@@ -10,12 +10,12 @@ import pypdfium2
 import pytest
 import shapely
 from garmentq.core.deliver.formats import DIALECTS, ExportOptions, find_paper
-from garmentq.core.deliver.formats.dialects import BY_NAME
+from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text, write_archive
 from garmentq.core.deliver.formats.layered_svg import pieces_svg
 from garmentq.core.deliver.formats.pdf_file import Page, pdf_bytes
-from garmentq.core.deliver.formats.sheet import arrange
-from garmentq.core.deliver.formats.tiled_pdf import MARGIN, draw_sheet, pieces_pdf, roll_page, tile
+from garmentq.core.deliver.formats.sheet import arrange_pieces
+from garmentq.core.deliver.formats.tiled_pdf import TILE_MARGIN_MM, draw_sheet, pieces_pdf, roll_page, tile_pieces
 from garmentq.core.garment import Edge, Panel, Pattern, edge_length, list_templates, load_template
 from garmentq.core.garment.pieces import (
     PieceSettings,
@@ -38,7 +38,7 @@ POINT = 72.0 / 25.4
 def drawing_of(name, dialect, fold=False):
     """Read back a template's DXF; fold as asked."""
     pieces = pieces_of(name, fold=fold)
-    text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.pieces], BY_NAME[dialect])
+    text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.pieces], DIALECTS_BY_NAME[dialect])
     return text, ezdxf.read(io.StringIO(text, newline=None))
 
 
@@ -58,7 +58,7 @@ def outline_of(block, layer, dialect):
 def test_dxf_says_what_the_pieces_are(name, dialect):
     """Broken where a reader finds other outlines, notches beside vertices or outwards, or a record too much."""
     text, drawing = drawing_of(name, dialect)
-    rule, pieces = BY_NAME[dialect], pieces_of(name).pieces
+    rule, pieces = DIALECTS_BY_NAME[dialect], pieces_of(name).pieces
     audit = drawing.audit()
     assert not audit.errors and not audit.fixes
     assert text.isascii() and max(map(len, text.splitlines())) <= 255
@@ -115,7 +115,7 @@ def test_each_dialect_keeps_its_own_rule():
     assert not layers["seamly"] & {"2", "3", "14"} and "8" in layers["seamly"]
     assert all("TABLES" not in text.splitlines() for text in texts.values())
     for name in ("gerber", "optitex", "richpeace"):
-        points, is_closed = outline_of(drawing_of("tshirt", name)[1].blocks.get("FRONT"), 1, BY_NAME[name])
+        points, is_closed = outline_of(drawing_of("tshirt", name)[1].blocks.get("FRONT"), 1, DIALECTS_BY_NAME[name])
         assert not is_closed and np.array_equal(points[0], points[-1])
 
 
@@ -124,9 +124,9 @@ def test_a_half_piece_has_its_mirror_line():
     _, drawing = drawing_of("tshirt", "aama", True)
     block = drawing.blocks.get("FRONT")
     (fold,) = [e for e in block.query("LINE") if e.dxf.layer == "6"]
-    points, _ = outline_of(block, 1, BY_NAME["aama"])
+    points, _ = outline_of(block, 1, DIALECTS_BY_NAME["aama"])
     edge = LineString(points[[0, -1]])
-    assert edge.distance(Point(to_metres([fold.dxf.start], BY_NAME["aama"])[0])) < 2e-6
+    assert edge.distance(Point(to_metres([fold.dxf.start], DIALECTS_BY_NAME["aama"])[0])) < 2e-6
     assert fold.dxf.start.x == fold.dxf.end.x
 
 
@@ -176,7 +176,7 @@ def test_the_test_squares_measure_what_they_say():
 def test_pasted_sheets_are_the_whole_sheet(name):
     """Broken where a sheet is cut at another place than where it is pasted, or one with a line on it is left out."""
     paper, dpi = find_paper(name), 50.8  # 2 pixels a millimetre
-    sheet, tiling = tile(pieces_of("tshirt"), paper)
+    sheet, tiling = tile_pieces(pieces_of("tshirt"), paper)
     size = np.ceil(sheet.size * 1e3).astype(int)
     plain = pdf_bytes([Page(float(size[0]), float(size[1]), "/Drawing Do\n")], "", draw_sheet(sheet))
     whole = render(plain, dpi=dpi) < 128
@@ -185,7 +185,10 @@ def test_pasted_sheets_are_the_whole_sheet(name):
     top = size[1] - float(sheet.size[1]) * 1e3
     for n, one in enumerate(tiling.tiles, 1):
         image = render(content, n, dpi) < 128
-        inner = image[int(2 * MARGIN) + 3 : -int(2 * MARGIN) - 3, int(2 * MARGIN) + 3 : -int(2 * MARGIN) - 3]
+        inner = image[
+            int(2 * TILE_MARGIN_MM) + 3 : -int(2 * TILE_MARGIN_MM) - 3,
+            int(2 * TILE_MARGIN_MM) + 3 : -int(2 * TILE_MARGIN_MM) - 3,
+        ]
         y = round(2 * (top + one.row * tiling.step[1])) + 3
         x = round(2 * one.column * tiling.step[0]) + 3
         inner = inner[: pasted.shape[0] - y, : pasted.shape[1] - x]
@@ -203,7 +206,7 @@ def test_path_coordinates_are_the_cut_lines():
     content = pieces_pdf(pieces, find_paper("roll"))
     page = PdfReader(io.BytesIO(content)).pages[0]
     text = page["/Resources"]["/XObject"]["/Drawing"].get_object().get_data().decode()
-    sheet = arrange(pieces, (find_paper("roll").width - 2 * MARGIN) / 1e3)
+    sheet = arrange_pieces(pieces, (find_paper("roll").width - 2 * TILE_MARGIN_MM) / 1e3)
     paths = [
         line.split("d ", 1)[1] for line in text.splitlines() if line.startswith("0.35 w [] 0 d") and line.endswith(" s")
     ]
@@ -217,7 +220,7 @@ def test_path_coordinates_are_the_cut_lines():
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_texts_lie_within_their_pieces(name):
     """Broken where a label sticks out of its piece, is under 5 mm, or covers a notch."""
-    sheet = arrange(pieces_of(name), 1.4)
+    sheet = arrange_pieces(pieces_of(name), 1.4)
     for texts, piece, shift in zip(sheet.texts, sheet.pieces.pieces, sheet.shifts, strict=True):
         assert texts, piece.name
         net = Polygon(flatten_outline(piece.net)[0] + shift)
@@ -230,7 +233,7 @@ def test_texts_lie_within_their_pieces(name):
 
 def test_archive_holds_both_files_and_a_note(tmp_path):
     """Broken where DXF and rule table part ways, or an archive differs from one second to the next."""
-    dialect = BY_NAME["clo"]
+    dialect = DIALECTS_BY_NAME["clo"]
     files = {"pieces_clo.dxf": "0\r\nEOF\r\n", "pieces_clo.rul": rule_text(dialect, ("A", "B"), [np.eye(2)])}
     first = write_archive(files, dialect, tmp_path, "pieces_clo.zip")[-1].read_bytes()
     assert write_archive(files, dialect, tmp_path, "pieces_clo.zip")[-1].read_bytes() == first
@@ -245,7 +248,7 @@ def test_hostile_names_reach_no_file():
     corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]])
     panel = Panel(evil, corners, (Edge(label=evil, contour=evil),) * 4, label=evil)
     pieces = make_pieces(Pattern(evil, (panel,), ()), None, Style(evil, evil, evil))
-    for dialect in BY_NAME.values():
+    for dialect in DIALECTS_BY_NAME.values():
         text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.pieces], dialect)
         assert text.count("EOF\r\n") == 1 and text.isascii() and max(map(len, text.splitlines())) <= 255
         assert not ezdxf.read(io.StringIO(text, newline=None)).audit().errors
@@ -280,7 +283,7 @@ def test_cloth_holds_all_copies():
 
 def test_a_long_roll_has_larger_units():
     """Broken where a page over 200 in is cut off: its own units grow instead."""
-    page = roll_page(arrange(pieces_of("dress"), 0.9), 914.0)
+    page = roll_page(arrange_pieces(pieces_of("dress"), 0.9), 914.0)
     long = Page(914.0, 6000.0, page.content)
     found = PdfReader(io.BytesIO(pdf_bytes([long], "t"))).pages[0]
     assert float(found.mediabox[3]) <= 14400

@@ -38,7 +38,7 @@ def test_copies_are_mirrored_and_opened(pieces):
 def test_copies_lie_apart_on_cloth_along_the_warp(lay, pieces, monkeypatch):
     """Broken where two copies overlap, one hangs over the selvedge, is turned off its grain or another size,
     or the extra is installed and not used."""
-    monkeypatch.setattr(nesting, "EXPLORE", 1)
+    monkeypatch.setattr(nesting, "NESTING_EXPLORATION_TIME", 1)
     found = lay(pieces.pieces)
     shapes = [Polygon(copy.outline) for copy in found.copies]
     assert min(a.distance(b) for n, a in enumerate(shapes) for b in shapes[:n]) >= CLOTH_GAP - 1e-6

@@ -13,7 +13,7 @@ from garmentq.core.garment import (
     load_template,
 )
 from garmentq.core.garment.pieces import (
-    TURNED,
+    TURNED_UP_EDGE_USES,
     AllowanceBad,
     EdgeUse,
     PieceSettings,
@@ -103,7 +103,7 @@ def test_cut_lines_are_what_shapely_offsets(name):
     """Broken where an even allowance is not 10 mm everywhere: shapely's mitred buffer differs by under 0.2 mm2."""
     even = ",".join(f"{use}=10" for use in EdgeUse if use not in ("dart", "fold"))
     for piece in pieces_of(name, even).pieces:
-        if any(edge.use in TURNED for edge in piece.edges):
+        if any(edge.use in TURNED_UP_EDGE_USES for edge in piece.edges):
             continue  # mirrored at the fold; below
         net, cut = Polygon(flatten_outline(piece.net)[0]), Polygon(piece.cut.points)
         assert cut.is_valid and net.within(cut)
@@ -132,10 +132,10 @@ def test_hems_turned_up_lie_on_cloth(name):
     for piece in pieces_of(name).pieces:
         cut = Polygon(piece.cut.points)
         for i, edge in enumerate(piece.edges):
-            if edge.use not in TURNED or piece.net.edges[i].kind != "line":
+            if edge.use not in TURNED_UP_EDGE_USES or piece.net.edges[i].kind != "line":
                 continue
             neighbours = [piece.edges[(i + k) % len(piece.edges)].use for k in (-1, 1)]
-            if any(use in TURNED for use in neighbours):
+            if any(use in TURNED_UP_EDGE_USES for use in neighbours):
                 continue
             a, b = piece.net.points[i], piece.net.points[(i + 1) % len(piece.net.points)]
             along = (b - a) / np.linalg.norm(b - a)

@@ -6,23 +6,23 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.body import MeasureRange, Tape, builtin_body, resize_body
+from garmentq.core.body import MeasureRange, TapeMeasure, builtin_body, resize_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export import sizes as written_sizes
 from garmentq.core.deliver.formats import ExportOptions, Production, write_production
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.size_drapes import drape_size
 from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.reuse.wear import Worn, is_sound, wear_template
+from garmentq.core.reuse.wear import WornGarment, is_valid_drape, load_worn_template
 from garmentq.core.run.report import ResultReport
 from PIL import Image
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 
 
-def wear(name: str) -> Worn:
+def wear(name: str) -> WornGarment:
     """Return a shipped drape as a garment that is worn."""
-    worn = wear_template(name, get_fabric("single_jersey"))
+    worn = load_worn_template(name, get_fabric("single_jersey"))
     if worn is None:
         pytest.skip("no drape is shipped for this machine's triangulation")
     return worn
@@ -33,7 +33,7 @@ def test_a_resized_body_has_the_measures(growth):
     """Broken where a body by a size's measures misses one or its height by 3 mm, or is another person without any."""
     wearer = builtin_body("builtin:male,height=1.80,weight=75,pose=A")
     body = resize_body(wearer, dict.fromkeys(("chest", "waist", "hip"), growth))
-    tapes = [Tape.of(one) for one in (wearer, body)]
+    tapes = [TapeMeasure.of(one) for one in (wearer, body)]
     for place in ("chest", "waist", "hip"):
         assert tapes[1].measure(place).value - tapes[0].measure(place).value == pytest.approx(growth, abs=3e-3)
     assert np.ptp(body.rest_vertices[:, 1]) == pytest.approx(1.80, abs=3e-3)
@@ -77,4 +77,4 @@ def test_every_size_hangs_at_rest_on_its_body(name):
     base = measure_wearer(worn.body)
     for size in grade_sizes(worn.pattern, name, base, 1.70, ExportOptions("sizes", first=-2, last=4)):
         metrics = drape_size(worn, size, base).report.metrics
-        assert is_sound(metrics), (size.name, metrics)
+        assert is_valid_drape(metrics), (size.name, metrics)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from garmentq.cli.sizes import read_sizes
 from garmentq.core.deliver.formats import ExportOptions, SizeLine, SizesBad
-from garmentq.core.deliver.formats.dialects import BY_NAME
+from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.nest import find_rules, nest_pdf
@@ -61,7 +61,7 @@ def test_girth_grows_by_the_step():
 def test_rules_move_the_base_onto_the_nest(name, dialect):
     """Broken where a rule table and the nest disagree: every point with a rule, moved, is a vertex of the nest."""
     _, sizes = sizes_of(name)
-    rule = BY_NAME[dialect]
+    rule = DIALECTS_BY_NAME[dialect]
     pieces = pieces_of_sizes(name)
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     moves, rules = find_rules(pieces, base)

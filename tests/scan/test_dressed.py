@@ -12,14 +12,14 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import judge
+from garmentq.core.judge import evaluate_gates
 from garmentq.core.people.wearer import FoundWearer, fit_wearer
 from garmentq.core.recover.inputs import read_files
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings, SettingsBad
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.verdict import Verdict
-from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
+from garmentq.core.scan import Scan, ScanInput, Selection, cut_garment, load_scan_input, select_vertices
 from garmentq.core.scan.contours import find_loops, segment_garment, smoothed_length
 from garmentq.core.scan.contours.rounded_rims import straighten_scan
 from garmentq.core.scan.selection import select_other_cloth
@@ -71,13 +71,13 @@ def dressed(tmp_path_factory: pytest.TempPathFactory) -> Dressed:
 
 
 @pytest.fixture(scope="session")
-def pieces(dressed: Dressed) -> Pieces:
+def pieces(dressed: Dressed) -> ScanInput:
     """Read the dressed person by the labels in the file."""
-    return load_pieces(dressed.path, None, selection=Selection(keep=("7",)))
+    return load_scan_input(dressed.path, None, selection=Selection(keep=("7",)))
 
 
 @pytest.fixture(scope="session")
-def wearer(pieces: Pieces) -> FoundWearer:
+def wearer(pieces: ScanInput) -> FoundWearer:
     """Register the body below the cloth."""
     assert pieces.wearer is not None
     return fit_wearer(pieces.wearer, pieces.cloth, labels=pieces.labels)
@@ -89,7 +89,7 @@ def found(wearer: FoundWearer) -> Body:
     return wearer.body
 
 
-def test_labels_in_the_scan_are_the_garment(dressed: Dressed, pieces: Pieces) -> None:
+def test_labels_in_the_scan_are_the_garment(dressed: Dressed, pieces: ScanInput) -> None:
     """Broken where labels are lost on the way through parser and repair, or the cut wanders off their border."""
     assert pieces.cloth is not None and pieces.wearer is not None
     assert np.array_equal(pieces.cloth, dressed.cloth)
@@ -105,7 +105,7 @@ def test_labels_in_the_scan_are_the_garment(dressed: Dressed, pieces: Pieces) ->
 
 
 @pytest.mark.parametrize("form", ["npz", "npy", "txt", "colour"])
-def test_other_ways_to_tell_cut_the_same(dressed: Dressed, pieces: Pieces, tmp_path: Path, form: str) -> None:
+def test_other_ways_to_tell_cut_the_same(dressed: Dressed, pieces: ScanInput, tmp_path: Path, form: str) -> None:
     """Broken where a file's labels are applied in another order than the file's vertices, or colours are scaled."""
     path = tmp_path / f"labels.{form}"
     if form == "npz":
@@ -116,7 +116,7 @@ def test_other_ways_to_tell_cut_the_same(dressed: Dressed, pieces: Pieces, tmp_p
         path.write_text("\n".join(np.where(dressed.cloth, "shirt", "skin").tolist()))
     keep = ("shirt",) if form == "txt" else ()
     selection = Selection(colour="#465faa") if form == "colour" else Selection(path, keep=keep)
-    again = load_pieces(dressed.path, None, selection=selection)
+    again = load_scan_input(dressed.path, None, selection=selection)
     assert np.array_equal(again.garment.vertices, pieces.garment.vertices)
     assert np.array_equal(again.garment.faces, pieces.garment.faces)
 
@@ -128,12 +128,12 @@ def refusal(scan: Scan, selection: Selection) -> BadInput:
     return caught.value
 
 
-def test_wrong_labels_are_refused(dressed: Dressed, pieces: Pieces, tmp_path: Path) -> None:
+def test_wrong_labels_are_refused(dressed: Dressed, pieces: ScanInput, tmp_path: Path) -> None:
     """Broken where labels of another scan cut anything at all, or a missing label gives an empty garment."""
     path = tmp_path / "labels.npy"
     np.save(path, dressed.cloth[:-1])
     with pytest.raises(BadInput) as caught:
-        load_pieces(dressed.path, None, selection=Selection(path))
+        load_scan_input(dressed.path, None, selection=Selection(path))
     assert caught.value.code == "scan.labels_mismatch"
     assert str(len(dressed.cloth)) in caught.value.message and str(len(dressed.cloth) - 1) in caught.value.message
     whole = pieces.wearer
@@ -145,9 +145,9 @@ def test_wrong_labels_are_refused(dressed: Dressed, pieces: Pieces, tmp_path: Pa
     assert refusal(whole, Selection(colour="blue")).code == "scan.colour"
 
 
-def test_other_clothes_hide_the_body_too(dressed: Dressed, pieces: Pieces) -> None:
+def test_other_clothes_hide_the_body_too(dressed: Dressed, pieces: ScanInput) -> None:
     """Broken where trousers count as skin while the shirt is recovered, or become part of the shirt."""
-    both = load_pieces(dressed.path, None, selection=Selection(keep=("7",), cloth=("3",)))
+    both = load_scan_input(dressed.path, None, selection=Selection(keep=("7",), cloth=("3",)))
     assert both.cloth is not None and both.cloth.all()
     assert np.array_equal(both.garment.faces, pieces.garment.faces)
     assert pieces.wearer is not None
@@ -161,11 +161,11 @@ def test_labels_taken_for_skin_are_told(dressed: Dressed, tmp_path: Path) -> Non
     path = tmp_path / "labels.npy"
     labels = np.where(dressed.cloth, 1, 0)
     np.save(path, np.where(~dressed.cloth & (dressed.vertices[:, 1] < 0.8), 2, labels))
-    told = load_pieces(dressed.path, None, selection=Selection(path, keep=("1",))).garment.repairs
+    told = load_scan_input(dressed.path, None, selection=Selection(path, keep=("1",))).garment.repairs
     assert any("labels 0, 2 for skin" in note and "--cloth" in note for note in told)
     for selection in (Selection(path, keep=("1",), cloth=("2",)), Selection(colour="#465faa")):
         assert not any(
-            "for skin" in note for note in load_pieces(dressed.path, None, selection=selection).garment.repairs
+            "for skin" in note for note in load_scan_input(dressed.path, None, selection=selection).garment.repairs
         )
 
 
@@ -216,7 +216,7 @@ def test_what_the_scanner_did_not_see_is_known() -> None:
 
 
 @pytest.mark.slow
-def test_body_stays_below_the_cloth(dressed: Dressed, pieces: Pieces, found: Body) -> None:
+def test_body_stays_below_the_cloth(dressed: Dressed, pieces: ScanInput, found: Body) -> None:
     """Broken where cloth counts as skin (the body then fills the shirt) or counts for nothing (it sticks out)."""
     assert np.linalg.norm(found.joints - dressed.joints, axis=1).mean() < 0.015
     assert found.source == "scan:person" and found.fit_rms < 0.006
@@ -234,7 +234,7 @@ def test_body_stays_below_the_cloth(dressed: Dressed, pieces: Pieces, found: Bod
 
 
 @pytest.mark.slow
-def test_a_garment_that_is_taken_for_skin_is_found(dressed: Dressed, pieces: Pieces, wearer: FoundWearer) -> None:
+def test_a_garment_that_is_taken_for_skin_is_found(dressed: Dressed, pieces: ScanInput, wearer: FoundWearer) -> None:
     """Broken where a body that was fitted to clothes as if they were skin passes, or one below marked cloth does not.
 
     The shirt hangs 2 cm wider, and the marks say that the left hand alone is cloth.
@@ -248,12 +248,12 @@ def test_a_garment_that_is_taken_for_skin_is_found(dressed: Dressed, pieces: Pie
     (one,) = fit_wearer(replace(scan, vertices=wide), hand, labels=labels).undeclared or ()
     assert (one.part, one.labels, one.is_whole, one.is_off_body) == ("upper", ("7",), True, True)
     assert "Label 7" in one.tell() and "--cloth 7" in one.tell()
-    gate = next(gate for gate in judge({"body.undeclared_mm": 1e3 * one.offset}) if gate.name == "undeclared")
+    gate = next(gate for gate in evaluate_gates({"body.undeclared_mm": 1e3 * one.offset}) if gate.name == "undeclared")
     assert gate.verdict == Verdict.DOUBTFUL and "--cloth" in gate.message
 
 
 @pytest.mark.slow
-def test_a_person_who_was_scanned_to_the_knees_is_enough(dressed: Dressed, pieces: Pieces) -> None:
+def test_a_person_who_was_scanned_to_the_knees_is_enough(dressed: Dressed, pieces: ScanInput) -> None:
     """Broken where who marked the clothes is told that the scan shows no whole person, or the trunk goes astray."""
     assert pieces.wearer is not None and pieces.cloth is not None
     vertices, faces = pieces.wearer.vertices, pieces.wearer.faces
@@ -265,7 +265,7 @@ def test_a_person_who_was_scanned_to_the_knees_is_enough(dressed: Dressed, piece
 
 
 @pytest.mark.slow
-def test_contours_of_the_cut_have_their_names(pieces: Pieces, found: Body) -> None:
+def test_contours_of_the_cut_have_their_names(pieces: ScanInput, found: Body) -> None:
     """Broken where cut, registration and naming do not fit together."""
     target = segment_garment(pieces.garment, found)
     assert target.category == "tshirt"
@@ -274,7 +274,7 @@ def test_contours_of_the_cut_have_their_names(pieces: Pieces, found: Body) -> No
 
 
 @pytest.mark.slow
-def test_hole_through_the_neckline_is_bridged(pieces: Pieces, found: Body) -> None:
+def test_hole_through_the_neckline_is_bridged(pieces: ScanInput, found: Body) -> None:
     """Broken where a hole of the scan that reaches the neck makes the neckline long, or a design is cut off."""
     whole = segment_garment(pieces.garment, found).contour("neck")
     assert whole is not None and pieces.wearer is not None and pieces.cloth is not None
@@ -297,7 +297,7 @@ def test_hole_through_the_neckline_is_bridged(pieces: Pieces, found: Body) -> No
     assert [smoothed_length(holed.vertices[hole]) > 0.1 for hole in target.holes] == [True]
 
 
-def test_pipeline_reads_the_pieces(dressed: Dressed, pieces: Pieces) -> None:
+def test_pipeline_reads_the_pieces(dressed: Dressed, pieces: ScanInput) -> None:
     """Broken where settings do not reach the cut, or a garment alone passes without a body."""
     read = read_files(Request(dressed.path, settings=RecoverySettings(keep="7")))
     assert read.cloth is not None and np.array_equal(read.garment.faces, pieces.garment.faces)
@@ -316,7 +316,7 @@ def test_settings_are_plain_values_and_checked() -> None:
             RecoverySettings(**wrong)
 
 
-def test_inspect_cuts_the_garment_out(dressed: Dressed, pieces: Pieces) -> None:
+def test_inspect_cuts_the_garment_out(dressed: Dressed, pieces: ScanInput) -> None:
     """Broken where `inspect` shows the whole person, or another garment than the job would recover."""
     from click.testing import CliRunner
     from garmentq.cli.main import group

@@ -12,7 +12,7 @@ import trimesh
 from click.testing import CliRunner
 from garmentq.cli.inspect import command as inspect
 from garmentq.core.body import builtin_body
-from garmentq.core.people.given import Given, describe_given
+from garmentq.core.people.given import PersonInput, describe_person_input
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan import Limits, load_raw, load_scan
 
@@ -69,7 +69,7 @@ def test_what_is_no_person_is_read_or_refused_by_name(tmp_path, case):
                 continue
             if read is load_raw:
                 assert len(found.points) >= 100
-                assert np.isfinite(describe_given(Given(found))["scan"]["extent_m"]).all()
+                assert np.isfinite(describe_person_input(PersonInput(found))["scan"]["extent_m"]).all()
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,13 @@ import pytest
 import trimesh
 from garmentq.core.geometry import HalfEdges
 from garmentq.core.scan.refusal import PiecesTooMany
-from garmentq.core.scan.repair import MOST_PIECES, boundary_pieces, enclosed_volume, repair_surface, turn_from_body
+from garmentq.core.scan.repair import (
+    MAX_MESH_PIECE_COUNT,
+    boundary_pieces,
+    enclosed_volume,
+    is_facing_body,
+    repair_surface,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -135,8 +141,8 @@ def test_vote_of_the_body():
     body, body_faces = tube(radius=0.15, height=1.0)
     vertices, faces = tube()
     front = vertices[faces].mean(axis=1)[:, 2] > 0.05
-    assert not turn_from_body(vertices, faces[front], body, body_faces)
-    assert turn_from_body(vertices, faces[front][:, ::-1], body, body_faces)
+    assert not is_facing_body(vertices, faces[front], body, body_faces)
+    assert is_facing_body(vertices, faces[front][:, ::-1], body, body_faces)
 
 
 def test_thousands_of_pieces_are_refused_and_hundreds_are_quick():
@@ -155,4 +161,4 @@ def test_thousands_of_pieces_are_refused_and_hundreds_are_quick():
     volumes = np.einsum("ij,ij->i", edges[:, 0], np.cross(edges[:, 1], edges[:, 2])).reshape(-1, 4).sum(axis=1) / 6.0
     np.testing.assert_allclose(volumes, 1.0 / 6.0)
     with pytest.raises(PiecesTooMany):
-        repair_surface(*scatter(MOST_PIECES + 1))
+        repair_surface(*scatter(MAX_MESH_PIECE_COUNT + 1))

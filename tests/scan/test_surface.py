@@ -6,7 +6,7 @@ import trimesh
 from garmentq.core.body import builtin_body
 from garmentq.core.geometry import TriangleSurface
 from garmentq.core.geometry.point_normals import find_normals, orient_normals, thin_points
-from garmentq.core.scan import RawScan, reconstruct, thin
+from garmentq.core.scan import RawScan, reconstruct, thin_raw_scan
 from garmentq.core.scan.reconstruct import SurfaceFailed, measure_spacing
 
 BODY = builtin_body("builtin:female,height=1.70")
@@ -86,11 +86,11 @@ def test_thinning_keeps_places(is_cloud):
     """Broken where what is found for a thinned point is carried to another place of the file."""
     if is_cloud:
         raw = make_raw(POINTS, np.zeros((0, 3), np.int64), NORMALS)
-        small = thin(raw, 4000)
+        small = thin_raw_scan(raw, 4000)
         assert 1000 < len(small.points) < 3000
     else:
         raw = make_raw(BODY.vertices, BODY.faces, np.array(MESH.vertex_normals))
-        small = thin(raw, 4000)
+        small = thin_raw_scan(raw, 4000)
         assert 3000 < len(small.faces) <= 4200
         assert TriangleSurface(small.points, small.faces).distance(raw.points).mean() < 0.004
     assert np.array_equal(small.place < 0, raw.place < 0)
@@ -98,4 +98,4 @@ def test_thinning_keeps_places(is_cloud):
     moved = np.linalg.norm(small.points[small.place[kept]] - raw.points[raw.place[kept]], axis=1)
     assert np.median(moved) < 0.02 and moved.max() < 0.12
     assert len(small.labels) == len(small.colours) == len(small.normals) == len(small.points)
-    assert thin(small, 10_000) is small
+    assert thin_raw_scan(small, 10_000) is small

@@ -12,9 +12,9 @@ from garmentq.cli.main import COMMANDS, group
 from garmentq.core.body import builtin_body
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.units import METRIC, UNITS, UnitName
-from garmentq.core.scan import Limits, Selection, load_pair, load_pieces, load_raw, load_scan
+from garmentq.core.scan import Limits, Selection, load_pair, load_raw, load_scan, load_scan_input
 from garmentq.core.scan.coloured import load_coloured
-from garmentq.service.api.inspection import Looked
+from garmentq.service.api.inspection import InspectionQuery
 from garmentq.service.api.schemas import ALLOWED
 
 INSIDE = Limits(is_confined=True)
@@ -50,7 +50,7 @@ def test_every_reader_takes_every_unit(files, unit):
     assert np.allclose(alone.vertices, garment.vertices)
     raw = load_raw(files / "person.ply", unit, "y", INSIDE)
     assert raw.units == unit and np.ptp(raw.points[:, 1]) == pytest.approx(np.ptp(V[:, 1]), rel=1e-6)
-    cut = load_pieces(
+    cut = load_scan_input(
         files / "person.ply", None, units=unit, up="y", limits=INSIDE, selection=Selection(colour="#0000ff")
     )
     assert cut.garment.units == unit and np.ptp(cut.wearer.vertices[:, 1]) == pytest.approx(np.ptp(V[:, 1]), rel=1e-6)
@@ -85,4 +85,4 @@ def test_there_is_one_list():
                 asked[name] = tuple(option.type.choices)
     assert asked.keys() >= {"run", "submit", "inspect", "segment", "dress", "refit"}
     assert {*asked.values(), tuple(ALLOWED["units"])} == {tuple(METRES)}
-    assert get_type_hints(Looked)["units"] == UnitName | None
+    assert get_type_hints(InspectionQuery)["units"] == UnitName | None

@@ -14,7 +14,7 @@ from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import Base, JobRow
 from garmentq.service.query import Condition, count_states, find_jobs, list_jobs
-from garmentq.service.reaper import reap, remind
+from garmentq.service.reaper import reap, republish_stalled_jobs
 from garmentq.service.results import report_jobs
 from garmentq.service.states import State
 from garmentq.service.verify import verify_store
@@ -153,7 +153,7 @@ def test_the_dispatcher_goes_on(database, queue_job, spoil):
         claim(database, job, "dead", -1.0)
     spoil("request", "'[1]'", damaged)
     assert reap(database, 3) == 1 and find_job(database, sound).state == State.QUEUED
-    assert remind(database, -60.0, lambda: True) >= 0
+    assert republish_stalled_jobs(database, -60.0, lambda: True) >= 0
 
 
 def test_a_damaged_webhook_ends_no_job(database, queue_job, spoil):

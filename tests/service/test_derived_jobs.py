@@ -13,7 +13,15 @@ from garmentq.core.body import builtin_body
 from garmentq.core.cloth import Drape, Outcome, get_fabric, write_fabrics
 from garmentq.core.garment import load_draped_template
 from garmentq.core.garment.pieces import measure_pieces
-from garmentq.core.reuse.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
+from garmentq.core.reuse.wear import (
+    DressedGarment,
+    WornGarment,
+    judge_wear,
+    load_worn,
+    measure_ease,
+    measure_worn,
+    save_worn,
+)
 from garmentq.core.run.errors import GarmentqError
 from garmentq.core.run.report import ResultReport
 from garmentq.service.derived import DerivedOrder, submit_derived
@@ -40,12 +48,12 @@ def database_kind():
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the body that it was drafted for."""
     garment = load_draped_template("skirt")
     body = builtin_body("builtin:female,height=1.70")
     waist = garment.nodes[garment.contour("waist").vertices]
-    return Worn(garment, get_fabric("cotton_poplin"), body, waist, None, "skirt", "skirt")
+    return WornGarment(garment, get_fabric("cotton_poplin"), body, waist, None, "skirt", "skirt")
 
 
 @pytest.fixture
@@ -69,7 +77,7 @@ def quick(monkeypatch):
 
         ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
         metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
-        return Dressed(
+        return DressedGarment(
             worn, now, drape, ease, *loads,
             ResultReport(metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0),
             measure_pieces(worn.pattern).pieces,
@@ -246,7 +254,7 @@ def test_thirty_is_thirty(backend, result):
 @pytest.fixture
 def still(monkeypatch):
     """Let moving take no time: every frame is the garment at rest, but each frame's body is the motion's."""
-    from garmentq.core.reuse.animate import Animation, Verdict
+    from garmentq.core.reuse.animate import Animation, FrameVerdict
 
     def frames(worn, motion, settings, hooks):
         from garmentq.core.body.motion import MovingBody
@@ -255,7 +263,9 @@ def still(monkeypatch):
         times = list_times(motion, settings)
         transforms = np.stack([MovingBody(worn.body).transforms(motion.at(float(t))) for t in times])
         nodes = np.tile(worn.garment.nodes, (len(times), 1, 1))
-        return Animation(worn, settings.fps, times, nodes, transforms, (Verdict(True, 0.0, 0, 1, 1, 0.1),) * len(times))
+        return Animation(
+            worn, settings.fps, times, nodes, transforms, (FrameVerdict(True, 0.0, 0, 1, 1, 0.1),) * len(times)
+        )
 
     monkeypatch.setattr("garmentq.core.reuse.animate.moved.animate", frames)
 

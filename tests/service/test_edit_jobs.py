@@ -13,7 +13,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.result import write_json
 from garmentq.core.garment import load_draped_template, load_pattern, read_pattern, write_pattern
-from garmentq.core.reuse.wear import Worn, load_worn, save_worn
+from garmentq.core.reuse.wear import WornGarment, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.keys import create_key
@@ -39,12 +39,12 @@ def database_kind():
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the body that it was drafted for."""
     garment = load_draped_template("skirt")
     body = builtin_body("builtin:female,height=1.70")
     waist = garment.nodes[garment.contour("waist").vertices]
-    return Worn(garment, get_fabric("cotton_poplin"), body, waist, None, "skirt", "skirt")
+    return WornGarment(garment, get_fabric("cotton_poplin"), body, waist, None, "skirt", "skirt")
 
 
 @pytest.fixture

@@ -15,9 +15,9 @@ from garmentq.core.deliver.formats import FORMATS
 from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, load_draped_template, mesh_pattern
 from garmentq.core.garment.reading import Reading, save_reading
 from garmentq.core.recover.recovery import Request
-from garmentq.core.reuse.wear import Worn, save_worn
+from garmentq.core.reuse.wear import WornGarment, save_worn
 from garmentq.core.run.errors import GarmentqError
-from garmentq.core.scan import Pieces, Scan
+from garmentq.core.scan import Scan, ScanInput
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.export_request import find_scan
@@ -38,13 +38,13 @@ def database_kind():
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the built-in body."""
     garment, body = load_draped_template("skirt"), builtin_body("builtin:female,height=1.70")
-    return Worn(garment, get_fabric("denim"), body, None, None, "skirt", "skirt")
+    return WornGarment(garment, get_fabric("denim"), body, None, None, "skirt", "skirt")
 
 
-def keep(home: tuple, worn: Worn, folder, colours: np.ndarray | None) -> str:
+def keep(home: tuple, worn: WornGarment, folder, colours: np.ndarray | None) -> str:
     """Store a recovery of the garment in centimetres, z up, whose scan has colours; return the job."""
     _, database, store = home
     nodes, faces = worn.garment.nodes, worn.garment.faces
@@ -135,7 +135,7 @@ def test_a_hostile_pattern_ends_with_a_code(home, tmp_path):
     seams = tuple(Seam(EdgeRef(panels[0].name, n), EdgeRef(panels[1].name, n)) for n in (1, 2))
     garment = mesh_pattern(Pattern("x", panels, seams), edge_length=0.05)
     body = builtin_body("builtin:female,height=1.70")
-    job = keep(home, Worn(garment, get_fabric("denim"), body, None, None, "x", "skirt"), tmp_path / "scan", None)
+    job = keep(home, WornGarment(garment, get_fabric("denim"), body, None, None, "x", "skirt"), tmp_path / "scan", None)
     backend = LocalBackend(home[0])
     done = backend.submit_derived(DerivedOrder("export", job, {"format": "clo"}))
     work_off(home[0], home[1])
@@ -151,7 +151,7 @@ def test_a_garment_of_a_person_has_the_person_s_reading_for_its_scan(home, worn,
     parent = keep(home, worn, tmp_path / "scan", None)
     colours = np.full((len(worn.garment.nodes), 3), 0.5)
     scan = Scan(worn.garment.nodes, worn.garment.faces, colours=colours)
-    save_reading(Reading(Pieces(scan, None)), tmp_path / "reading.npz")
+    save_reading(Reading(ScanInput(scan, None)), tmp_path / "reading.npz")
     kept = store.put(tmp_path / "reading.npz")
     with database.write() as session:
         row = session.get(JobRow, parent)

@@ -10,7 +10,7 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import Worn, save_worn
+from garmentq.core.reuse.wear import WornGarment, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.local import LocalBackend
@@ -38,7 +38,9 @@ def result(queue_job, settings, database, store, tmp_path) -> str:
     job = queue_job("tshirt")
     garment, body = load_draped_template("tshirt"), builtin_body("builtin:female,height=1.70")
     (tmp_path / "made").mkdir()
-    save_worn(Worn(garment, get_fabric("single_jersey"), body, None, None, "tshirt", "tshirt"), tmp_path / "made")
+    save_worn(
+        WornGarment(garment, get_fabric("single_jersey"), body, None, None, "tshirt", "tshirt"), tmp_path / "made"
+    )
     finish(settings, database, store, job, tmp_path / "made")
     return job
 

@@ -8,15 +8,15 @@ from dataclasses import replace
 import pytest
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.service.families import (
-    AWAITED,
+    AWAITED_FAILED_CODE,
     ChildrenBad,
     JobInUse,
     JobNotEnded,
     JobSucceeded,
-    advance,
     cancel,
     delete,
     make_children,
+    release_waiting_jobs,
     retry,
 )
 from garmentq.service.jobs import (
@@ -86,7 +86,7 @@ def test_retrying_the_root_runs_only_what_did_not_succeed(database, family, tmp_
     made = pieces(database, root)
     states = {name: row.state for name, row in made.items()}
     assert states == {"front": State.SUCCEEDED, "back": State.FAILED, "whole": State.FAILED}
-    assert made["whole"].error_code == AWAITED and made["back"].id in made["whole"].error_message
+    assert made["whole"].error_code == AWAITED_FAILED_CODE and made["back"].id in made["whole"].error_message
     reader = queue("reader", inputs={"root": root, "front": made["front"].id})
     work_off(settings, database)
     refusal.unlink()
@@ -130,7 +130,7 @@ def test_cancelling_the_root_cancels_the_family(database, family, moment):
             with database.write() as session:
                 succeed(session, held, {})
                 make_children(session, root, [ChildRequest("front", "standin.piece", {"text": "front"})])
-    advance(database)
+    release_waiting_jobs(database)
     left = pieces(database, root).values()
     assert len(left) == {"children": 3, "last": 1}.get(moment, 0)
     assert {row.state for row in left} <= {State.CANCELLED}
@@ -268,7 +268,7 @@ def test_random_sequences_keep_to_the_table(database, family, seed):
             job = generator.choice(sorted(held))
             finish(job, generator.choice(["succeed", "succeed", "fail", "cancel", "release"]))
         elif what == 5:
-            advance(database)
+            release_waiting_jobs(database)
         elif what == 6:
             generator.choice([lambda: cancel(database, row.id), expire])()
         elif what == 7:
@@ -291,7 +291,9 @@ def test_random_sequences_keep_to_the_table(database, family, seed):
     expire()
 
     def end_all() -> None:
-        while (advance(database), queued := find_jobs(database, JobQuery({"state": "queued"}).conditions))[1]:
+        while (release_waiting_jobs(database), queued := find_jobs(database, JobQuery({"state": "queued"}).conditions))[
+            1
+        ]:
             for row in queued:
                 held[row.id] = claim(database, row.id, "a", 600.0)
                 finish(row.id, "succeed")

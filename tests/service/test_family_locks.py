@@ -7,7 +7,7 @@ import time
 
 import pytest
 from garmentq.service import families
-from garmentq.service.families import advance, make_children, retry
+from garmentq.service.families import make_children, release_waiting_jobs, retry
 from garmentq.service.jobs import JobUnknown, find_job
 from garmentq.service.keys import create_key
 from garmentq.service.kinds import ChildRequest, pack_request
@@ -54,7 +54,7 @@ def test_a_job_whose_sibling_is_tried_again_goes_on_waiting(database, family, mo
     root = queue()
     run_job(settings, database, root, lambda: False)
     monkeypatch.setattr(families, "_is_ready", lambda: JobRow.state == State.WAITING)
-    advance(database)
+    release_waiting_jobs(database)
     assert pieces(database, root)["whole"].state == State.WAITING
 
 

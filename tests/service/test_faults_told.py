@@ -10,7 +10,7 @@ import httpx
 import pytest
 from garmentq.service.api.app import make_app
 from garmentq.service.models import LockRow, WorkerRow
-from garmentq.service.reaper import DUTY, hold_duty, show_life
+from garmentq.service.reaper import DISPATCHER_LEASE, acquire_leader_lease, record_heartbeat
 from garmentq.workers import patience
 from garmentq.workers.recovery import run_job
 
@@ -58,9 +58,9 @@ def never() -> bool:
 
 def meet_outage(settings, database, job, monkeypatch) -> None:
     """Make a worker meet what is away."""
-    monkeypatch.setattr(patience, "LONGEST_SECONDS", 0.1)
-    show_life(database, "host:1", "cpu", 1, 30.0)
-    hold_duty(database, DUTY, "host:1", 5.0)
+    monkeypatch.setattr(patience, "MAX_OUTAGE_PAUSE", 0.1)
+    record_heartbeat(database, "host:1", "cpu", 1, 30.0)
+    acquire_leader_lease(database, DISPATCHER_LEASE, "host:1", 5.0)
     assert run_job(settings, database, job, never) == "unclaimed"
 
 
@@ -86,14 +86,14 @@ def test_a_store_that_is_full(settings, database, queue_job, tell, monkeypatch):
 def test_a_clock_that_was_set_back(database, queue_job, tell):
     """Broken where rows of a dead worker, an hour ahead, look alive."""
     queue_job()
-    show_life(database, "dead:1", "cpu", 1, 30.0)
-    hold_duty(database, DUTY, "dead:1", 5.0)
+    record_heartbeat(database, "dead:1", "cpu", 1, 30.0)
+    acquire_leader_lease(database, DISPATCHER_LEASE, "dead:1", 5.0)
     with database.write() as session:
         session.query(LockRow).update({"until": LockRow.until + HOUR})
         session.query(WorkerRow).update({"seen": WorkerRow.seen + HOUR})
     for name, text in tell().items():
         assert "no worker is up" in text and "garmentq up" in text, (name, text)
-    show_life(database, "new:1", "cpu", 1, 30.0)
+    record_heartbeat(database, "new:1", "cpu", 1, 30.0)
     for name, text in tell().items():
         assert "no dispatcher has acted yet" in text and "restart them" in text, (name, text)
 
@@ -101,10 +101,10 @@ def test_a_clock_that_was_set_back(database, queue_job, tell):
 def test_a_clock_that_was_set_ahead(database, queue_job, tell):
     """Broken where nobody is told that nothing was dispatched for an hour."""
     queue_job()
-    hold_duty(database, DUTY, "host:1", 5.0)
+    acquire_leader_lease(database, DISPATCHER_LEASE, "host:1", 5.0)
     with database.write() as session:
         session.query(LockRow).update({"until": LockRow.until - HOUR})
-    show_life(database, "host:1", "cpu", 1, 30.0)
+    record_heartbeat(database, "host:1", "cpu", 1, 30.0)
     for name, text in tell().items():
         assert "no dispatcher has acted for 360" in text and "restart them" in text, (name, text)
 

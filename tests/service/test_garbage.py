@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 
-from garmentq.cli.gc import GRACE_HOURS
+from garmentq.cli.gc import GARBAGE_GRACE_HOURS
 from garmentq.service import garbage
 from garmentq.service.garbage import collect_garbage
 from garmentq.service.jobs import claim
@@ -69,7 +69,7 @@ def test_a_file_that_is_put_again_in_the_last_moment_stays(database, store, monk
     listed = store.list_kept
 
     def list_then_put():
-        found = [garbage.Kept(one.sha256, one.size, one.modified - 2 * DAY) for one in listed()]
+        found = [garbage.StoreEntry(one.sha256, one.size, one.modified - 2 * DAY) for one in listed()]
         store.put_bytes(b"checkpoint")
         return iter(found)
 
@@ -92,7 +92,7 @@ def test_two_collectors(database, store, monkeypatch):
 
 def test_the_command_is_dry_unless_told(cli, database, store):
     """Broken where looking removes, or the command's grace time differs from the one that is explained."""
-    assert GRACE_HOURS == garbage.GRACE_HOURS
+    assert GARBAGE_GRACE_HOURS == garbage.GARBAGE_GRACE_HOURS
     store.put_bytes(b"orphan")
     assert json.loads(cli("gc", "--json").stdout)["files"] == 0
     assert json.loads(cli("gc", "--grace-hours", 0, "--json").stdout)["files"] == 1

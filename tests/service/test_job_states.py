@@ -17,7 +17,7 @@ from garmentq.service.jobs import (
     end_cancelled,
     fail,
     find_job,
-    look,
+    read_cancel_flag,
     read_events,
     release,
     renew,
@@ -26,7 +26,14 @@ from garmentq.service.kinds.recover import Recover
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow
 from garmentq.service.progress import report
 from garmentq.service.query import list_jobs
-from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
+from garmentq.service.reaper import (
+    acquire_leader_lease,
+    dispatch,
+    is_idle,
+    reap,
+    release_leader_lease,
+    republish_stalled_jobs,
+)
 from garmentq.service.records import Progress
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
@@ -105,7 +112,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
         with pytest.raises(FenceLost):
             write()
     assert not renew(database, zombie, 30.0).is_owner
-    assert not look(database, zombie).is_owner
+    assert not read_cancel_flag(database, zombie).is_owner
     with database.read() as session:
         assert session.scalar(select(func.count()).select_from(EventRow)) == events
         assert session.scalar(select(func.count()).select_from(ArtifactRow)) == 0
@@ -148,9 +155,9 @@ def test_cancel(database, queue_job):
     assert cancel(database, queued) == "cancelled"
     assert claim(database, queued, "a", 30.0) is None
     held = claim(database, running, "a", 30.0)
-    assert not look(database, held).is_cancelled
+    assert not read_cancel_flag(database, held).is_cancelled
     assert cancel(database, running) == "running"
-    assert look(database, held).is_cancelled and renew(database, held, 30.0).is_cancelled
+    assert read_cancel_flag(database, held).is_cancelled and renew(database, held, 30.0).is_cancelled
     end_cancelled(database, held)
     assert cancel(database, running) == "cancelled"
     with pytest.raises(JobUnknown):
@@ -197,12 +204,12 @@ def test_a_forgotten_job_is_published_again(database, queue_job):
     """Broken where the broker's memory were the truth: a FLUSHALL would leave the job queued for ever."""
     job = queue_job()
     dispatch(database, lambda *_: None)
-    assert remind(database, 60.0, lambda: True) == 0
+    assert republish_stalled_jobs(database, 60.0, lambda: True) == 0
     time.sleep(0.1)
-    assert remind(database, 0.05, lambda: False) == 0, "a broker that is only busy must not be flooded"
-    assert remind(database, 0.05, lambda: True) == 1
+    assert republish_stalled_jobs(database, 0.05, lambda: False) == 0, "a broker that is only busy must not be flooded"
+    assert republish_stalled_jobs(database, 0.05, lambda: True) == 1
     time.sleep(0.1)
-    assert remind(database, 0.05, lambda: True) == 0, "what is already owed must not be owed twice"
+    assert republish_stalled_jobs(database, 0.05, lambda: True) == 0, "what is already owed must not be owed twice"
     sent = []
     dispatch(database, lambda job, queue: sent.append(job))
     assert sent == [job]
@@ -210,15 +217,15 @@ def test_a_forgotten_job_is_published_again(database, queue_job):
 
 def test_a_duty_has_one_holder(database):
     """Broken where the lock row is not compared and set: two dispatchers would publish each message twice."""
-    assert hold_duty(database, "dispatcher", "a", 30.0)
-    assert hold_duty(database, "dispatcher", "a", 30.0)
-    assert not hold_duty(database, "dispatcher", "b", 30.0)
-    drop_duty(database, "dispatcher", "b")
-    assert not hold_duty(database, "dispatcher", "b", 30.0)
-    drop_duty(database, "dispatcher", "a")
-    assert hold_duty(database, "dispatcher", "b", 0.01)
+    assert acquire_leader_lease(database, "dispatcher", "a", 30.0)
+    assert acquire_leader_lease(database, "dispatcher", "a", 30.0)
+    assert not acquire_leader_lease(database, "dispatcher", "b", 30.0)
+    release_leader_lease(database, "dispatcher", "b")
+    assert not acquire_leader_lease(database, "dispatcher", "b", 30.0)
+    release_leader_lease(database, "dispatcher", "a")
+    assert acquire_leader_lease(database, "dispatcher", "b", 0.01)
     time.sleep(0.05)
-    assert hold_duty(database, "dispatcher", "a", 30.0), "a dead holder's duty must come free"
+    assert acquire_leader_lease(database, "dispatcher", "a", 30.0), "a dead holder's duty must come free"
 
 
 def test_idle(database, queue_job):

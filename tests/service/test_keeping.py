@@ -12,9 +12,9 @@ from garmentq.core.cloth import Fabric
 from garmentq.core.garment import Edge, Panel, Pattern
 from garmentq.service import audit
 from garmentq.service.backup import BackupRefused, make_backup, restore_backup
-from garmentq.service.deletion import delete_jobs, find_old
+from garmentq.service.deletion import delete_jobs, find_old_families
 from garmentq.service.families import JobNotEnded
-from garmentq.service.home import HomeBusy, sweep, take_home, use_home
+from garmentq.service.home import HomeBusy, lock_home, remove_leftovers, use_home
 from garmentq.service.jobs import JobUnknown, claim, fail, find_job
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.rows import add_pattern
@@ -103,7 +103,7 @@ def test_a_restore_needs_the_home_alone(settings, database, done, tmp_path):
         restore_backup(settings, saved.path, is_overwrite=True)
     os.close(held)
     assert restore_backup(settings, saved.path, is_overwrite=True).files == saved.files
-    alone = take_home(settings)
+    alone = lock_home(settings)
     with pytest.raises(HomeBusy):
         use_home(settings)
     os.close(alone)
@@ -186,7 +186,7 @@ def test_what_is_old_is_found(database, done, queue_job, cli):
     old, young, open_ = done("old"), done("young"), queue_job("open")
     with database.write() as session:
         session.get(JobRow, old).finished -= 100 * 86400.0
-    assert find_old(database, 90 * 86400.0) == [old]
+    assert find_old_families(database, 90 * 86400.0) == [old]
     assert cli("delete", "--older-than", "90d", "--yes").returncode == 0
     assert find_job(database, young) and find_job(database, open_)
     assert cli("delete").returncode == cli("delete", "--older-than", "soon").returncode == 2
@@ -199,8 +199,8 @@ def test_leftovers_are_swept(settings, store):
     for place in places:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(b"x")
-    assert sweep(settings) == 0
-    assert sweep(settings, time.time() + 2 * 86400.0) == 3
+    assert remove_leftovers(settings) == 0
+    assert remove_leftovers(settings, time.time() + 2 * 86400.0) == 3
     assert not any(place.exists() for place in places)
 
 
@@ -256,7 +256,7 @@ def test_the_log_keeps_no_person(database):
 def test_an_export_is_its_keys(database, store, done):
     """Broken where a key that shares a job finds the file that another one made of it."""
     from garmentq.service.exports import find_export
-    from garmentq.service.keys import create_key, own
+    from garmentq.service.keys import create_key, grant_job
     from garmentq.service.results import RESULT, ResultMissing
     from garmentq.service.submission import JobRequest, add_job
 
@@ -266,7 +266,7 @@ def test_an_export_is_its_keys(database, store, done):
     with database.write() as session:
         made = add_job(session, JobRequest("export", {}, scan, "cut", inputs={"result": first})).job
         session.get(JobRow, made).state = "succeeded"
-        own(session, keys[0], made)
+        grant_job(session, keys[0], made)
         session.add(ArtifactRow(job=made, kind=RESULT, name="pieces.pdf", sha256=scan, size=1, created=1.0))
     assert {find_export(database, first, "pieces.pdf", key).sha256 for key in ("", keys[0])} == {scan}
     with pytest.raises(ResultMissing):

@@ -20,7 +20,7 @@ from garmentq.core.garment import load_template, read_pattern, write_pattern
 from garmentq.core.garment.errors import PatternValueBad
 from garmentq.core.garment.pieces.allowance import read_allowances
 from garmentq.core.garment.pieces.errors import AllowanceBad
-from garmentq.core.run.text import TextBad, has_unkept, read_json
+from garmentq.core.run.text import TextBad, has_unstorable_text, read_json
 from garmentq.core.scan.labels import read_labels
 from garmentq.core.scan.refusal import LabelsUnreadable
 from garmentq.service.api.app import make_app
@@ -203,4 +203,6 @@ def test_other_readers_of_texts(tmp_path):
             read_sizes(json.dumps([{"name": word}]))
     np.save(tmp_path / "l.npy", np.array(["top", "größe"]))
     assert read_labels(tmp_path / "l.npy").tolist() == ["top", "größe"]
-    assert read_json('{"a": "\\ud83d\\ude00"}') == {"a": "😀"} and not has_unkept({"a": ["😀", ("x", 1, None)]})
+    assert read_json('{"a": "\\ud83d\\ude00"}') == {"a": "😀"} and not has_unstorable_text(
+        {"a": ["😀", ("x", 1, None)]}
+    )

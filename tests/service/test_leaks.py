@@ -17,11 +17,11 @@ from api_work import make_key
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.database import Database, DatabaseDamaged, DatabaseTooOld, open_database
-from garmentq.service.health import find_troubles, hide_places, read_queue
-from garmentq.service.jobs import claim, find_job, put_off
+from garmentq.service.health import find_troubles, hide_worker_names, read_queue
+from garmentq.service.jobs import claim, find_job, reschedule
 from garmentq.service.outage import note_outage
 from garmentq.service.query import JobQuery, QueryBad
-from garmentq.service.reaper import DUTY, hold_duty, show_life
+from garmentq.service.reaper import DISPATCHER_LEASE, acquire_leader_lease, record_heartbeat
 from garmentq.service.settings import ServiceSettingBad, hide_password
 from garmentq.service.store import StoreUnreachable
 from garmentq.workers.recovery import run_job
@@ -80,7 +80,7 @@ def test_what_a_job_waits_for_tells_no_place(settings, database, queue_job, stor
     store.root.rename(store.root.with_name("aside"))
     with pytest.raises(StoreUnreachable, match=str(settings.home)) as gone:
         store.check()
-    put_off(database, held, gone.value, 0.1)
+    reschedule(database, held, gone.value, 0.1)
     with serving(settings) as url:
         told = httpx.get(f"{url}/v1/jobs/{job}/events", headers=local_user(settings), timeout=60.0).text
     assert "store.unreachable" in told and str(settings.home) not in told
@@ -140,14 +140,14 @@ def test_what_stands_still_is_said(database, queue_job):
     assert find_troubles(read_queue(database)) == []
     queue_job()
     assert "no worker is up" in find_troubles(read_queue(database))[0]
-    show_life(database, "host:1", "cpu", 1, 30.0)
+    record_heartbeat(database, "host:1", "cpu", 1, 30.0)
     assert "no dispatcher" in find_troubles(read_queue(database))[0]
-    hold_duty(database, DUTY, "host:1", 5.0)
+    acquire_leader_lease(database, DISPATCHER_LEASE, "host:1", 5.0)
     assert find_troubles(read_queue(database)) == []
     note_outage(database, "myhost", "store.full")
     [trouble] = find_troubles(read_queue(database))
     assert "myhost" in trouble and "store.full" in trouble and "free some disk space" in trouble
-    shown = hide_places(read_queue(database))
+    shown = hide_worker_names(read_queue(database))
     assert "myhost" not in find_troubles(shown)[0] and "host:1" not in str(shown.workers)
 
 

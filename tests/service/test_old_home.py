@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import Database, open_database, upgrade
-from garmentq.service.families import advance, retry
+from garmentq.service.families import release_waiting_jobs, retry
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.keys import list_keys
 from garmentq.service.models import ArtifactRow, OwnerRow
@@ -79,7 +79,7 @@ def test_queued_jobs_run_and_interrupted_ones_resume(settings, old, store, tmp_p
     marks = tmp_path / "marks"
     monkeypatch.setenv("STANDIN_MARKS", str(marks))
     hold_gate(marks, STEPS)
-    assert reap(old, 3) == 2 and advance(old) == 0
+    assert reap(old, 3) == 2 and release_waiting_jobs(old) == 0
     assert find_job(old, STOPPED).state == State.CANCELLED, "it was asked to stop before the upgrade"
     for job in (CRASHED, CANCELLED):
         retry(old, job)

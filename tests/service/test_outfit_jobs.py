@@ -11,7 +11,7 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.cloth import Drape, Outcome, get_fabric
 from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import Worn, load_worn, save_worn
+from garmentq.core.reuse.wear import WornGarment, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
@@ -42,7 +42,7 @@ def person(queue_person, persons, settings, database, store, tmp_path) -> str:
     run_job(persons, database, root, lambda: False)
     garment, body = load_draped_template("skirt"), builtin_body("builtin:female,height=1.70")
     (tmp_path / "made").mkdir()
-    save_worn(Worn(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt"), tmp_path / "made")
+    save_worn(WornGarment(garment, get_fabric("cotton_poplin"), body, None, None, "skirt", "skirt"), tmp_path / "made")
     for row in pieces(database, root).values():
         finish(settings, database, store, row.id, tmp_path / "made")
     return root
@@ -56,8 +56,10 @@ def quick(monkeypatch):
         nodes = np.concatenate([one.garment.nodes for one in garments])
         return tuple(garments), Drape(nodes, 0.1, 3, 1.0, Outcome.CONVERGED, nodes)
 
-    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
-    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.rest_together", stay)
+    monkeypatch.setattr(
+        "garmentq.core.reuse.wear.outfit.drape_in_order", lambda garments, wearer, hooks: tuple(garments)
+    )
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.drape_together", stay)
 
 
 @REMOTE_BY_DAY

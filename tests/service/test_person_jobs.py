@@ -20,7 +20,7 @@ from garmentq.service.results import export_files, list_files, report_jobs
 from garmentq.service.services import Services
 from garmentq.service.settings import CHECKER
 from garmentq.service.states import State
-from garmentq.service.submission import Order, Submitted, submit
+from garmentq.service.submission import Order, SubmissionResult, submit
 from garmentq.workers.recovery import unpack
 from garmentq_family_home import PERSONS, pieces, work_off
 from garmentq_home import put_file
@@ -167,7 +167,9 @@ def test_labels_with_names_are_of_a_person(settings, database, store, tmp_path):
     assert (row.kind, row.state, row.attempts) == ("person", "succeeded", 1) and len(pieces(database, row.id)) == 2
     assert read_request(PersonRequest, row.request).labels.name == "labels.npz"
     assert "understood" in [event.kind for event in read_events(database, row.id)]
-    assert submit(database, store, Order(scan, None, labels=labels)) == Submitted(asked.job, False, State.SUCCEEDED)
+    assert submit(database, store, Order(scan, None, labels=labels)) == SubmissionResult(
+        asked.job, False, State.SUCCEEDED
+    )
     kept = submit(database, store, Order(scan, None, labels=labels, settings=RecoverySettings(keep="0")))
     assert kept.is_new and find_job(database, kept.job).kind == "recover"
 

@@ -8,7 +8,7 @@ import pytest
 from garmentq.service.jobs import claim, find_job, read_events, release
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import JobRow
-from garmentq.service.progress import LEARNT_JOBS, Pace, Pacer, learn_pace, report
+from garmentq.service.progress import LEARNT_JOBS, Pace, ProgressEstimator, learn_pace, report
 from garmentq.service.records import Job, Progress
 from garmentq.service.states import State
 from garmentq.workers.recovery import run_job
@@ -32,7 +32,7 @@ def test_the_time_to_go():
 
 def test_the_whole_never_runs_back():
     """Broken where a stage that is entered again, or an attempt that begins anew, takes the whole back."""
-    pacer = Pacer(PACE)
+    pacer = ProgressEstimator(PACE)
     shares = [pacer.note(stage, at, "").overall for stage, at in (("drape", 1.0), ("drape", 0.2), ("scan", 0.0))]
     assert shares == [0.5, 0.5, 0.5] and pacer.note("x", 0.1, "").overall is None
 
@@ -103,5 +103,5 @@ def test_a_fraction_that_is_none(database, queue_job):
     held = claim(database, queue_job(), "a", 30.0)
     for fraction in (math.nan, math.inf, -1.0, 7.0):
         for pace in (PACE, Pace()):
-            report(database, held, Pacer(pace).note("drape", fraction, ""))
+            report(database, held, ProgressEstimator(pace).note("drape", fraction, ""))
     assert 0.0 <= find_job(database, held.job).progress <= 1.0

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from garmentq.core.cloth import FabricEstimate
-from garmentq.core.judge import measure_knowledge
+from garmentq.core.judge import summarise_estimates
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim
@@ -71,7 +71,7 @@ def results(database, store, folder):
         files = folder / name
         files.mkdir()
         recovery = make_recovery(order, rms)
-        metrics = recovery.report.metrics | measure_knowledge(KNOWN.get(name, ()))
+        metrics = recovery.report.metrics | summarise_estimates(KNOWN.get(name, ()))
         recovery = replace(recovery, report=replace(recovery.report, metrics=metrics))
         write(recovery, files)
         store_result(database, store, held, Recover(), recovery, files)

@@ -98,7 +98,7 @@ def test_an_absent_server_or_bucket_is_one_clear_error(tmp_path, monkeypatch, se
     """Broken where boto3's traceback reaches the user, or a wrong bucket looks like a missing file."""
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "x")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "verysecret")
-    monkeypatch.setattr("garmentq.service.s3.ATTEMPTS", 1)
+    monkeypatch.setattr("garmentq.service.s3.MAX_S3_ATTEMPTS", 1)
     away = open_store(make_settings(tmp_path, store="s3://bucket", s3_endpoint="http://127.0.0.1:1"))
     wrong = open_store(make_settings(tmp_path, store="s3://no-such-bucket", s3_endpoint=server))
     for one in (away, wrong):

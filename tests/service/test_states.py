@@ -7,7 +7,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from garmentq.service.jobs import MoveForbidden, claim, move
+from garmentq.service.jobs import MoveForbidden, change_state, claim
 from garmentq.service.models import JobRow
 from garmentq.service.states import ENDED, OPEN, TRANSITIONS, UNSUCCESSFUL, State
 
@@ -56,7 +56,7 @@ def test_the_groups_of_states_cover_them_once():
 
 @pytest.mark.parametrize(("source", "to"), list(product(State, State)))
 def test_no_move_but_those_of_the_table(source, to):
-    """Broken where `move` lets a job go where the table does not, an ended job to running, say."""
+    """Broken where `change_state` lets a job go where the table does not, an ended job to running, say."""
     row = JobRow(id="0" * 12, state=source, attempts=1)
 
     class Events:
@@ -72,11 +72,11 @@ def test_no_move_but_those_of_the_table(source, to):
             return []  # nobody wants to be told
 
     if to in TRANSITIONS[source]:
-        move(Events(), row, to, "moved")
+        change_state(Events(), row, to, "moved")
         assert row.state is to
     else:
         with pytest.raises(MoveForbidden):
-            move(Events(), row, to, "moved")
+            change_state(Events(), row, to, "moved")
         assert row.state is source
 
 
@@ -84,4 +84,4 @@ def test_a_claim_moves_from_running_only(database, queue_job):
     """Broken where a worker's claim could take a move that its running job does not have."""
     held = claim(database, queue_job(), "a", 30.0)
     with pytest.raises(MoveForbidden), database.write() as session:
-        move(session, held, State.RUNNING, "moved")
+        change_state(session, held, State.RUNNING, "moved")

@@ -26,11 +26,12 @@ from garmentq.service.webhook_address import AddressForbidden, WebhookBad, check
 from garmentq.service.webhook_delivery import send, sign
 from garmentq.service.webhook_records import Receipt
 from garmentq.service.webhooks import (
-    LONGEST_PAUSE,
-    MOST_TRIES,
-    MOST_WEBHOOKS,
+    MAX_DELIVERY_PAUSE,
+    MAX_DELIVERY_TRIES,
+    MAX_KEY_WEBHOOKS,
     Message,
     WebhooksFull,
+    claim_due_messages,
     create_webhook,
     delete_webhook,
     find_pause,
@@ -38,7 +39,6 @@ from garmentq.service.webhooks import (
     has_due,
     list_webhooks,
     note_receipt,
-    take_due,
 )
 from garmentq.workers.courier import deliver
 from garmentq_home import make_environment, wait_for
@@ -176,7 +176,7 @@ def test_who_is_told_of_what(database, store, end_job):
     make_hook(database, key=one.id, states=[State.SUCCEEDED])
     other = make_hook(database, key=two.id)
     job = end_job("shirt", one.id)
-    taken = {message.body["id"]: message for message in take_due(database, 9)}
+    taken = {message.body["id"]: message for message in claim_due_messages(database, 9)}
     assert [(hook.id, hook.owed) for hook in list_webhooks(database) if hook.owed] == [(every.id, 1), (mine.id, 1)]
     assert len(taken) == 2 and all(message.id == mark for mark, message in taken.items())
     body = next(iter(taken.values())).body
@@ -185,7 +185,7 @@ def test_who_is_told_of_what(database, store, end_job):
     assert [hook.id for hook in list_webhooks(database, two.id)] == [other.id]
     revoke_key(database, one.id)
     let_go(database)
-    assert len(take_due(database, 9)) == 1, "not the revoked key's"
+    assert len(claim_due_messages(database, 9)) == 1, "not the revoked key's"
     assert forget_messages(database) == 1
     delete_jobs(database, store, [job])
     let_go(database)
@@ -198,39 +198,39 @@ def test_sent_again_until_taken_and_not_for_ever(database, end_job):
     """Broken where a message is lost with its sender, two go at once, the pauses do not grow, or nobody gives up."""
     hook = make_hook(database)
     end_job("one"), end_job("two")
-    (first,) = take_due(database, 9)
-    assert take_due(database, 9) == [] and not has_due(database), "one at a time to one address"
+    (first,) = claim_due_messages(database, 9)
+    assert claim_due_messages(database, 9) == [] and not has_due(database), "one at a time to one address"
     let_go(database)
-    assert take_due(database, 9) == [first], "its sender died: again, under the same id"
+    assert claim_due_messages(database, 9) == [first], "its sender died: again, under the same id"
     with database.write() as session:
         session.query(WebhookRow).update({"taken_until": 1e12})
-    assert take_due(database, 9) == [first], "the clock was set back"
+    assert claim_due_messages(database, 9) == [first], "the clock was set back"
     note_receipt(database, first.id, TAKEN)
-    (second,) = take_due(database, 9)
+    (second,) = claim_due_messages(database, 9)
     assert second.id != first.id
-    for tries in range(1, MOST_TRIES + 1):
+    for tries in range(1, MAX_DELIVERY_TRIES + 1):
         note_receipt(database, second.id, REFUSED)
         assert not has_due(database), "it rests"
-        assert list_webhooks(database)[0].owed == int(tries < MOST_TRIES)
+        assert list_webhooks(database)[0].owed == int(tries < MAX_DELIVERY_TRIES)
         let_go(database)
     assert not has_due(database), "given up"
     (shown,) = list_webhooks(database)
     assert (shown.id, shown.status, shown.error) == (hook.id, 500, REFUSED.error) and shown.served > 1e9
-    pauses = [find_pause(tries) for tries in range(1, MOST_TRIES)]
-    assert pauses == sorted(pauses) and pauses[0] == 10.0 and pauses[-1] == LONGEST_PAUSE
+    pauses = [find_pause(tries) for tries in range(1, MAX_DELIVERY_TRIES)]
+    assert pauses == sorted(pauses) and pauses[0] == 10.0 and pauses[-1] == MAX_DELIVERY_PAUSE
     assert forget_messages(database) == 0
 
 
 @sqlite_only
 def test_whoever_was_served_longest_ago_is_next(database, end_job):
     """Broken where one address that answers slowly, or many messages to it, keep the others waiting."""
-    hooks = [make_hook(database) for _ in range(MOST_WEBHOOKS)]
+    hooks = [make_hook(database) for _ in range(MAX_KEY_WEBHOOKS)]
     with pytest.raises(WebhooksFull):
         make_hook(database)
     end_job("one"), end_job("two")
     urls = {}
     for _ in range(len(hooks)):
-        (message,) = take_due(database, 1)
+        (message,) = claim_due_messages(database, 1)
         with database.read() as session:
             urls[session.get(DeliveryRow, message.id).webhook] = message
         note_receipt(database, message.id, REFUSED)
@@ -326,7 +326,7 @@ def test_no_redirect_is_followed():
 
 def test_no_answer_takes_longer_than_its_time(monkeypatch):
     """Broken where a receiver that says a byte at a time, or nothing, holds a sender."""
-    monkeypatch.setattr(webhook_delivery, "SECONDS", 0.4)
+    monkeypatch.setattr(webhook_delivery, "WEBHOOK_DELIVERY_TIMEOUT", 0.4)
     with receiving() as server:
         for path in ("/drip", "/wait"):
             assert ask_of(server, path) == Receipt(None, "no answer within 0.4 s")

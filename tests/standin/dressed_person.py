@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 from garmentq.core.body import JOINTS, skin
-from garmentq.core.body.presence import find_hairy
+from garmentq.core.body.presence import find_hair_vertices
 from garmentq.core.body.template import Template, articulate, rotations_of, transforms_of
 from garmentq.core.geometry import vertex_normals
 
@@ -140,7 +140,7 @@ def _clothe(
     shoes = template.weights[:, [JOINTS.index(f"{s}_{p}") for s in ("left", "right") for p in ("ankle", "foot")]]
     mine = (shoes.sum(axis=1) > 0.6) & (label == 0)
     label[mine], offset[mine] = SHOES, np.where(normals[mine, 1] < -0.7, 0.02, 0.006)
-    hairy = find_hairy(template)
+    hairy = find_hair_vertices(template)
     label[hairy], offset[hairy] = HAIR, rng.uniform(0.008, 0.03)
     return label, offset
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from garmentq.service.families import advance, cancel
+from garmentq.service.families import cancel, release_waiting_jobs
 from garmentq.service.jobs import find_job
 from garmentq.service.kinds import FileRef, pack_request
 from garmentq.service.kinds.person_request import PersonRequest
@@ -64,7 +64,7 @@ def persons(settings):
 def work_off(settings, database) -> None:
     """Run whatever can be run."""
     for _ in range(50):
-        advance(database)
+        release_waiting_jobs(database)
         queued = find_jobs(database, JobQuery({"state": "queued"}).conditions)
         if not queued:
             return

@@ -16,11 +16,11 @@ from garmentq.core.recover.recovery import Request
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.hooks import Hooks
 from garmentq.core.run.report import ResultReport
-from garmentq.core.scan import Pieces, Scan
-from garmentq.service.kinds import Work
+from garmentq.core.scan import Scan, ScanInput
+from garmentq.service.kinds import RunContext
 from garmentq.service.kinds.person_found import PersonFound
 from garmentq.service.kinds.person_request import PersonRequest
-from garmentq.service.kinds.recover_request import READING, TOLD
+from garmentq.service.kinds.recover_request import PERSON_REPORT_FILE, READING
 from garmentq_family import die_once
 from garmentq_standin import make_recovery
 
@@ -53,7 +53,7 @@ def kill(name: str, stage: str) -> None:
         die_once(name, stage)
 
 
-def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
+def take_apart(request: PersonRequest, work: RunContext, hooks: Hooks) -> PersonFound:
     """Find what the scan's name says."""
     name = request.scan.name
     for stage in ("body", "separate", "garments"):
@@ -68,12 +68,12 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     (work.out / "labels.npz").write_bytes(b"labels")
     (work.out / "report.html").write_text("<html></html>")
     garments = [{"part": part, "category": "tshirt", "confidence": 0.97, "contours": []} for part in parts]
-    (work.out / TOLD).write_text(json.dumps({"garments": garments}))
+    (work.out / PERSON_REPORT_FILE).write_text(json.dumps({"garments": garments}))
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     piece = Scan(nodes, np.array([[0, 1, 2], [0, 2, 3]]), name=name)
     for part in parts:
         (work.out / part).mkdir()
-        save_reading(Reading(Pieces(piece, piece), recovery.body), work.out / part / READING)
+        save_reading(Reading(ScanInput(piece, piece), recovery.body), work.out / part / READING)
     outfits = [{"parts": parts, "score": -1.0}, {"parts": ["one-piece"], "score": -4.0}]
     person = {"garments": garments, "outfits": outfits, "parts": dict.fromkeys(parts, 2)}
     problem = Unsure() if name.startswith("unsure") else None

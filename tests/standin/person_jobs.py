@@ -9,7 +9,7 @@ from zlib import crc32
 
 import numpy as np
 import trimesh
-from garmentq.core.deliver.export.person import write_seen, write_segmented
+from garmentq.core.deliver.export.person import write_scan_ply, write_segmented
 from garmentq.core.people import Part
 from garmentq.core.people.labels import write_labels
 from garmentq.service.jobs import claim
@@ -44,7 +44,7 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     write_labels(separation.label, separation.confidence, out / "labels.npz", raw.place, raw.origin)
     write_segmented(raw, shells.label, separation.confidence[raw.origin], out / "segmented.ply")
     worn = np.isin(shells.label, (Part.UPPER, Part.LOWER))[:, None]
-    write_seen(replace(raw, colours=np.where(worn, BLUE, PINK)), out / "scan.ply")
+    write_scan_ply(replace(raw, colours=np.where(worn, BLUE, PINK)), out / "scan.ply")
     (out / "person.json").write_text(json.dumps({"garments": []}))
     found = PersonFound(shells.body, {"garments": [], "outfits": [], "parts": {}})
     store_result(services.database, services.store, claim(services.database, job, "test", 600.0), Person(), found, out)

@@ -14,5 +14,5 @@ def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("garmentq.core.reuse.edit.redraping.drape_graded", drape)
     monkeypatch.setattr(
-        "garmentq.core.reuse.edit.redraping.part_layers", lambda worn, *given: (worn.garment.nodes, given[1])
+        "garmentq.core.reuse.edit.redraping.separate_layers", lambda worn, *given: (worn.garment.nodes, given[1])
     )

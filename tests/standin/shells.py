@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body
 from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import Part, Separation
+from garmentq.core.people import LabelledPerson, Part
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -49,7 +49,7 @@ def dress_in_shells(rounds: int = 1) -> Shells:
     return Shells(points, faces, label.astype(np.uint8), body)
 
 
-def separate_by_truth(shells: Shells, extra: int = 2) -> tuple[RawScan, Separation]:
+def separate_by_truth(shells: Shells, extra: int = 2) -> tuple[RawScan, LabelledPerson]:
     """Return what taking these shells apart would find if it found the truth; the file had `extra` points more."""
     count = len(shells.points)
     place = np.concatenate([np.full(extra, -1), np.arange(count)])
@@ -58,4 +58,4 @@ def separate_by_truth(shells: Shells, extra: int = 2) -> tuple[RawScan, Separati
     label = np.concatenate([np.full(extra, int(Part.OTHER)), shells.label]).astype(np.uint8)
     height = np.concatenate([np.ones(extra), shells.points[:, 1]])
     sure = 0.55 + 0.45 * np.abs(np.sin(8.0 * height))
-    return raw, Separation(shells.body, label, sure, (), (), (), None)
+    return raw, LabelledPerson(shells.body, label, sure, (), (), (), None)

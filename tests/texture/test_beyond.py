@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.deliver.texture.beyond import BESIDE_CUT, find_beyond
+from garmentq.core.deliver.texture.beyond import CUT_MARGIN_WIDTH, find_foreign_vertices
 from garmentq.core.scan.coloured import ColouredScan
 
 COUNT, SPACING = 61, 5e-3
@@ -34,7 +34,7 @@ SKIN, BLUE, WHITE = np.array([205.0, 170.0, 145.0]), np.array([70.0, 95.0, 170.0
 def test_skin_beside_the_cut_is_found_and_cloth_is_kept(skin):
     """Broken where skin that was cut with the cloth is kept, or over 1 % of the cloth is not."""
     scan = sheet(lambda points: np.where((depth(points) < skin)[:, None], SKIN, BLUE))
-    found, true = find_beyond(scan), depth(scan.vertices) < skin
+    found, true = find_foreign_vertices(scan), depth(scan.vertices) < skin
     assert found[true].all()
     assert found[~true].mean() < 0.01
 
@@ -42,6 +42,6 @@ def test_skin_beside_the_cut_is_found_and_cloth_is_kept(skin):
 def test_stripes_and_a_wide_trim_are_cloth():
     """Broken where what the cloth itself shows further in is taken for skin."""
     stripes = sheet(lambda points: np.where((np.round(points[:, :1] / SPACING) % 4 < 2), BLUE, WHITE))
-    trimmed = sheet(lambda points: np.where((depth(points) < 2.2 * BESIDE_CUT)[:, None], WHITE, BLUE))
-    assert find_beyond(stripes).mean() < 0.01
-    assert find_beyond(trimmed).mean() < 0.01
+    trimmed = sheet(lambda points: np.where((depth(points) < 2.2 * CUT_MARGIN_WIDTH)[:, None], WHITE, BLUE))
+    assert find_foreign_vertices(stripes).mean() < 0.01
+    assert find_foreign_vertices(trimmed).mean() < 0.01

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.people import PARTS
-from garmentq.core.people.features import NAMES
-from garmentq.core.people.learnt import STATIONS, Cells, Committee, load_committee, load_network
+from garmentq.core.people.features import FEATURE_NAMES
+from garmentq.core.people.learnt import LIMB_STATION_COUNT, LimbCells, NetworkEnsemble, load_ensemble, load_network
 from garmentq.core.people.limbs import Limb
 from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels
@@ -22,7 +22,7 @@ from garmentq.training.train import cells_of, predict, soften, train_network
 def draw_scan(seed, count=600):
     """Return a made-up described scan: sleeves end at a station that no sample's features but its own place tell."""
     rng = np.random.default_rng(seed)
-    values = rng.normal(size=(count, len(NAMES))).astype(np.float32)
+    values = rng.normal(size=(count, len(FEATURE_NAMES))).astype(np.float32)
     limb = rng.integers(0, len(Limb), count)
     station = rng.uniform(0.0, 0.7, count)
     end = rng.uniform(0.2, 0.5)
@@ -43,8 +43,8 @@ def test_numpy_runs_what_torch_trained(tmp_path):
         value.data = value.data.half().float()
     save_weights(network, 1.7, tmp_path / "weights.npz", {"seed": 1})
     loaded = load_network(tmp_path / "weights.npz")
-    front, side = (scan.values[:, NAMES.index(name)] for name in ("around_front", "around_side"))
-    hidden = loaded.embed(scan.inputs, Cells.of(scan.limb, scan.station, front, side))
+    front, side = (scan.values[:, FEATURE_NAMES.index(name)] for name in ("around_front", "around_side"))
+    hidden = loaded.embed(scan.inputs, LimbCells.of(scan.limb, scan.station, front, side))
     logits = hidden @ loaded.weights["part.weight"].T + loaded.weights["part.bias"]
     assert logits == pytest.approx(predict(network, scan), abs=2e-5)
     assert loaded.temperature == pytest.approx(1.7)
@@ -61,16 +61,18 @@ def test_numpy_runs_what_torch_trained_of_kinds(tmp_path):
     network = PersonNetwork(scan.kind_inputs.mean(axis=0), scan.kind_inputs.std(axis=0) + 1e-3, True).eval()
     for value in network.parameters():
         value.data = value.data.half().float()
-    write_kinds(Committee((harden(network, 1.3),)), tmp_path / "kinds.npz", {})
+    write_kinds(NetworkEnsemble((harden(network, 1.3),)), tmp_path / "kinds.npz", {})
     place = SimpleNamespace(limb=scan.limb, station=scan.station)
-    features = SimpleNamespace(values=scan.values, place=place, column=lambda name: scan.values[:, NAMES.index(name)])
-    found = load_committee(tmp_path / "kinds.npz").predict_kinds(features, rules)
+    features = SimpleNamespace(
+        values=scan.values, place=place, column=lambda name: scan.values[:, FEATURE_NAMES.index(name)]
+    )
+    found = load_ensemble(tmp_path / "kinds.npz").predict_kinds(features, rules)
     assert found == pytest.approx(soften(predict(network, scan), 1.3), abs=1e-4)
 
 
 def test_weights_of_another_layout_are_refused(tmp_path):
     """Broken where features in another order are read by weights that were trained on the old one."""
-    network = PersonNetwork(np.zeros(len(NAMES)), np.ones(len(NAMES)))
+    network = PersonNetwork(np.zeros(len(FEATURE_NAMES)), np.ones(len(FEATURE_NAMES)))
     save_weights(network, 1.0, tmp_path / "weights.npz", {})
     with np.load(tmp_path / "weights.npz") as kept:
         arrays = dict(kept)
@@ -84,9 +86,9 @@ def test_cells_follow_the_limb():
     limb = np.array([0, 1, 2, 2, 2, 2])
     station = np.array([0.1, 0.1, 0.1, 0.13, 0.1, -5.0])
     front = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
-    cells = Cells.of(limb, station, front, np.zeros(6))
+    cells = LimbCells.of(limb, station, front, np.zeros(6))
     assert len(set(cells.index.tolist())) == 6
-    assert cells.index[5] == 2 * 4 * STATIONS
+    assert cells.index[5] == 2 * 4 * LIMB_STATION_COUNT
     assert ((cells.low == cells.index) | (cells.high == cells.index)).all()
     assert (cells.share >= 0).all() and (cells.share <= 1).all()
     assert to_torch(cells)[0].dtype == torch.int64

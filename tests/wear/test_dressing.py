@@ -11,9 +11,9 @@ from garmentq.core.cloth import Drape, Outcome, get_fabric
 from garmentq.core.geometry import self_intersections
 from garmentq.core.recover.drape import WearerGeometry, redrape
 from garmentq.core.recover.drape.motion import rotation_of
-from garmentq.core.reuse.wear import Worn, dress_body, wear_template
-from garmentq.core.reuse.wear.dressing import carry_alone
-from garmentq.core.reuse.wear.parting import part_layers
+from garmentq.core.reuse.wear import WornGarment, dress_body, load_worn_template
+from garmentq.core.reuse.wear.dressing import transfer_alone_to_body
+from garmentq.core.reuse.wear.parting import separate_layers
 from garmentq.core.run.clock import Clock
 from garmentq.core.scan.contours import Target
 
@@ -22,9 +22,9 @@ RATE = 8.0
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the body that it was drafted for."""
-    return wear_template("skirt", get_fabric("cotton_poplin"))
+    return load_worn_template("skirt", get_fabric("cotton_poplin"))
 
 
 def at_rest(nodes: np.ndarray) -> Drape:
@@ -35,7 +35,7 @@ def at_rest(nodes: np.ndarray) -> Drape:
 def test_cloth_that_crosses_nothing_stays(worn):
     """Broken where cloth that is in order is brought to rest a second time."""
     drape = at_rest(worn.garment.nodes)
-    found = part_layers(worn, WearerGeometry(worn.body), drape)
+    found = separate_layers(worn, WearerGeometry(worn.body), drape)
     assert found[0] is worn.garment.nodes and found[1] is drape
 
 
@@ -49,17 +49,17 @@ def test_crossed_cloth_is_parted(worn):
     behind = pulled[hem, 2].min() - pulled[front, 2].max() - 0.02
     pulled[front, 2] += behind
     assert len(self_intersections(pulled, garment.faces)) > 10
-    nodes, drape = part_layers(replace(worn, garment=garment.at(pulled)), wearer, at_rest(pulled))
+    nodes, drape = separate_layers(replace(worn, garment=garment.at(pulled)), wearer, at_rest(pulled))
     assert len(self_intersections(nodes, garment.faces)) == 0 and drape.converged
 
 
 def test_cloth_turns_on_its_own_wearer_only(worn):
     """Broken where cloth that was scanned in rotation hangs at rest on its own wearer, or turns with another body."""
     turning = replace(worn, rotation=rotation_of(worn.body, RATE))
-    assert carry_alone(turning, worn.body, None).rotation == turning.rotation
+    assert transfer_alone_to_body(turning, worn.body, None).rotation == turning.rotation
     again = replace(worn.body, vertices=worn.body.vertices.copy())
-    assert carry_alone(turning, again, None).rotation == turning.rotation
-    assert carry_alone(turning, builtin_body("builtin:male"), None).rotation is None
+    assert transfer_alone_to_body(turning, again, None).rotation == turning.rotation
+    assert transfer_alone_to_body(turning, builtin_body("builtin:male"), None).rotation is None
 
 
 @pytest.mark.nightly

@@ -9,14 +9,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import Tape, builtin_body
+from garmentq.core.body import TapeMeasure, builtin_body
 from garmentq.core.cloth import get_fabric
 from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.garment import edge_length, load_draped_template, panel_outline
 from garmentq.core.geometry import self_intersections
 from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
-from garmentq.core.reuse.wear.ease import Figure, carry_back, ease_at
+from garmentq.core.reuse.wear import (
+    WornGarment,
+    judge_wear,
+    measure_ease,
+    measure_pressure,
+    measure_strain,
+    slice_cloth,
+)
+from garmentq.core.reuse.wear.ease import MeasuredBody, measure_unposed_ease, unpose_points
 
 SPEC = "builtin:female,height=1.70"
 
@@ -47,7 +54,7 @@ def test_cloth_keeps_its_length_when_it_is_stretched(shirt):
     """Broken where the cut is measured on the body: twice as far out it would be twice as long."""
     level = float(np.quantile(shirt.nodes[:, 1], 0.4))
     wide = shirt.nodes * np.array([2.0, 1.0, 2.0])
-    first, second = (cut_cloth(shirt, nodes, 1, level) for nodes in (shirt.nodes, wide))
+    first, second = (slice_cloth(shirt, nodes, 1, level) for nodes in (shirt.nodes, wide))
     assert len(first.lengths) > 0
     np.testing.assert_allclose(second.lengths, first.lengths, rtol=1e-9)
     assert np.linalg.norm(wide - shirt.nodes, axis=1).max() > 0.1
@@ -56,21 +63,23 @@ def test_cloth_keeps_its_length_when_it_is_stretched(shirt):
 def test_line_that_ends_at_a_border_is_no_girth(shirt):
     """Broken where half a sleeve's hem, or an open front, is taken for a girth."""
     top = float(shirt.nodes[:, 1].max())
-    assert len(cut_cloth(shirt, shirt.nodes, 1, top + 0.01).lengths) == 0
+    assert len(slice_cloth(shirt, shirt.nodes, 1, top + 0.01).lengths) == 0
     neck = shirt.contour("neck")
     through = float(shirt.nodes[neck.vertices, 1].mean())
     middle = abs(shirt.nodes[:, 0]).max()
-    assert all(abs(x) < middle for x in cut_cloth(shirt, shirt.nodes, 1, through).middles)
+    assert all(abs(x) < middle for x in slice_cloth(shirt, shirt.nodes, 1, through).middles)
 
 
 def test_cloth_that_crosses_itself_is_not_measured(shirt, body):
     """Broken where a size is told by lines through cloth that lies as none can."""
-    nodes, level = shirt.nodes.copy(), Tape.of(body).measure("chest").level
+    nodes, level = shirt.nodes.copy(), TapeMeasure.of(body).measure("chest").level
     fold = (np.abs(nodes[:, 0]) < 0.03) & (np.abs(nodes[:, 1] - level + 0.03) < 0.08) & (nodes[:, 2] > 0)
     nodes[fold] += np.column_stack([np.full(fold.sum(), 0.07), np.zeros(fold.sum()), 0.3 * nodes[fold, 0]])
     torn = shirt.at(nodes)
     assert len(self_intersections(torn.nodes, torn.faces))
-    assert "chest" in {one.place for one in ease_at(torn, carry_back(nodes, body), Figure.of(body))}
+    assert "chest" in {
+        one.place for one in measure_unposed_ease(torn, unpose_points(nodes, body), MeasuredBody.of(body))
+    }
     left = {one.place: one.value for one in measure_ease(torn, body)}
     assert "chest" not in left
     assert left["upper_arm"] == pytest.approx({one.place: one.value for one in measure_ease(shirt, body)}["upper_arm"])
@@ -91,7 +100,7 @@ def test_larger_body_has_less_ease(shirt, body):
 
 def test_loads_are_those_of_the_cloth(shirt, body, tmp_path):
     """Broken where strain is not a strain, pressure pulls, or a reader finds neither in the file."""
-    worn = Worn(shirt, get_fabric("cotton_poplin"), body, None, None, "tshirt", "tshirt")
+    worn = WornGarment(shirt, get_fabric("cotton_poplin"), body, None, None, "tshirt", "tshirt")
     grown = replace(worn, garment=shirt.at(1.1 * shirt.nodes))
     strain = measure_strain(worn)
     np.testing.assert_allclose(measure_strain(grown), 1.1 * (1.0 + strain) - 1.0, atol=1e-9)
@@ -110,20 +119,20 @@ def test_loads_are_those_of_the_cloth(shirt, body, tmp_path):
 
 def test_cloth_beside_an_arm_is_no_sleeve(body, shirt):
     """Broken where any closed line of cloth at the arm counts: cloth of the hips beside a hand is carried with it."""
-    figure = Figure.of(body)
-    around = {one.place for one in ease_at(shirt, carry_back(shirt.nodes, body), figure)}
+    figure = MeasuredBody.of(body)
+    around = {one.place for one in measure_unposed_ease(shirt, unpose_points(shirt.nodes, body), figure)}
     assert "upper_arm" in around
     # the shirt's own cloth a hand's length below the arms: every line is as long, and none goes round an arm
-    fallen = carry_back(shirt.nodes, body) - [0.0, 0.35, 0.0]
-    at = cut_cloth(shirt, fallen, 0, figure.arm("left", figure.taken["upper_arm"].level)[0])
+    fallen = unpose_points(shirt.nodes, body) - [0.0, 0.35, 0.0]
+    at = slice_cloth(shirt, fallen, 0, figure.arm("left", figure.taken["upper_arm"].level)[0])
     assert len(at.lengths) > 0 and not at.goes_round(figure.arm("left", figure.taken["upper_arm"].level)[1:]).any()
-    assert "upper_arm" not in {one.place for one in ease_at(shirt, fallen, figure)}
+    assert "upper_arm" not in {one.place for one in measure_unposed_ease(shirt, fallen, figure)}
 
 
 def test_cloth_in_front_of_the_trunk_is_no_girth(body, shirt):
     """Broken where a fold that the plane cuts off counts as the chest: it is as near to the middle as the trunk is."""
-    before = carry_back(shirt.nodes, body) + [0.0, 0.0, 0.6]
-    assert not {"chest", "waist"} & {one.place for one in ease_at(shirt, before, Figure.of(body))}
+    before = unpose_points(shirt.nodes, body) + [0.0, 0.0, 0.6]
+    assert not {"chest", "waist"} & {one.place for one in measure_unposed_ease(shirt, before, MeasuredBody.of(body))}
 
 
 def chord(pattern, height: float) -> float:
@@ -149,7 +158,7 @@ def test_too_small_is_what_the_flat_pattern_lacks(name):
     (width,) = (gate for gate in gates if gate.name == "width")
     told = {place: float(size) for size, place in re.findall(r"(\d+) mm at the (\w+)", width.message)}
     assert {"hip", "waist"} <= set(told)
-    tape = Tape.of(large)
+    tape = TapeMeasure.of(large)
     level = tape.measure("hip").level
     lacks = max(tape.trunk(level + up).value - chord(garment.pattern, level + up) for up in (0.0, 0.02, 0.04, 0.06))
     assert told["hip"] == pytest.approx(1e3 * lacks, abs=10.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.cloth import get_fabric
-from garmentq.core.reuse.wear import make_to_measure, refit_pattern, wear_template
+from garmentq.core.reuse.wear import load_worn_template, make_to_measure, refit_pattern
 from garmentq.core.run.clock import Clock
 
 BROAD = "builtin:male,height=1.72,weight=95,chest=1.18,waist=1.04,hip=1.13"
@@ -17,7 +17,7 @@ BROAD = "builtin:male,height=1.72,weight=95,chest=1.18,waist=1.04,hip=1.13"
 @pytest.mark.parametrize("name", ["trousers", "tshirt"])
 def test_ease_is_kept_on_the_drape(name):
     """Broken where cloth hangs elsewhere than foreseen, or what a drape shows of one body is not taken back again."""
-    worn = wear_template(name, get_fabric("cotton_poplin"))
+    worn = load_worn_template(name, get_fabric("cotton_poplin"))
     there = make_to_measure(worn, builtin_body(BROAD), None, Clock())
     changes = {place: value for place, value in there.report.metrics.items() if place.startswith("ease_change.")}
     assert len(changes) == 3 and max(abs(value) for value in changes.values()) <= 5.0

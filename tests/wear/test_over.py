@@ -11,20 +11,20 @@ from garmentq.core.cloth import Drape, Outcome, get_fabric
 from garmentq.core.garment import Garment, load_draped_template
 from garmentq.core.geometry import self_intersections, vertex_normals
 from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.wear import Worn, dress_outfit, dress_over, judge_wear, rest_together
-from garmentq.core.reuse.wear.underneath import is_covered, measure_layers, raise_over
+from garmentq.core.reuse.wear import WornGarment, drape_together, dress_outfit, dress_over, judge_wear
+from garmentq.core.reuse.wear.underneath import is_covered, measure_layers, raise_skin_over
 from garmentq.core.run.clock import Clock
-from garmentq.core.run.hooks import SILENT
+from garmentq.core.run.hooks import SILENT_HOOKS
 
 SPEC = "builtin:female,height=1.70"
 
 
-def wear(name: str, fabric: str) -> Worn:
+def wear(name: str, fabric: str) -> WornGarment:
     """Return a shipped garment as it hangs on the body that it was drafted for."""
     garment = load_draped_template(name)
     waist = garment.contour("waist")
     curve = None if waist is None else garment.nodes[waist.vertices]
-    return Worn(garment, get_fabric(fabric), builtin_body(SPEC), curve, None, name, name)
+    return WornGarment(garment, get_fabric(fabric), builtin_body(SPEC), curve, None, name, name)
 
 
 def grow(garment: Garment, height: float) -> Garment:
@@ -72,7 +72,7 @@ def test_the_raised_wearer_encloses_what_he_wears():
     """Broken where cloth that goes over another garment starts inside of it, or skin is raised where there is none."""
     worn = wear("trousers", "denim")
     wearer = WearerGeometry(worn.body)
-    raised = raise_over(wearer, worn.garment)
+    raised = raise_skin_over(wearer, worn.garment)
     near = wearer.exposed.closest(worn.garment.nodes).distance < 0.05
     assert near.mean() > 0.5
     assert raised.exposed.contains(worn.garment.nodes[near]).mean() > 0.99
@@ -91,7 +91,7 @@ def test_waists_are_held_where_they_lie(monkeypatch):
     monkeypatch.setattr("garmentq.core.reuse.wear.over.equilibrium", keep)
     lower, upper = wear("skirt", "denim"), wear("tshirt", "cotton_poplin")
     moved = replace(lower, waist=lower.waist + [0.0, 0.01, 0.0])
-    garments, _ = rest_together((moved, upper), WearerGeometry(lower.body), SILENT)
+    garments, _ = drape_together((moved, upper), WearerGeometry(lower.body), SILENT_HOOKS)
     ((scene, nodes),) = seen
     assert len(scene.pins.nodes) == len(lower.waist) and len(garments) == 2
     np.testing.assert_array_equal(scene.pins.points, nodes[scene.pins.nodes])
@@ -109,8 +109,10 @@ def test_an_outfit_is_judged_garment_by_garment(monkeypatch):
         nodes = np.concatenate([one.garment.nodes for one in garments])
         return tuple(garments), Drape(nodes, 0.2, 4, 0.0, Outcome.ITERATIONS, nodes)
 
-    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
-    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.rest_together", stay)
+    monkeypatch.setattr(
+        "garmentq.core.reuse.wear.outfit.drape_in_order", lambda garments, wearer, hooks: tuple(garments)
+    )
+    monkeypatch.setattr("garmentq.core.reuse.wear.outfit.drape_together", stay)
     right = dress_outfit({"lower": inner, "upper": skirt}, skirt.body, Clock())
     wrong = dress_outfit({"upper": skirt, "lower": inner}, skirt.body, Clock())
     verdicts = [{gate.name: gate.verdict for gate in one.report.gates} for one in (right, wrong)]

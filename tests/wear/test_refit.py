@@ -20,11 +20,11 @@ from garmentq.core.garment import (
     seam_mismatch,
 )
 from garmentq.core.recover.drape import size_template
-from garmentq.core.reuse.wear import Worn, carry_curve, measure_ease, refit_pattern
-from garmentq.core.reuse.wear.ease import Figure, ease_at
-from garmentq.core.reuse.wear.fitting import foresee_draft
-from garmentq.core.reuse.wear.kept_ease import Laid
-from garmentq.core.reuse.wear.widening import widen_rules
+from garmentq.core.reuse.wear import WornGarment, measure_ease, refit_pattern, transfer_curve
+from garmentq.core.reuse.wear.ease import MeasuredBody, measure_unposed_ease
+from garmentq.core.reuse.wear.fitting import widen_draft
+from garmentq.core.reuse.wear.kept_ease import EasePrediction
+from garmentq.core.reuse.wear.widening import widening_rules
 
 OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 
@@ -33,7 +33,7 @@ OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 def foreseen(monkeypatch):
     """Take drafts as they are foreseen: drapes are tested in `test_fitting.py`."""
     module = importlib.import_module("garmentq.core.reuse.wear.refit")
-    monkeypatch.setattr(module, "fit_draft", lambda template, body, hooks: foresee_draft(template, body))
+    monkeypatch.setattr(module, "fit_draft", lambda template, body, hooks: widen_draft(template, body))
 
 
 OTHERS = [info.name for info in list_templates() if info.name != "tshirt"]
@@ -45,12 +45,12 @@ def bodies():
     return builtin_body(OLD), builtin_body(NEW)
 
 
-def wear(name: str, pattern, body) -> Worn:
+def wear(name: str, pattern, body) -> WornGarment:
     """Return a pattern as somebody's, not draped."""
-    return Worn(mesh_pattern(pattern, 500), get_fabric("cotton_poplin"), body, None, None, name, "tshirt")
+    return WornGarment(mesh_pattern(pattern, 500), get_fabric("cotton_poplin"), body, None, None, name, "tshirt")
 
 
-def hang(name: str, body) -> Worn:
+def hang(name: str, body) -> WornGarment:
     """Return a template on the body that it was drafted for, 3 % wider and 1 % longer: no draft any more."""
     shipped = load_draped_template(name)
     pattern = shipped.pattern.with_points(shipped.pattern.points * [1.03, 1.01])
@@ -58,7 +58,7 @@ def hang(name: str, body) -> Worn:
     garment = replace(shipped, pattern=pattern, uv=map_controls(shipped).apply(pattern.points))
     waist = shipped.contour("waist")
     curve = None if waist is None else shipped.nodes[waist.vertices]
-    return Worn(garment, get_fabric("cotton_poplin"), body, curve, None, name, name)
+    return WornGarment(garment, get_fabric("cotton_poplin"), body, curve, None, name, name)
 
 
 REVERSIBLE = [name for name in OTHERS if name not in ("sleeved_dress", "jumpsuit", "sleeved_jumpsuit")]
@@ -72,10 +72,10 @@ def test_there_and_back(name, bodies):
     worn = hang(name, old)
     there = refit_pattern(worn, new)
     assert there.is_drafted and seam_mismatch(there.pattern) < 1e-5
-    laid = Laid.of(worn.garment, old, worn.waist, new)
+    laid = EasePrediction.of(worn.garment, old, worn.waist, new)
     if name in WORN:  # the ease of others is not foreseen as well
         assert max(abs(value) for value in laid.foresee(there.pattern).values()) < 5e-3
-    waist = None if worn.waist is None else carry_curve(worn.waist, old, new)
+    waist = None if worn.waist is None else transfer_curve(worn.waist, old, new)
     back = refit_pattern(replace(worn, garment=laid.lay(there.pattern), body=new, waist=waist), old)
     assert np.linalg.norm(back.pattern.points - worn.pattern.points, axis=1).max() < 5e-4
     assert np.abs(there.pattern.points - worn.pattern.points).max() > 5e-3
@@ -102,7 +102,7 @@ PAIRS = [
 def test_ease_is_kept(name, spec, bodies):
     """Broken where a girth that no draft knows (sleeve, thigh, the waistband's place) is left to the draft."""
     worn, body = hang(name, bodies[0]), builtin_body(spec)
-    laid = Laid.of(worn.garment, bodies[0], worn.waist, body)
+    laid = EasePrediction.of(worn.garment, bodies[0], worn.waist, body)
     made = refit_pattern(worn, body).pattern
     change = laid.foresee(made)
     assert seam_mismatch(made) < 1e-5
@@ -122,13 +122,13 @@ SOME = ("tshirt", "trousers", "pencil_skirt")
 def test_rules_widen_their_own_place(name, bodies):
     """Broken where a rule narrows, moves the neck, tears seams open, or leaves left and right unlike."""
     shipped = load_draped_template(name)
-    figure, before = Figure.of(bodies[0]), {one.place: one.garment for one in measure_ease(shipped, bodies[0])}
-    rules = widen_rules(name)
+    figure, before = MeasuredBody.of(bodies[0]), {one.place: one.garment for one in measure_ease(shipped, bodies[0])}
+    rules = widening_rules(name)
     assert ("upper_arm" in rules) == ("upper_arm" in before)
     for place, moves in rules.items():
         pattern = equalise_seams(shipped.pattern.with_points(shipped.pattern.points + 0.01 * moves))
         wider = replace(shipped, pattern=pattern, uv=map_controls(shipped).apply(pattern.points))
-        after = {one.place: one.garment for one in ease_at(wider, shipped.nodes, figure)}
+        after = {one.place: one.garment for one in measure_unposed_ease(wider, shipped.nodes, figure)}
         assert place not in before or after[place] > before[place] + 1e-3
         assert np.abs(pattern.points - shipped.pattern.points - 0.01 * moves).max() < 2e-3
         areas = {panel.name: polygon_area(panel.points) for panel in pattern.panels}

@@ -9,14 +9,14 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.cloth import SteadyRotation, get_fabric
 from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import WORN, ResultOld, Worn, load_worn, save_worn
+from garmentq.core.reuse.wear import WORN_FILE_NAME, ResultOld, WornGarment, load_worn, save_worn
 from garmentq.core.reuse.wear import worn as worn_file
-from garmentq.core.reuse.wear.worn import find_waist, hang_from
+from garmentq.core.reuse.wear.worn import find_waist, make_waist_target
 from garmentq.core.run.checkpoints import fingerprint
 
 
 @pytest.fixture(scope="module")
-def worn() -> Worn:
+def worn() -> WornGarment:
     """Return a skirt as it hangs on the body that it was drafted for."""
     garment = load_draped_template("skirt")
     assert garment is not None
@@ -25,7 +25,7 @@ def worn() -> Worn:
     assert waist is not None
     turning = SteadyRotation(5.0, (0.0, 1.0, 0.0))
     body = builtin_body("builtin:female,height=1.70")
-    return Worn(garment, get_fabric("denim"), body, garment.nodes[waist.vertices], turning, "skirt", "skirt")
+    return WornGarment(garment, get_fabric("denim"), body, garment.nodes[waist.vertices], turning, "skirt", "skirt")
 
 
 def test_comes_back_bit_for_bit(worn, tmp_path):
@@ -54,7 +54,7 @@ def test_result_without_it_is_refused(worn, tmp_path):
     with pytest.raises(ResultOld):
         load_worn(tmp_path)
     path = save_worn(worn, tmp_path)
-    assert path.name == WORN
+    assert path.name == WORN_FILE_NAME
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(ResultOld):
         load_worn(tmp_path)
@@ -63,7 +63,7 @@ def test_result_without_it_is_refused(worn, tmp_path):
 def test_file_of_another_version_is_refused(worn, tmp_path, monkeypatch):
     """Broken where a file of another version is read as if it were this one's, or one that states none."""
     path = save_worn(worn, tmp_path)
-    monkeypatch.setattr(worn_file, "VERSION", worn_file.VERSION + 1)
+    monkeypatch.setattr(worn_file, "WORN_FORMAT_VERSION", worn_file.WORN_FORMAT_VERSION + 1)
     with pytest.raises(ResultOld):
         load_worn(tmp_path)
     monkeypatch.undo()
@@ -76,7 +76,7 @@ def test_file_of_another_version_is_refused(worn, tmp_path, monkeypatch):
 
 def test_version_goes_up_with_the_fields():
     """Broken where a field of what is kept changes and the version does not: then state here both as they are now."""
-    assert (worn_file.VERSION, fingerprint(worn_file._Kept)[:12]) == (1, "44d461ab6d94")
+    assert (worn_file.WORN_FORMAT_VERSION, fingerprint(worn_file._StoredWorn)[:12]) == (1, "44d461ab6d94")
 
 
 def test_hangs_from_its_waist(worn):
@@ -89,11 +89,11 @@ def test_hangs_from_its_waist(worn):
 def test_a_covered_garment_hangs_from_its_own_waist(worn):
     """Broken where trousers below a long top hang from where that ends, or a seen waist is not the scan's."""
     garment, lower = worn.garment, worn.waist - [0.0, 0.3, 0.0]
-    seen = hang_from(lower, "skirt")
+    seen = make_waist_target(lower, "skirt")
     np.testing.assert_array_equal(find_waist(garment, seen), lower)
     covered = replace(seen, contours=tuple(replace(contour, hidden=True) for contour in seen.contours))
     for target in (covered, replace(seen, contours=())):
         own = find_waist(garment, target)
         assert own[:, 1].mean() == pytest.approx(worn.waist[:, 1].mean(), abs=1e-3)
     shirt = load_draped_template("tshirt")
-    assert find_waist(shirt, hang_from(None, "tshirt")) is None
+    assert find_waist(shirt, make_waist_target(None, "tshirt")) is None

@@ -8,7 +8,7 @@ import subprocess
 from dataclasses import replace
 
 import pytest
-from garmentq.service.reaper import end_life, show_life
+from garmentq.service.reaper import record_heartbeat, remove_worker
 from garmentq.workers.broker import find_server, is_broker_up, start_broker
 from garmentq_home import Cli, wait_for
 from patience import WAIT_SECONDS
@@ -63,11 +63,11 @@ def test_a_refusal_is_told_from_silence(broker):
 def test_doctor_looks_for_this_machines_worker(settings, database, cli):
     """Broken where a container is healthy whose worker hangs, or another machine's worker stands in for it."""
     assert cli("doctor").returncode == 0
-    show_life(database, "elsewhere:1:ab", "cpu", 1, 30.0)
+    record_heartbeat(database, "elsewhere:1:ab", "cpu", 1, 30.0)
     found = cli("doctor", "--worker", "--json")
     assert found.returncode == 1 and "see its log" in found.stdout.splitlines()[-1]
     name = f"{socket.gethostname()}:1:ab"
-    show_life(database, name, "cpu", 1, 30.0)
+    record_heartbeat(database, name, "cpu", 1, 30.0)
     assert json.loads(cli("doctor", "--worker", "--json").stdout.splitlines()[-1])["ok"]
-    end_life(database, name)
+    remove_worker(database, name)
     assert cli("doctor", "--worker").returncode == 1

@@ -27,7 +27,7 @@ NEAR = "127.0.0.2/32"
 @pytest.fixture(autouse=True)
 def patience(monkeypatch):
     """Wait for a trial as long as a busy machine may take."""
-    monkeypatch.setattr(webhook_trial, "SECONDS", WAIT_SECONDS)
+    monkeypatch.setattr(webhook_trial, "WEBHOOK_TRIAL_TIMEOUT", WAIT_SECONDS)
 
 
 @contextmanager
@@ -115,7 +115,7 @@ def test_a_trial_goes_by_a_workers_courier_too(settings, database):
 
 def test_a_trial_that_nobody_sends_says_so(settings, database, monkeypatch):
     """Broken where a test succeeds though no process sends, or leaves a message that comes hours later."""
-    monkeypatch.setattr(webhook_trial, "SECONDS", 0.5)
+    monkeypatch.setattr(webhook_trial, "WEBHOOK_TRIAL_TIMEOUT", 0.5)
     with receiving() as (url, got):
         hook, _ = create_webhook(database, url, (), NEAR)
         done = Cli(replace(settings, webhook_networks=NEAR))("webhooks", "test", hook.id)

@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from .bvh_text import CHANNELS, Skeleton, decode_bvh, parse_bvh
 from .errors import MotionTooLarge
-from .posed import Posed
+from .posed import SkeletonMotion
 from .recording import Recording
 from .skeleton_map import map_skeleton
 
-LARGEST_BYTES = 64 * 1024**2
-"""Size of a file at most: twenty minutes of 60 joints at 30 Hz."""
+MAX_BVH_FILE_BYTES = 64 * 1024**2
+"""Largest size of a BVH file [bytes]: twenty minutes of 60 joints at 30 Hz."""
 
 
 def read_bvh(path: Path) -> Recording:
@@ -27,14 +27,14 @@ def read_bvh(path: Path) -> Recording:
         MotionForeign: where the skeleton is no person's.
     """
     path = Path(path)
-    if path.stat().st_size > LARGEST_BYTES:
-        raise MotionTooLarge(f"{path.name} is larger than {LARGEST_BYTES >> 20} MB. {MotionTooLarge().message}")
+    if path.stat().st_size > MAX_BVH_FILE_BYTES:
+        raise MotionTooLarge(f"{path.name} is larger than {MAX_BVH_FILE_BYTES >> 20} MB. {MotionTooLarge().message}")
     text = parse_bvh(decode_bvh(path.read_bytes()), path.name)
     recording = map_skeleton(pose_skeleton(text.skeleton, text.values), text.rate)
     return replace(recording, notes=(*text.notes, *recording.notes))
 
 
-def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> Posed:
+def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> SkeletonMotion:
     """Return a skeleton in the poses of channel values, shape [n, channel_count].
 
     A joint's channels are applied in the file's order, the first one outermost: for `Zrotation Xrotation Yrotation`
@@ -62,7 +62,7 @@ def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> Posed:
     for joint, way in moves.items():
         if skeleton.parents[joint] >= 0 and not offsets[joint].any():
             offsets[joint] = np.median(way, axis=0)
-    return Posed(skeleton.names, skeleton.parents, offsets, turns, moves)
+    return SkeletonMotion(skeleton.names, skeleton.parents, offsets, turns, moves)
 
 
 def _place(skeleton: Skeleton, given: dict[int, np.ndarray]) -> dict[int, np.ndarray]:

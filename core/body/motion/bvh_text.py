@@ -11,18 +11,18 @@ import numpy as np
 
 from ...run.errors import keep_printable
 from .errors import MotionBad, MotionTooLarge
-from .keys import RATES
-from .recording import MOST_FRAMES
+from .keys import FRAME_RATE_RANGE
+from .recording import MAX_MOTION_FRAME_COUNT
 
-MOST_JOINTS = 512
-"""Joints at most; with all fingers and a face there are about 120."""
+MAX_JOINT_COUNT = 512
+"""Largest number of joints. With all fingers and a face there are about 120."""
 
 CHANNELS = {f"{axis}{kind}": (axis, kind) for axis in "XYZ" for kind in ("position", "rotation")}
 
-SPELLED = {name.lower(): name for name in CHANNELS}
+CHANNELS_BY_LOWER_NAME = {name.lower(): name for name in CHANNELS}
 """The channels by their names in lower case."""
 
-WORDS = ("hierarchy", "root", "joint", "end", "offset", "channels", "{", "}")
+HIERARCHY_KEYWORDS = ("hierarchy", "root", "joint", "end", "offset", "channels", "{", "}")
 """First words of a line of the hierarchy, in lower case; what begins with another one goes on with the line before."""
 
 
@@ -80,11 +80,13 @@ def parse_bvh(text: str, name: str) -> BvhText:
         raise MotionBad(f"{name}: a BVH file has HIERARCHY, then MOTION. {MotionBad().message}")
     skeleton = _parse_hierarchy(parts[0][head.end() :], name)
     lines = [line.strip() for line in parts[1].splitlines() if line.strip()]
-    frames = _after(lines, 0, "Frames", name)
-    seconds = _after(lines, 1, "Frame Time", name)
-    if frames > MOST_FRAMES:
-        raise MotionTooLarge(f"{name}: {frames:g} frames are more than {MOST_FRAMES}. {MotionTooLarge().message}")
-    if not frames >= 1 or not RATES[0] <= 1.0 / max(seconds, 1e-9) <= 1000.0:
+    frames = _parse_labelled_number(lines, 0, "Frames", name)
+    seconds = _parse_labelled_number(lines, 1, "Frame Time", name)
+    if frames > MAX_MOTION_FRAME_COUNT:
+        raise MotionTooLarge(
+            f"{name}: {frames:g} frames are more than {MAX_MOTION_FRAME_COUNT}. {MotionTooLarge().message}"
+        )
+    if not frames >= 1 or not FRAME_RATE_RANGE[0] <= 1.0 / max(seconds, 1e-9) <= 1000.0:
         raise MotionBad(f"{name}: {frames:g} frames of {seconds:g} s make no motion.")
     width = sum(len(channels) for channels in skeleton.channels)
     values, notes = _parse_frames(lines[2:], int(frames), width, name)
@@ -111,8 +113,10 @@ def _parse_frames(lines: list[str], frames: int, width: int, name: str) -> tuple
     if not width or not np.isfinite(values).all() or not (whole or values.size == frames * width):
         raise MotionBad(f"{name}: {values.size} values for {frames} frames of {width} channels.")
     values = values.reshape(-1, width)
-    if len(values) > MOST_FRAMES:
-        raise MotionTooLarge(f"{name}: {len(values)} frames are more than {MOST_FRAMES}. {MotionTooLarge().message}")
+    if len(values) > MAX_MOTION_FRAME_COUNT:
+        raise MotionTooLarge(
+            f"{name}: {len(values)} frames are more than {MAX_MOTION_FRAME_COUNT}. {MotionTooLarge().message}"
+        )
     if len(values) != frames:
         notes.append(f"The file says {frames} frames and holds {len(values)}; those that it holds were read.")
     return values, tuple(notes)
@@ -136,8 +140,8 @@ def _parse_hierarchy(text: str, name: str) -> Skeleton:
             offsets.append(np.zeros(3))
             channels.append(())
             opened = len(names) - 1
-            if len(names) > MOST_JOINTS:
-                raise MotionTooLarge(f"{name}: more than {MOST_JOINTS} joints.")
+            if len(names) > MAX_JOINT_COUNT:
+                raise MotionTooLarge(f"{name}: more than {MAX_JOINT_COUNT} joints.")
         elif word == "end":
             opened = -1
         elif word == "{":
@@ -147,7 +151,7 @@ def _parse_hierarchy(text: str, name: str) -> Skeleton:
                 raise MotionBad(f"{name}: a bracket is closed that was not opened.")
             stack.pop()
         elif word == "offset" and inside >= 0:
-            offsets[inside] = _three(rest, name)
+            offsets[inside] = _parse_offset(rest, name)
         elif word == "channels":
             if inside < 0:
                 raise MotionBad(f"{name}: CHANNELS out of place.")
@@ -162,7 +166,7 @@ def _statements(text: str, name: str) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     for line in text.replace("{", "\n{\n").replace("}", "\n}\n").splitlines():
         word, *rest = line.split(maxsplit=1)[:2] or [""]
-        if word.lower() in WORDS:
+        if word.lower() in HIERARCHY_KEYWORDS:
             found.append((word.lower(), rest[0].strip() if rest else ""))
         elif word:
             if not found or found[-1][0] not in ("offset", "channels", "root", "joint"):
@@ -175,11 +179,11 @@ def _statements(text: str, name: str) -> list[tuple[str, str]]:
 def _parse_channels(text: str, name: str) -> tuple[str, ...]:
     """Return the channels of a joint by the names of `CHANNELS`."""
     count, *words = text.replace(",", " ").split() or [""]
-    if not all(word.lower() in SPELLED for word in words):
+    if not all(word.lower() in CHANNELS_BY_LOWER_NAME for word in words):
         raise MotionBad(f"{name}: channels '{keep_printable(text)[:60]}' are none of {', '.join(CHANNELS)}.")
     if len(words) > 6 or count != str(len(words)):
         raise MotionBad(f"{name}: 'CHANNELS {keep_printable(text)[:60]}' does not hold as many channels as it says.")
-    return tuple(SPELLED[word.lower()] for word in words)
+    return tuple(CHANNELS_BY_LOWER_NAME[word.lower()] for word in words)
 
 
 def _plain_decimals(lines: list[str]) -> list[str]:
@@ -194,7 +198,7 @@ def _plain_decimals(lines: list[str]) -> list[str]:
     return text.replace(",", "." if decimal else " ").split("\n")
 
 
-def _three(text: str, name: str) -> np.ndarray:
+def _parse_offset(text: str, name: str) -> np.ndarray:
     try:
         found = np.array(_plain_decimals([text])[0].split(), dtype=np.float64)
     except ValueError as error:
@@ -204,7 +208,7 @@ def _three(text: str, name: str) -> np.ndarray:
     return found
 
 
-def _after(lines: list[str], at: int, label: str, name: str) -> float:
+def _parse_labelled_number(lines: list[str], at: int, label: str, name: str) -> float:
     """Return the number behind a label and a colon."""
     line = lines[at] if at < len(lines) else ""
     spaced = label.replace(" ", r"\s*")

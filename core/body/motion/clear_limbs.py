@@ -7,51 +7,53 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .. import JOINTS, PARENTS, Body
+from .. import JOINT_PARENTS, JOINTS, Body
 from ..template import articulate
-from .limb_gaps import LEVER, Limb, LimbGaps
+from .limb_gaps import MIN_GAP_WIDENING, Limb, LimbGaps
 from .moving_body import MovingBody
 from .track import Pose, Track
 
-GROUPS = {
+LIMB_GROUPS = {
     "left arm": (Limb.named("left", "shoulder"),),
     "right arm": (Limb.named("right", "shoulder"),),
     "legs": (Limb.named("left", "hip"), Limb.named("right", "hip")),
 }
 """What is spread by one angle: an arm off everything but the other arm, both legs off each other."""
 
-LAYER = 2.5e-3
+CLOTH_LAYER_CLEARANCE = 2.5e-3
 """Room that a layer of cloth needs on covered skin [m]: half of what two layers need between two parts of a body with
-what they keep from the skin and from each other (`core.judge.crossings.PINCHED`)."""
+what they keep from the skin and from each other (`core.judge.crossings.MAX_PINCH_DISTANCE`)."""
 
-LIMIT = np.deg2rad(15.0)
+MAX_LIMB_SPREAD_ANGLE = np.deg2rad(15.0)
 """Angle by which a joint is turned at most [rad]: more is another motion."""
 
-SMOOTH = 0.25
+SPREAD_SMOOTHING_TIME = 0.25
 """Time before and after a pose in which its angle is reached and given back [s]: half a step of a walk."""
 
-RATE = 30.0
-"""Poses a second that are looked at, about [1/s]: between them a limb goes 6 cm at most, and their largest angle holds
-for a quarter of a second around."""
+SPREAD_SAMPLE_RATE = 30.0
+"""Approximate rate at which poses are examined [1/s]. Between two of them a limb goes 6 cm at most, and their largest
+angle holds for a quarter of a second around."""
 
-ROUNDS = 6
-"""Rounds in which a pose's angle is found; the nearest skin changes as a limb turns, and 2 to 4 settle it."""
+MAX_SPREAD_ITERATIONS = 6
+"""Largest number of iterations in which a pose's angle is found. The nearest skin changes as a limb turns; 2 to 4
+iterations settle it."""
 
-SETTLED = np.deg2rad(0.1)
+SPREAD_ANGLE_TOLERANCE = np.deg2rad(0.1)
 """Change of the angle that ends the search [rad]."""
 
-INNER = 0.3
-"""Share of a leg in the weights of a face from which it is the leg's: the inside of a thigh is half the pelvis'."""
+MIN_LEG_WEIGHT_SHARE = 0.3
+"""Smallest share of a leg in the skinning weights of a face that belongs to the leg. The inside of a thigh is half the
+pelvis'."""
 
 
 @dataclass(frozen=True)
-class Cleared:
+class ClearedMotion:
     """Describe a motion whose limbs were spread.
 
     Attributes:
         track: The motion.
-        angles: By which limbs of `GROUPS` are spread in each pose of the track [rad], shape [pose_count, 3].
-        missed: Poses in which `LIMIT` was less than what clears all, shape [pose_count, 3].
+        angles: By which limbs of `LIMB_GROUPS` are spread in each pose of the track [rad], shape [pose_count, 3].
+        missed: Poses in which `MAX_LIMB_SPREAD_ANGLE` was less than what clears all, shape [pose_count, 3].
     """
 
     track: Track
@@ -59,61 +61,63 @@ class Cleared:
     missed: np.ndarray
 
 
-def clear_limbs(track: Track, body: Body, covered: np.ndarray, begin: float, end: float) -> Cleared:
+def clear_limbs(track: Track, body: Body, covered: np.ndarray, begin: float, end: float) -> ClearedMotion:
     """Return a motion in which limbs keep clear of the rest of the wearer, as far as turning them outwards does it.
 
     In each pose every arm, and both legs, are turned outwards by the least angle that leaves room for the cloth on the
-    skin that faces (`LAYER` for each that is covered, none for bare skin), at most `LIMIT`. Over time the largest angle
-    within `SMOOTH` holds, averaged over as long, so that it is never less than what a pose needs and changes smoothly.
-    Feet keep their direction, and the lower one its height. Creases near joints stay (`LEVER`).
+    skin that faces (`CLOTH_LAYER_CLEARANCE` for each that is covered, none for bare skin), at most
+    `MAX_LIMB_SPREAD_ANGLE`. Over time the largest angle within `SPREAD_SMOOTHING_TIME` holds, averaged over as long, so
+    that it is never less than what a pose needs and changes smoothly. Feet keep their direction, and the lower one its
+    height. Creases near joints stay (`MIN_GAP_WIDENING`).
 
     Args:
         track: The motion.
         body: The wearer.
         covered: Whether cloth lies on each vertex, shape [vertex_count].
         begin: First time that is asked for [s].
-        end: Last one [s]; poses further from these than `SMOOTH` asks for are left alone, unless the motion loops.
+        end: Last one [s]; poses further from these than `SPREAD_SMOOTHING_TIME` asks for are left alone, unless the
+            motion loops.
     """
     count = len(track.turns)
     first, last = 0, count - 1
     if not track.loops:
-        first = int(np.clip((begin - 2 * SMOOTH) * track.rate, 0, count - 1))
-        last = int(np.clip(np.ceil((end + 2 * SMOOTH) * track.rate), first, count - 1))
+        first = int(np.clip((begin - 2 * SPREAD_SMOOTHING_TIME) * track.rate, 0, count - 1))
+        last = int(np.clip(np.ceil((end + 2 * SPREAD_SMOOTHING_TIME) * track.rate), first, count - 1))
     search = _Search.of(body, covered)
-    stride = max(1, int(track.rate / RATE))
+    stride = max(1, int(track.rate / SPREAD_SAMPLE_RATE))
     looked = np.unique(np.append(np.arange(first, last + 1, stride), last))
-    found = np.zeros((len(looked), len(GROUPS)))
+    found = np.zeros((len(looked), len(LIMB_GROUPS)))
     for row, index in enumerate(looked):
         found[row] = search.least(Pose(track.turns[index], track.pelvis[index]))
     poses = np.arange(first, last + 1)
     wanted = np.stack([np.interp(poses, looked, column) for column in found.T], axis=1)
-    angles, missed = np.zeros((count, len(GROUPS))), np.zeros((count, len(GROUPS)), dtype=bool)
-    angles[poses] = _smooth(np.minimum(wanted, LIMIT), track, stride)
-    missed[poses] = wanted > LIMIT + SETTLED
+    angles, missed = np.zeros((count, len(LIMB_GROUPS))), np.zeros((count, len(LIMB_GROUPS)), dtype=bool)
+    angles[poses] = _smooth(np.minimum(wanted, MAX_LIMB_SPREAD_ANGLE), track, stride)
+    missed[poses] = wanted > MAX_LIMB_SPREAD_ANGLE + SPREAD_ANGLE_TOLERANCE
     turns, pelvis = track.turns.copy(), track.pelvis.copy()
     for index in np.flatnonzero(angles.any(axis=1)):
-        pose = spread(Pose(turns[index], pelvis[index]), body.rest_joints, angles[index])
+        pose = spread_limbs(Pose(turns[index], pelvis[index]), body.rest_joints, angles[index])
         turns[index], pelvis[index] = pose.turns, pose.pelvis
-    return Cleared(replace(track, turns=turns, pelvis=pelvis), angles, missed)
+    return ClearedMotion(replace(track, turns=turns, pelvis=pelvis), angles, missed)
 
 
-def spread(pose: Pose, rest_joints: np.ndarray, angles: np.ndarray) -> Pose:
-    """Return a pose with the limbs of `GROUPS` turned outwards by angles [rad], shape [3].
+def spread_limbs(pose: Pose, rest_joints: np.ndarray, angles: np.ndarray) -> Pose:
+    """Return a pose with the limbs of `LIMB_GROUPS` turned outwards by angles [rad], shape [3].
 
     Args:
         pose: The pose.
         rest_joints: Joints in the T-pose [m], shape [24, 3].
-        angles: One for each of `GROUPS`.
+        angles: One for each of `LIMB_GROUPS`.
     """
     transforms = pose.transforms(rest_joints)
     world, joints = articulate(pose.turns, rest_joints, pose.pelvis - rest_joints[0])
     world, feet = np.array(world), [JOINTS.index(f"{side}_{name}") for side in ("left", "right") for name in _FOOT]
-    for limbs, angle in zip(GROUPS.values(), angles, strict=True):
+    for limbs, angle in zip(LIMB_GROUPS.values(), angles, strict=True):
         for limb in limbs:
             turn = Rotation.from_rotvec(angle * limb.axis(transforms, joints)).as_matrix()
             moved = [joint for joint in limb.joints if joint not in feet]
             world[moved] = turn @ world[moved]
-    turns = np.stack([world[j] if p < 0 else world[p].T @ world[j] for j, p in enumerate(PARENTS)])
+    turns = np.stack([world[j] if p < 0 else world[p].T @ world[j] for j, p in enumerate(JOINT_PARENTS)])
     later = articulate(turns, rest_joints, pose.pelvis - rest_joints[0])[1]
     raised = float(later[feet, 1].min() - joints[feet, 1].min())
     return Pose(turns, pose.pelvis - [0.0, raised, 0.0])
@@ -135,25 +139,29 @@ class _Search:
     def of(cls, body: Body, covered: np.ndarray) -> _Search:
         gaps = LimbGaps(body)
         left, right, hip, other = (
-            gaps.share((limb,))[body.faces].mean(axis=1) for limbs in GROUPS.values() for limb in limbs
+            gaps.share((limb,))[body.faces].mean(axis=1) for limbs in LIMB_GROUPS.values() for limb in limbs
         )
         trunk = np.flatnonzero(left + right <= 0.5)
         parts = (
             (np.flatnonzero(left > 0.5), trunk),
             (np.flatnonzero(right > 0.5), trunk),
-            (np.flatnonzero(hip > INNER), np.flatnonzero((other > INNER) & (hip <= INNER))),
+            (
+                np.flatnonzero(hip > MIN_LEG_WEIGHT_SHARE),
+                np.flatnonzero((other > MIN_LEG_WEIGHT_SHARE) & (hip <= MIN_LEG_WEIGHT_SHARE)),
+            ),
         )
         return cls(MovingBody(body), gaps, covered, parts)
 
     def least(self, pose: Pose) -> np.ndarray:
-        """Return the least angle of each group that clears it [rad], shape [3], searched up to twice `LIMIT`."""
-        angles = np.zeros(len(GROUPS))
-        for turn in range(ROUNDS):
+        """Return the least angle of each group that clears it [rad], shape [3], searched up to twice
+        `MAX_LIMB_SPREAD_ANGLE`."""
+        angles = np.zeros(len(LIMB_GROUPS))
+        for turn in range(MAX_SPREAD_ITERATIONS):
             joints = self.mover.body.rest_joints
-            body = self.mover.posed(spread(pose, joints, angles) if angles.any() else pose)
-            more = np.array([self._need(body, *each) for each in zip(GROUPS.values(), self.parts, strict=True)])
-            changed = np.clip(angles + more, 0.0, 2 * LIMIT)
-            still = np.abs(changed - angles).max() < SETTLED
+            body = self.mover.posed(spread_limbs(pose, joints, angles) if angles.any() else pose)
+            more = np.array([self._need(body, *each) for each in zip(LIMB_GROUPS.values(), self.parts, strict=True)])
+            changed = np.clip(angles + more, 0.0, 2 * MAX_LIMB_SPREAD_ANGLE)
+            still = np.abs(changed - angles).max() < SPREAD_ANGLE_TOLERANCE
             angles = changed
             if still or (turn == 0 and not angles.any()):
                 break
@@ -162,10 +170,10 @@ class _Search:
     def _need(self, body: Body, limbs: tuple[Limb, ...], part: tuple[np.ndarray, np.ndarray]) -> float:
         """Return by how much more a group must be spread [rad]; less than none where it may go back."""
         found = self.gaps.measure(body, limbs, *part)
-        wide = found.widening > LEVER
+        wide = found.widening > MIN_GAP_WIDENING
         if not wide.any():
-            return -LIMIT
-        room = LAYER * self.covered[found.ends[wide]].any(axis=2).sum(axis=1)
+            return -MAX_LIMB_SPREAD_ANGLE
+        room = CLOTH_LAYER_CLEARANCE * self.covered[found.ends[wide]].any(axis=2).sum(axis=1)
         return float(((room - found.width[wide]) / found.widening[wide]).max())
 
 
@@ -173,7 +181,7 @@ def _smooth(wanted: np.ndarray, track: Track, stride: int) -> np.ndarray:
     """Return angles that are nowhere less than those wanted [rad], [n, k], and change smoothly."""
     from scipy.ndimage import convolve1d, maximum_filter1d
 
-    half = max(int(np.ceil(SMOOTH * track.rate)), stride)
+    half = max(int(np.ceil(SPREAD_SMOOTHING_TIME * track.rate)), stride)
     window = np.hanning(2 * half + 3)[1:-1]
     mode = "wrap" if track.loops and len(wanted) > 1 else "nearest"
     inner = wanted[:-1] if mode == "wrap" else wanted

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...geometry import unit
-from .joint_tree import JointTree, Mirrored
-from .joint_words import TWISTING, Part
+from .joint_tree import JointTree, MirroredChains
+from .joint_words import TWIST_WORDS, Part
 
 SIDES = ("left", "right")
 
@@ -20,7 +20,7 @@ ARM = ("collar", "shoulder", "elbow", "wrist")
 BONES = ("hip", "knee", "collar", "shoulder", "elbow")
 """Joints whose bone may be shared among several of a foreign skeleton's; the last of these carries the next joint."""
 
-CLAIMS: dict[Part, dict[str, float]] = {
+PART_JOINT_SCORES: dict[Part, dict[str, float]] = {
     Part.HIP: {"hip": 0.8},
     Part.THIGH: {"hip": 1.0},
     Part.LEG: {"knee": 1.0, "hip": 0.5},
@@ -39,18 +39,19 @@ CLAIMS: dict[Part, dict[str, float]] = {
 """Which of our joints a part of a name may be, and how well: `hip` is the hip's joint but where a thigh follows, `foot`
 the ankle but where an ankle precedes, `shoulder` the collar where an arm follows."""
 
-TWISTED = 0.3
-"""Share of a claim that a joint keeps that shares out a twist: it lies on the bone, not at its end."""
+TWIST_JOINT_SCORE_FACTOR = 0.3
+"""Factor on the name score of a joint that shares out a twist: it lies on the bone, not at its end."""
 
-RESTING = 0.95
-"""Share of a claim that a joint keeps that never turns: of two by one name it is the socket, the other the joint."""
+STILL_JOINT_SCORE_FACTOR = 0.95
+"""Factor on the name score of a joint that never turns. Of two joints by one name it is the socket, the other the
+joint."""
 
-UPWARDS = 0.7
-"""Cosine between a leg and the way from chest to pelvis from which it hangs below the trunk: 45 degrees."""
+MIN_HANGING_LEG_COSINE = 0.7
+"""Smallest cosine between a leg and the way from chest to pelvis at which the leg hangs below the trunk: 45 degrees."""
 
 
 @dataclass
-class Found:
+class JointMapping:
     """Describe which joints of a foreign skeleton are ours.
 
     Attributes:
@@ -64,7 +65,7 @@ class Found:
     notes: tuple[str, ...] = ()
 
 
-def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
+def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> JointMapping:
     """Return our joints' names with the joints of a foreign skeleton that are meant.
 
     Legs and arms are the chains whose names fit best; what names leave open is filled by place: the two longest bones.
@@ -75,7 +76,7 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
         tree: The skeleton.
         still: Joints that never turn in the motion; of the spine they do not count, and of limbs little.
     """
-    found = Found()
+    found = JointMapping()
     for limb in (LEG, ARM):
         for side in SIDES:
             found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb, still).items()}
@@ -85,7 +86,7 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
     if len(legs) == 2 and (pelvis := tree.fork(legs)) >= 0 and pelvis not in legs:
         found.at["pelvis"] = pelvis
         _find_trunk(tree, found, still)
-    found.carried = {name: _carrier(tree, found.at, name) for name in found.at}
+    found.carried = {name: _rotation_source(tree, found.at, name) for name in found.at}
     return found
 
 
@@ -101,8 +102,14 @@ def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozens
     for joint, parent in enumerate(tree.parents):
         before = best[parent] if parent >= 0 else [none] * (len(limb) + 1)
         part, (own, words) = tree.parts[joint], tree.words[joint]
-        claims = CLAIMS.get(part, {}) if part is not None and own == side else {}
-        share = TWISTED if any(word in TWISTING for word in words) else RESTING if joint in still else 1.0
+        claims = PART_JOINT_SCORES.get(part, {}) if part is not None and own == side else {}
+        share = (
+            TWIST_JOINT_SCORE_FACTOR
+            if any(word in TWIST_WORDS for word in words)
+            else STILL_JOINT_SCORE_FACTOR
+            if joint in still
+            else 1.0
+        )
         for count, name in enumerate(limb, 1):
             score, taken = before[count - 1]
             claim = claims.get(name, 0.0) * share
@@ -115,7 +122,7 @@ def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozens
     return dict(top[1])
 
 
-def _fill_limbs(tree: JointTree, found: Found) -> None:
+def _fill_limbs(tree: JointTree, found: JointMapping) -> None:
     """Find by place what names left open of legs and arms."""
     for limb in (LEG, ARM):
         three = limb[:3] if limb is LEG else limb[1:]
@@ -125,11 +132,11 @@ def _fill_limbs(tree: JointTree, found: Found) -> None:
                 first, middle, last = (found.at.get(f"{side}_{name}", -1) for name in three)
                 across = {joint for name in limb if (joint := found.at.get(f"{other}_{name}", -1)) >= 0}
                 chain = _limb_of(tree, own, across)
-                _take(tree, found, side, three, tree.three_of(chain, (first, middle, last)))
+                _assign_joints(tree, found, side, three, tree.three_of(chain, (first, middle, last)))
     _find_mirrored(tree, found)
 
 
-def _fill_ends(tree: JointTree, found: Found) -> None:
+def _fill_ends(tree: JointTree, found: JointMapping) -> None:
     """Find by place collars, between where the arms branch and their shoulders, and toes, beyond the ankles."""
     shoulders = [found.at[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in found.at]
     chest = tree.fork(shoulders) if len(shoulders) == 2 else -1
@@ -137,10 +144,12 @@ def _fill_ends(tree: JointTree, found: Found) -> None:
         taken = set(found.at.values())
         if f"{side}_collar" not in found.at and f"{side}_shoulder" in found.at and chest >= 0:
             way = tree.way_to(found.at[f"{side}_shoulder"])
-            _take(tree, found, side, ("collar",), tuple(way[way.index(chest) + 1 : -1][:1]))
+            _assign_joints(tree, found, side, ("collar",), tuple(way[way.index(chest) + 1 : -1][:1]))
         if f"{side}_foot" not in found.at and f"{side}_ankle" in found.at:
             toes = tree.chain_below(found.at[f"{side}_ankle"])[1:2]
-            _take(tree, found, side, ("foot",), tuple(j for j in toes if j not in taken and not tree.is_end(j)))
+            _assign_joints(
+                tree, found, side, ("foot",), tuple(j for j in toes if j not in taken and not tree.is_end(j))
+            )
 
 
 def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
@@ -151,7 +160,9 @@ def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
     return way[min(first, way.index(own[0])) :]
 
 
-def _take(tree: JointTree, found: Found, side: str, names: tuple[str, ...], three: tuple[int, ...] | None) -> None:
+def _assign_joints(
+    tree: JointTree, found: JointMapping, side: str, names: tuple[str, ...], three: tuple[int, ...] | None
+) -> None:
     """Note the three joints of a limb that were found by place."""
     for name, joint in zip(names, three or (), strict=False):
         if f"{side}_{name}" not in found.at:
@@ -159,7 +170,7 @@ def _take(tree: JointTree, found: Found, side: str, names: tuple[str, ...], thre
             found.notes = (*found.notes, f"{side}_{name} was found by its place: {tree.names[joint]}.")
 
 
-def _find_mirrored(tree: JointTree, found: Found) -> None:
+def _find_mirrored(tree: JointTree, found: JointMapping) -> None:
     """Find legs and arms whose names tell nothing: two pairs of chains, each other's mirror image.
 
     Legs hang below the way from where the arms branch to where they do. The left side is that of limbs whose names tell
@@ -169,12 +180,14 @@ def _find_mirrored(tree: JointTree, found: Found) -> None:
     if not lacking:
         return
     pairs = [pair for pair in tree.mirrored() if not {*pair.first, *pair.second} & set(found.at.values())]
-    legs: Mirrored | None = None
+    legs: MirroredChains | None = None
     if LEG[:3] in lacking:
-        legs = next((pair for pair in pairs if any(_hangs(tree, pair, other.fork) for other in pairs)), None)
+        legs = next(
+            (pair for pair in pairs if any(_hangs_below_trunk(tree, pair, other.fork) for other in pairs)), None
+        )
     taken = () if legs is None else (legs.fork,)
     arms = next((pair for pair in pairs if ARM[1:] in lacking and pair.fork not in taken), None)
-    left = _left_of(tree, found, legs)
+    left = _left_direction(tree, found, legs)
     if not left.any():
         return
     for pair, names in ((legs, LEG[:3]), (arms, ARM[1:])):
@@ -182,17 +195,17 @@ def _find_mirrored(tree: JointTree, found: Found) -> None:
             continue
         is_left = (tree.places[pair.first[0]] - tree.places[pair.second[0]]) @ left > 0
         for side, chain in zip(SIDES if is_left else SIDES[::-1], (pair.first, pair.second), strict=True):
-            _take(tree, found, side, names, tree.three_of(list(chain), (-1, -1, -1)))
+            _assign_joints(tree, found, side, names, tree.three_of(list(chain), (-1, -1, -1)))
 
 
-def _hangs(tree: JointTree, pair: Mirrored, chest: int) -> bool:
+def _hangs_below_trunk(tree: JointTree, pair: MirroredChains, chest: int) -> bool:
     """Check whether a pair of chains hangs below a trunk that ends at a chest."""
     down = unit(tree.places[pair.fork] - tree.places[chest])
     ways = [tree.places[chain[2]] - tree.places[chain[0]] for chain in (pair.first, pair.second)]
-    return all(unit(way) @ down > UPWARDS for way in ways)
+    return all(unit(way) @ down > MIN_HANGING_LEG_COSINE for way in ways)
 
 
-def _left_of(tree: JointTree, found: Found, legs: Mirrored | None) -> np.ndarray:
+def _left_direction(tree: JointTree, found: JointMapping, legs: MirroredChains | None) -> np.ndarray:
     """Return a direction to the left in the rest pose, shape [3]; zeros where nothing tells it."""
     for name in ("hip", "shoulder", "knee", "elbow"):
         if all(f"{side}_{name}" in found.at for side in SIDES):
@@ -205,7 +218,7 @@ def _left_of(tree: JointTree, found: Found, legs: Mirrored | None) -> np.ndarray
     return np.cross(up, tree.places[ends[-1]] - tree.places[ends[0]])
 
 
-def _find_trunk(tree: JointTree, found: Found, still: frozenset[int]) -> None:
+def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> None:
     """Find spine, neck and head: the joints between where legs and arms branch, and those above."""
     tops = [
         next((found.at[f"{side}_{name}"] for name in ARM[:2] if f"{side}_{name}" in found.at), -1) for side in SIDES
@@ -239,19 +252,19 @@ def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> l
         return way[way.index(chest) + 1 :] if chest in way else [head]
     chain = [chest]
     while chain[-1] >= 0:
-        ways = [child for child in tree.children[chain[-1]] if not _is_aside(tree, child, tops)]
+        ways = [child for child in tree.children[chain[-1]] if not _is_side_branch(tree, child, tops)]
         if not ways or (len(chain) > 1 and len(ways) > 1):  # a face branches
             break
         chain.append(max(ways, key=lambda child: tree.depths[child]))
     return chain[1:]
 
 
-def _is_aside(tree: JointTree, joint: int, tops: list[int]) -> bool:
+def _is_side_branch(tree: JointTree, joint: int, tops: list[int]) -> bool:
     """Check whether a joint above the chest leads to an arm, has a side, or is a mere end."""
     return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.way_to(top) for top in tops)
 
 
-def _carrier(tree: JointTree, at: dict[str, int], name: str) -> int:
+def _rotation_source(tree: JointTree, at: dict[str, int], name: str) -> int:
     """Return the joint whose turn one of our bones has."""
     side = name.partition("_")[0]
     ends = {"neck": "head", **{f"{side}_{first}": f"{side}_{second}" for limb in (LEG, ARM)

@@ -9,10 +9,10 @@ from itertools import combinations
 import numpy as np
 
 from ...geometry import unit
-from .joint_words import HELPING, Part, name_part, split_name
+from .joint_words import HELPER_WORDS, Part, name_part, split_name
 
-LIKE = 0.6
-"""Ratio of the lengths of a limb's two bones at least: of thigh and shin, and of upper arm and forearm, it is 0.8 to 1.
+MIN_BONE_LENGTH_RATIO = 0.6
+"""Smallest ratio of the lengths of a limb's two bones. Of thigh and shin, and of upper arm and forearm, it is 0.8 to 1.
 A twist bone ends halfway."""
 
 MIRROR_LIKENESS = 0.9
@@ -21,7 +21,7 @@ of persons who were measured are alike on both sides to 5 %."""
 
 
 @dataclass(frozen=True)
-class Mirrored:
+class MirroredChains:
     """Describe two chains of joints that are each other's mirror image.
 
     Attributes:
@@ -80,7 +80,7 @@ class JointTree:
 
     def is_end(self, joint: int) -> bool:
         """Return whether a joint is named as an end of a chain, or as a handle."""
-        return any(word in HELPING for word in self.words[joint][1])
+        return any(word in HELPER_WORDS for word in self.words[joint][1])
 
     def length(self, first: int, second: int) -> float:
         """Return the distance of two joints, in the file's unit."""
@@ -126,7 +126,9 @@ class JointTree:
         if middle >= 0 and (first >= 0) != (last >= 0):
             end = first if first >= 0 else last
             others = chain[at[middle] + 1 :] if first >= 0 else chain[: at[middle]][::-1]
-            found = next((j for j in others if self.length(middle, j) > LIKE * self.length(middle, end)), -1)
+            found = next(
+                (j for j in others if self.length(middle, j) > MIN_BONE_LENGTH_RATIO * self.length(middle, end)), -1
+            )
             return None if found < 0 else (first, middle, found) if first >= 0 else (found, middle, last)
         threes = [
             three
@@ -135,7 +137,7 @@ class JointTree:
         ]
         return max(threes, key=lambda t: min(self.length(t[0], t[1]), self.length(t[1], t[2])), default=None)
 
-    def mirrored(self) -> list[Mirrored]:
+    def mirrored(self) -> list[MirroredChains]:
         """Return pairs of chains that are each other's mirror image, the longest first.
 
         They are of three bones at least, for legs and arms have as many.
@@ -145,7 +147,7 @@ class JointTree:
             chains = [tuple(self.chain_below(child)) for child in children]
             for first, second in combinations([chain for chain in chains if len(chain) >= 3], 2):
                 if self._is_mirror(joint, first, second):
-                    found.append(Mirrored(joint, first, second))
+                    found.append(MirroredChains(joint, first, second))
         return sorted(found, key=lambda pair: -self.depths[pair.first[0]])
 
     def _is_mirror(self, fork: int, first: tuple[int, ...], second: tuple[int, ...]) -> bool:

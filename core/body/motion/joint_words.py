@@ -29,7 +29,7 @@ class Part(StrEnum):
     HEAD = "head"
 
 
-SPOKEN = {
+PART_WORDS = {
     Part.HIP: ("hip", "hips"),
     Part.THIGH: ("thigh", "femur"),
     Part.LEG: ("leg",),
@@ -50,38 +50,60 @@ SPOKEN = {
 }
 """The words of each part; of a name that holds several the last part of this list counts, for it lies furthest out."""
 
-UPPER, LOWER = ("up", "upper", "u"), ("low", "lower", "fore", "f")
+UPPER_HALF_WORDS, LOWER_HALF_WORDS = ("up", "upper", "u"), ("low", "lower", "fore", "f")
 """Words that make a thigh or an upper arm, a shin or a forearm of a leg or an arm, wherever in the name they stand."""
 
-SIDES = {"left": "left", "l": "left", "lf": "left", "lft": "left", "lt": "left",
+SIDE_WORDS = {"left": "left", "l": "left", "lf": "left", "lft": "left", "lt": "left",
          "right": "right", "r": "right", "rt": "right", "rgt": "right"}  # fmt: skip
 """Words of a side."""
 
-GLUED = ("left", "right", "l", "r")
+SIDE_AFFIXES = ("left", "right", "l", "r")
 """Words of a side that may be glued to other known words: `lhip`, `RightUpLeg` in one case, `thighL`."""
 
-FINE = ("finger", "thumb", "index", "middle", "ring", "pinky", "palm", "metacarpal", "metacarpals", "carpal",
+FINE_PART_WORDS = ("finger", "thumb", "index", "middle", "ring", "pinky", "palm", "metacarpal", "metacarpals", "carpal",
         "eye", "jaw", "brow", "lip", "tongue", "cheek", "ear", "nose", "teeth", "lid", "hair")  # fmt: skip
 """Fingers and what a face consists of."""
 
-HELPING = ("end", "nub", "site", "tip", "top", "ik", "pole", "target", "ctrl", "control", "helper", "effector", "prop")
+HELPER_WORDS = (
+    "end",
+    "nub",
+    "site",
+    "tip",
+    "top",
+    "ik",
+    "pole",
+    "target",
+    "ctrl",
+    "control",
+    "helper",
+    "effector",
+    "prop",
+)
 """Words of what is no joint of a body: ends of chains, handles of those who animate."""
 
-TWISTING = ("twist", "roll")
+TWIST_WORDS = ("twist", "roll")
 """Words of joints that share out a turn about a bone's length."""
 
-FILLING = ("base", "bend", "joint", "jnt", "bone", "pelvis", "center", "mid", "big", "small", "in")
+FILLER_WORDS = ("base", "bend", "joint", "jnt", "bone", "pelvis", "center", "mid", "big", "small", "in")
 """Further words that glue to others and tell nothing."""
 
-KNOWN = frozenset(
-    [*(word for words in SPOKEN.values() for word in words), "uarm", "farm", "uleg", "upleg", "uparm", *UPPER[:2]]
-    + [*LOWER[:3], *GLUED[:2], *FINE, *HELPING, *TWISTING, *FILLING]
+KNOWN_WORDS = frozenset(
+    [
+        *(word for words in PART_WORDS.values() for word in words),
+        "uarm",
+        "farm",
+        "uleg",
+        "upleg",
+        "uparm",
+        *UPPER_HALF_WORDS[:2],
+    ]
+    + [*LOWER_HALF_WORDS[:3], *SIDE_AFFIXES[:2], *FINE_PART_WORDS, *HELPER_WORDS, *TWIST_WORDS, *FILLER_WORDS]
 )
 
-PIECE = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
+WORD_PATTERN = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
 """A word of a name by its case."""
 
-HALVES = re.compile(r"([LR])([UF])(Arm|Leg)")
+LIMB_HALF_PATTERN = re.compile(r"([LR])([UF])(Arm|Leg)")
 """A side, a half and a limb in capitals: `LUArm`, `RFArm`."""
 
 
@@ -93,22 +115,22 @@ def split_name(name: str) -> tuple[str, tuple[str, ...]]:
     """
     bare = re.split(r"[:|]", name)[-1] or name
     words: list[str] = []
-    for piece in PIECE.findall(HALVES.sub(r"\1 \2 \3", bare)):
-        words.extend(_split_glued(piece.lower()))
-    side = next((SIDES[word] for word in words if word in SIDES), "")
-    return side, tuple(word for word in words if word not in SIDES and not word.isdigit())
+    for piece in WORD_PATTERN.findall(LIMB_HALF_PATTERN.sub(r"\1 \2 \3", bare)):
+        words.extend(_split_compound(piece.lower()))
+    side = next((SIDE_WORDS[word] for word in words if word in SIDE_WORDS), "")
+    return side, tuple(word for word in words if word not in SIDE_WORDS and not word.isdigit())
 
 
 def name_part(words: tuple[str, ...]) -> Part | None:
     """Return the part of the body that the words of a name speak of; None for fingers, faces and helpers too."""
-    if any(word in FINE or word in HELPING for word in words):
+    if any(word in FINE_PART_WORDS or word in HELPER_WORDS for word in words):
         return None
-    parts = [part for part, spoken in SPOKEN.items() if any(word in spoken for word in words)]
+    parts = [part for part, spoken in PART_WORDS.items() if any(word in spoken for word in words)]
     if not parts:
         return None
     part = parts[-1]
     if part in (Part.ARM, Part.LEG):
-        upper, lower = (any(word in few for word in words) for few in (UPPER, LOWER))
+        upper, lower = (any(word in few for word in words) for few in (UPPER_HALF_WORDS, LOWER_HALF_WORDS))
         if upper != lower:
             joints = {Part.ARM: (Part.UPPER_ARM, Part.FOREARM), Part.LEG: (Part.THIGH, Part.SHIN)}
             return joints[part][lower]
@@ -116,35 +138,35 @@ def name_part(words: tuple[str, ...]) -> Part | None:
 
 
 @lru_cache(maxsize=4096)
-def _split_glued(piece: str) -> tuple[str, ...]:
+def _split_compound(piece: str) -> tuple[str, ...]:
     """Return the known words that a piece of a name consists of, the longest first one first; itself where none do."""
-    if piece in SIDES or piece in KNOWN:
-        return (*_apart(piece),)
-    for side in ("", *GLUED):
+    if piece in SIDE_WORDS or piece in KNOWN_WORDS:
+        return (*_split_limb_half(piece),)
+    for side in ("", *SIDE_AFFIXES):
         if side and piece.startswith(side):
-            rest = _consume(piece.removeprefix(side))
+            rest = _segment_words(piece.removeprefix(side))
             if rest:
                 return (side, *rest)
         if piece.endswith(side):
-            rest = _consume(piece.removesuffix(side) if side else piece)
+            rest = _segment_words(piece.removesuffix(side) if side else piece)
             if rest:
                 return (*rest, side) if side else rest
     return (piece,)
 
 
-def _consume(text: str) -> tuple[str, ...]:
+def _segment_words(text: str) -> tuple[str, ...]:
     """Return the known words whose string a text is; none where it is none."""
     found: dict[int, tuple[str, ...]] = {0: ()}
     for end in range(1, min(len(text), 80) + 1):
         for start in range(max(0, end - 11), end):
-            if start in found and text[start:end] in KNOWN:
-                found.setdefault(end, (*found[start], *_apart(text[start:end])))
+            if start in found and text[start:end] in KNOWN_WORDS:
+                found.setdefault(end, (*found[start], *_split_limb_half(text[start:end])))
     return found.get(len(text), ()) if text else ()
 
 
-def _apart(word: str) -> tuple[str, ...]:
+def _split_limb_half(word: str) -> tuple[str, ...]:
     """Return a known word, with what it says of an arm's or a leg's half apart."""
     for part in ("arm", "leg"):
-        if word != part and word.endswith(part) and word.removesuffix(part) in (*UPPER, *LOWER):
+        if word != part and word.endswith(part) and word.removesuffix(part) in (*UPPER_HALF_WORDS, *LOWER_HALF_WORDS):
             return word.removesuffix(part), part
     return (word,)

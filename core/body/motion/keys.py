@@ -9,16 +9,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...run.text import read_json
-from .. import JOINTS, PARENTS
+from .. import JOINT_PARENTS, JOINTS
 from ..builtin import POSES, named_pose
 from .errors import MotionBad, MotionTooLarge
-from .recording import MOST_FRAMES, Recording
+from .recording import MAX_MOTION_FRAME_COUNT, Recording
 
-LARGEST_BYTES = 8 * 1024**2
-"""Size of a file at most: a thousand poses of all joints are 1 MB."""
+MAX_KEYS_FILE_BYTES = 8 * 1024**2
+"""Largest size of a JSON file of keys [bytes]: a thousand poses of all joints are 1 MB."""
 
-RATES = (1.0, 240.0)
-"""Rates that keys are turned into poses at [1/s]."""
+FRAME_RATE_RANGE = (1.0, 240.0)
+"""Range of accepted frame rates [1/s], of keys and of `.npz` files; of a BVH file the lower bound alone counts."""
 
 
 def read_keys(path: Path) -> Recording:
@@ -36,8 +36,8 @@ def read_keys(path: Path) -> Recording:
         MotionTooLarge: where it is too large or too long.
     """
     path = Path(path)
-    if path.stat().st_size > LARGEST_BYTES:
-        raise MotionTooLarge(f"{path.name} is larger than {LARGEST_BYTES >> 20} MB of keys.")
+    if path.stat().st_size > MAX_KEYS_FILE_BYTES:
+        raise MotionTooLarge(f"{path.name} is larger than {MAX_KEYS_FILE_BYTES >> 20} MB of keys.")
     try:
         given = read_json(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
@@ -52,18 +52,23 @@ def build_keys(given: Any, name: str) -> Recording:
         raise MotionBad(f'{name}: give {{"fps": 30, "keys": [{{"t": 0, "pose": "A"}}, ...]}}.')
     rate = _number(given.get("fps", 30), f"{name}: fps")
     times = np.array([_number(key.get("t"), f"{name}: t of key {n}") for n, key in enumerate(keys)])
-    if not RATES[0] <= rate <= RATES[1] or (np.diff(times) <= 0).any():
-        raise MotionBad(f"{name}: fps must lie in {RATES[0]:g} to {RATES[1]:g}, and each key be later than the last.")
+    if not FRAME_RATE_RANGE[0] <= rate <= FRAME_RATE_RANGE[1] or (np.diff(times) <= 0).any():
+        raise MotionBad(
+            f"{name}: fps must lie in {FRAME_RATE_RANGE[0]:g} to {FRAME_RATE_RANGE[1]:g}, "
+            "and each key be later than the last."
+        )
     count = int(np.floor((times[-1] - times[0]) * rate + 1e-6)) + 1
-    if count > MOST_FRAMES:
-        raise MotionTooLarge(f"{name}: {count} poses are more than {MOST_FRAMES}. {MotionTooLarge().message}")
+    if count > MAX_MOTION_FRAME_COUNT:
+        raise MotionTooLarge(
+            f"{name}: {count} poses are more than {MAX_MOTION_FRAME_COUNT}. {MotionTooLarge().message}"
+        )
     turns = np.stack([_pose(key.get("pose"), f"{name}: key {n}") for n, key in enumerate(keys)])
     moves = [_move(key.get("move"), f"{name}: key {n}") for n, key in enumerate(keys)]
     sampled = times[0] + np.arange(count) / rate
     after = np.clip(np.searchsorted(times, sampled, side="right"), 1, max(len(times) - 1, 1))
     before, after = after - 1, np.minimum(after, len(times) - 1)
     share = np.clip((sampled - times[before]) / np.maximum(times[after] - times[before], 1e-12), 0.0, 1.0)
-    local = _between(turns[before], turns[after], share)
+    local = _slerp(turns[before], turns[after], share)
     found = [np.zeros(3) if move is None else move for move in moves]
     root = None
     if any(move is not None for move in moves):
@@ -71,10 +76,10 @@ def build_keys(given: Any, name: str) -> Recording:
     loops = given.get("loop", False)
     if not isinstance(loops, bool):
         raise MotionBad(f"{name}: loop is true or false.")
-    return Recording(rate, chain_turns(local), np.ones(24, dtype=bool), np.zeros((24, 3)), root, loops)
+    return Recording(rate, chain_rotations(local), np.ones(24, dtype=bool), np.zeros((24, 3)), root, loops)
 
 
-def _between(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
+def _slerp(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return rotations [n, 24, 3, 3] a share [n] of the way from the first to the second (slerp)."""
     start = Rotation.from_matrix(first.reshape(-1, 3, 3))
     way = (start.inv() * Rotation.from_matrix(second.reshape(-1, 3, 3))).as_rotvec()
@@ -82,10 +87,10 @@ def _between(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.nda
     return np.asarray(turned.as_matrix()).reshape(-1, 24, 3, 3)
 
 
-def chain_turns(local: np.ndarray) -> np.ndarray:
+def chain_rotations(local: np.ndarray) -> np.ndarray:
     """Return rotations in the world's axes from those relative to the parent, shape [n, 24, 3, 3]."""
     world = np.empty_like(local)
-    for joint, parent in enumerate(PARENTS):
+    for joint, parent in enumerate(JOINT_PARENTS):
         world[:, joint] = local[:, joint] if parent < 0 else world[:, parent] @ local[:, joint]
     return world
 

@@ -8,26 +8,26 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry import TriangleSurface, unit, vertex_normals
-from .. import JOINTS, PARENTS, Body
+from .. import JOINT_PARENTS, JOINTS, Body
 
-REACH = 0.05
-"""Gaps wider than this [m] are not looked at, nor overlaps that are deeper: a third of a thigh's width."""
+MAX_LIMB_GAP = 0.05
+"""Largest width of a gap, and largest depth of an overlap, that is measured [m]: a third of a thigh's width."""
 
-FACING = 0.3
+LIMB_FACING_COSINE = 0.3
 """Cosine between the normals of both skins below which they face each other; a shoulder beside a neck does not."""
 
-STRAIGHT = 0.5
-"""Cosine between a gap and the normal of the skin at its foot from which it is one: at the rim where a limb was cut off
-the nearest skin is no skin that it meets."""
+MIN_GAP_NORMAL_COSINE = 0.5
+"""Smallest cosine between the direction of a gap and the normal of the skin at its foot. At the rim where a limb was
+cut off, the nearest skin is no skin that the limb meets."""
 
-LEVER = 0.08
-"""How far a gap widens as a limb turns, at least [m a radian, 1.4 mm a degree]. Nearer to the joint skin folds in a
-crease whatever the angle: an arm 35 degrees off the trunk, beside which a T-shirt is at ease, has creases there that
-ask for 4 to 8 degrees more."""
+MIN_GAP_WIDENING = 0.08
+"""Smallest widening of a gap as a limb turns [m/rad]: 1.4 mm a degree. Nearer to the joint skin folds in a crease
+whatever the angle. An arm 35 degrees off the trunk, beside which a T-shirt has room, has creases there that ask for 4
+to 8 degrees more."""
 
-ALONG = 0.5
-"""Sine of the angle between a limb and the sideways axis below which it spreads by less than the angle asked for (an
-arm that is held out has no way outwards), so that motions through that direction stay smooth."""
+MIN_SPREAD_AXIS_SINE = 0.5
+"""Sine of the angle between a limb and the sideways axis below which the limb spreads by less than the angle asked for.
+An arm that is held out has no way outwards; motions through that direction so stay smooth."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Limb:
     def joints(self) -> tuple[int, ...]:
         """Return the indices of its joints."""
         chosen = {self.joint}
-        for child, parent in enumerate(PARENTS):
+        for child, parent in enumerate(JOINT_PARENTS):
             if parent in chosen:
                 chosen.add(child)
         return tuple(sorted(chosen))
@@ -71,7 +71,7 @@ class Limb:
         """
         bone = joints[self.end] - joints[self.joint]
         across = np.cross(bone / np.linalg.norm(bone), self.side * transforms[self.centre, :3, 0])
-        return np.asarray(across / max(float(np.linalg.norm(across)), ALONG))
+        return np.asarray(across / max(float(np.linalg.norm(across)), MIN_SPREAD_AXIS_SINE))
 
 
 @dataclass(frozen=True)
@@ -128,9 +128,9 @@ class LimbGaps:
         far = found.distance > 1e-9  # nearer, the way has no direction left
         along[far] = way[far] / width[far, None]
         kept = np.flatnonzero(
-            (found.distance < REACH)
-            & ((facing * outward).sum(axis=1) < FACING)
-            & ((along * outward).sum(axis=1) > STRAIGHT)
+            (found.distance < MAX_LIMB_GAP)
+            & ((facing * outward).sum(axis=1) < LIMB_FACING_COSINE)
+            & ((along * outward).sum(axis=1) > MIN_GAP_NORMAL_COSINE)
         )
         widening = np.zeros(len(points))
         for limb in moved:
@@ -147,7 +147,7 @@ class LimbGaps:
         middles = vertices[self._faces].mean(axis=1)
         for _ in range(2):
             if len(own):
-                low, high = middles[own].min(axis=0) - REACH, middles[own].max(axis=0) + REACH
+                low, high = middles[own].min(axis=0) - MAX_LIMB_GAP, middles[own].max(axis=0) + MAX_LIMB_GAP
                 other = other[((middles[other] > low) & (middles[other] < high)).all(axis=1)]
             own, other = other, own
         return own, other

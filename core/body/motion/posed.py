@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-STILL = float(np.deg2rad(0.05))
+MAX_STILL_JOINT_ANGLE = float(np.deg2rad(0.05))
 """Angle within which a joint does not turn [rad]: files round to a hundredth of a degree, or a thousandth."""
 
 
 @dataclass(frozen=True)
-class Posed:
+class SkeletonMotion:
     """Describe a foreign skeleton in motion, in the file's unit and axes.
 
     Attributes:
@@ -51,7 +51,7 @@ class Posed:
         found = set()
         for joint, parent in enumerate(self.parents):
             before = self.turns[:, parent] if parent >= 0 else np.eye(3)
-            if np.abs(self.turns[:, joint] - before).max() < STILL:
+            if np.abs(self.turns[:, joint] - before).max() < MAX_STILL_JOINT_ANGLE:
                 found.add(joint)
         return frozenset(found)
 
@@ -61,4 +61,4 @@ class Posed:
         if parent < 0:
             return np.eye(3)
         turns = self.turns[:, parent]
-        return np.asarray(turns[0]) if np.abs(turns - turns[0]).max() < STILL else None
+        return np.asarray(turns[0]) if np.abs(turns - turns[0]).max() < MAX_STILL_JOINT_ANGLE else None

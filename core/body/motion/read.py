@@ -15,9 +15,9 @@ from .smpl_motion import read_smpl_motion
 READERS = {".json": read_keys, ".bvh": read_bvh, ".npz": read_smpl_motion}
 """Reader of each kind of file, by its ending."""
 
-FASTEST = 50.0
-"""Speed of the pelvis at most [legs' lengths/s]: 40 m/s, three times a sprinter's; steps are as many as the way asks
-for, so that a file with a leap over kilometres would be worked on for ever."""
+MAX_PELVIS_SPEED = 50.0
+"""Largest speed of the pelvis [leg lengths/s]: 40 m/s, three times a sprinter's. There are as many steps as the way
+needs, so that a file with a leap over kilometres would never be finished."""
 
 
 def load_motion(path: Path) -> Recording:
@@ -49,8 +49,8 @@ def _check(recording: Recording, name: str) -> None:
     if recording.root is None:
         return
     speed = np.linalg.norm(np.diff(recording.root, axis=0), axis=1).max(initial=0.0) * recording.rate
-    if not speed <= FASTEST:
+    if not speed <= MAX_PELVIS_SPEED:
         raise MotionBad(
-            f"{name}: the pelvis goes {speed:.3g} legs' lengths a second, more than {FASTEST:g}; cut leaps out of the "
-            "motion, or correct its unit."
+            f"{name}: the pelvis goes {speed:.3g} legs' lengths a second, more than {MAX_PELVIS_SPEED:g}; "
+            "cut leaps out of the motion, or correct its unit."
         )

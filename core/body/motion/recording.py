@@ -8,10 +8,10 @@ import numpy as np
 
 from .. import JOINTS
 
-MOST_FRAMES = 100_000
-"""Poses at most: 13 minutes at 120 Hz."""
+MAX_MOTION_FRAME_COUNT = 100_000
+"""Largest number of poses: 13 minutes at 120 Hz."""
 
-BODILY = tuple(
+ESSENTIAL_JOINTS = tuple(
     name
     for name in JOINTS
     if name not in ("left_collar", "right_collar", "left_foot", "right_foot", "left_hand", "right_hand", "neck")
@@ -46,7 +46,7 @@ class Recording:
 
     def missing(self) -> tuple[str, ...]:
         """Return the joints of limbs, trunk and head that the skeleton lacks."""
-        return tuple(name for name in BODILY if not self.known[JOINTS.index(name)])
+        return tuple(name for name in ESSENTIAL_JOINTS if not self.known[JOINTS.index(name)])
 
     def doubts(self) -> tuple[str, ...]:
         """Return what stays stiff in every pose, one sentence; nothing where all limbs and the trunk move."""

@@ -8,18 +8,18 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...geometry import unit
-from .. import JOINTS, PARENTS, Body
+from .. import JOINT_PARENTS, JOINTS, Body
 from .recording import Recording
 from .track import Pose, Track
 
-CHILD = {"hip": "knee", "knee": "ankle", "shoulder": "elbow", "elbow": "wrist"}
+BONE_END_JOINTS = {"hip": "knee", "knee": "ankle", "shoulder": "elbow", "elbow": "wrist"}
 """The joints whose bone is turned into the recording's direction, and the joint at the bone's end. Trunks, heads and
 feet stand alike in every rest pose; only limbs differ (T, A, legs apart)."""
 
-BLOCK = 4096
-"""Poses whose feet are looked at together: 13 MB for a foot of 400 vertices, however long the motion is."""
+POSE_BLOCK_SIZE = 4096
+"""Number of poses whose feet are examined together: 13 MB for a foot of 400 vertices, however long the motion is."""
 
-LIKE_PARENT = ("wrist", "hand")
+PARENT_ALIGNED_JOINTS = ("wrist", "hand")
 """Joints whose rest pose differs from ours as their parent's does."""
 
 
@@ -34,10 +34,10 @@ def retarget(recording: Recording, body: Body, begin: float = 0.0) -> Track:
     """
     world = _world_turns(recording, body)
     local = np.empty_like(world)
-    for joint, parent in enumerate(PARENTS):
+    for joint, parent in enumerate(JOINT_PARENTS):
         local[:, joint] = world[:, joint] if parent < 0 else world[:, parent].transpose(0, 2, 1) @ world[:, joint]
     start = Pose.of(body)
-    feet = _lowest(world, body)
+    feet = _lowest_foot_heights(world, body)
     if recording.root is None:
         pelvis = np.tile(start.pelvis, (len(world), 1))
         pelvis[:, 1] = _floor(body) - feet
@@ -70,13 +70,13 @@ def _world_turns(recording: Recording, body: Body) -> np.ndarray:
     """Return the rotation of each of our joints in the world's axes, shape [n, 24, 3, 3]."""
     world = np.empty_like(recording.turns)
     aligned = np.tile(np.eye(3), (24, 1, 1))
-    for joint, parent in enumerate(PARENTS):
+    for joint, parent in enumerate(JOINT_PARENTS):
         name = JOINTS[joint]
         side, _, part = name.partition("_")
-        if part in CHILD and recording.bones[joint].any():
-            own = unit(body.rest_joints[JOINTS.index(f"{side}_{CHILD[part]}")] - body.rest_joints[joint])
-            aligned[joint] = least_turn(own, recording.bones[joint])
-        elif part in LIKE_PARENT:
+        if part in BONE_END_JOINTS and recording.bones[joint].any():
+            own = unit(body.rest_joints[JOINTS.index(f"{side}_{BONE_END_JOINTS[part]}")] - body.rest_joints[joint])
+            aligned[joint] = shortest_rotation(own, recording.bones[joint])
+        elif part in PARENT_ALIGNED_JOINTS:
             aligned[joint] = aligned[parent]
         if recording.known[joint]:
             world[:, joint] = recording.turns[:, joint] @ aligned[joint]
@@ -85,7 +85,7 @@ def _world_turns(recording: Recording, body: Body) -> np.ndarray:
     return world
 
 
-def least_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def shortest_rotation(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Return the least rotation [3, 3] of one unit vector into another."""
     axis, cosine = np.cross(start, end), float(np.clip(start @ end, -1.0, 1.0))
     size = float(np.linalg.norm(axis))
@@ -103,11 +103,11 @@ def _yaw(turn: np.ndarray) -> Rotation:
     return Rotation.from_rotvec([0.0, float(np.arctan2(front[0], front[2])), 0.0])
 
 
-def _lowest(world: np.ndarray, body: Body) -> np.ndarray:
+def _lowest_foot_heights(world: np.ndarray, body: Body) -> np.ndarray:
     """Return the height of the lowest point of both feet over the pelvis [m] in each pose, shape [n]."""
     joints = body.rest_joints
     posed = np.zeros((len(world), 24, 3))
-    for joint, parent in enumerate(PARENTS):
+    for joint, parent in enumerate(JOINT_PARENTS):
         if parent >= 0:
             posed[:, joint] = posed[:, parent] + world[:, parent] @ (joints[joint] - joints[parent])
     lowest = np.full(len(world), np.inf)
@@ -118,8 +118,8 @@ def _lowest(world: np.ndarray, body: Body) -> np.ndarray:
             if not len(own):
                 own = np.array([np.linalg.norm(body.rest_vertices - joints[joint], axis=1).argmin()])
             points = body.rest_vertices[own] - joints[joint]
-            for first in range(0, len(world), BLOCK):
-                poses = slice(first, first + BLOCK)
+            for first in range(0, len(world), POSE_BLOCK_SIZE):
+                poses = slice(first, first + POSE_BLOCK_SIZE)
                 below = (points @ world[poses, joint, 1].T).min(axis=0)
                 lowest[poses] = np.minimum(lowest[poses], below + posed[poses, joint, 1])
     return lowest

@@ -6,10 +6,10 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parent / "assets"
 
-SHIPPED = ("walk", "jumping-jack")
+SHIPPED_MOTIONS = ("walk", "jumping-jack")
 """Names of the motions: a walk on the spot, half a second a step; a jumping jack, one a second."""
 
 
-def find_shipped(name: str) -> Path | None:
+def find_shipped_motion(name: str) -> Path | None:
     """Return the file of a shipped motion, or None where there is none of that name."""
-    return FOLDER / f"{name}.json" if name in SHIPPED else None
+    return FOLDER / f"{name}.json" if name in SHIPPED_MOTIONS else None

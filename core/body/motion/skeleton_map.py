@@ -7,32 +7,33 @@ import numpy as np
 from ...geometry import unit
 from .. import JOINTS
 from .errors import MotionForeign
-from .joint_names import Found, find_joints
+from .joint_names import JointMapping, find_joints
 from .joint_tree import JointTree
-from .posed import Posed
+from .posed import SkeletonMotion
 from .recording import Recording
-from .retarget import CHILD, least_turn
-from .unused_joints import tell_unused
-from .upward import Sampled, find_up
+from .retarget import BONE_END_JOINTS, shortest_rotation
+from .unused_joints import describe_unused_joints
+from .upward import SampledPoses, find_up
 
-UPRIGHT = 0.7
+MIN_UPRIGHT_COSINE = 0.7
 """Least cosine between trunk and legs of a pose in which a person stands: 45 degrees."""
 
-SNAP = 0.94
+AXIS_SNAP_COSINE = 0.94
 """Cosine to one of the file's axes above which a skeleton's up and side are that axis: 20 degrees, which a rest pose
 may lean."""
 
 UNITS = {"metres": 1.0, "decimetres": 10.0, "inches": 100.0 / 2.54, "centimetres": 100.0, "millimetres": 1000.0}
 """Units of files, and how many of each make a metre."""
 
-LEGS = (0.62, 1.1)
-"""Length from hip to ankle of grown persons of 1.4 to 2.2 m [m]; the units that are in use lie further apart."""
+LEG_LENGTH_RANGE = (0.62, 1.1)
+"""Range of the length from hip to ankle of grown persons of 1.4 to 2.2 m [m]. The units that are in use lie further
+apart."""
 
-SAMPLES = 200
-"""Poses of a motion that are looked at for where up is."""
+UP_SAMPLE_COUNT = 200
+"""Number of poses, spread over a motion, from which the up direction is found."""
 
 
-def map_skeleton(posed: Posed, rate: float) -> Recording:
+def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
     """Return the recording of a foreign skeleton.
 
     The rest pose is that of the offsets, turned as what lies above the pelvis is where that does not turn; where nobody
@@ -50,10 +51,10 @@ def map_skeleton(posed: Posed, rate: float) -> Recording:
         raise MotionForeign(f"no {lacking} among '{', '.join(posed.names[:12])}'. {MotionForeign().message}")
     pelvis = found.at["pelvis"]
     above = posed.turn_above(pelvis)
-    poses = _spread(posed)
+    poses = _spread_pose_indices(posed)
     for rest in (plain if above is None else np.tile(above, (len(posed.names), 1, 1)), *posed.turns[poses]):
         places = _places(posed, found, rest)
-        if _stands(places):
+        if _is_upright(places):
             break
     else:
         raise MotionForeign(f"neither the rest pose nor any pose stands upright. {MotionForeign().message}")
@@ -62,33 +63,39 @@ def map_skeleton(posed: Posed, rate: float) -> Recording:
         raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
     axes, way = _axes(places), posed.way(pelvis)
     up = find_up(axes[1], _sample(posed, found, way / leg))
-    world = axes @ least_turn(up.direction, axes[1])
+    world = axes @ shortest_rotation(up.direction, axes[1])
     known = np.array([name in found.at for name in JOINTS])
     turns = np.tile(np.eye(3), (len(way), 24, 1, 1))
     for joint, name in enumerate(JOINTS):
         if name in found.at:
             carried = found.carried[name]
             turns[:, joint] = world @ posed.turns[:, carried] @ rest[carried].T @ axes.T
-    notes = (*_tell_names(found, posed), *found.notes, up.note, _tell_unit(leg), *tell_unused(posed, found))
+    notes = (
+        *_describe_names(found, posed),
+        *found.notes,
+        up.note,
+        _describe_unit(leg),
+        *describe_unused_joints(posed, found),
+    )
     return Recording(rate, turns, known, _bones(places, axes), way @ world.T / leg, notes=notes)
 
 
-def _sample(posed: Posed, found: Found, way: np.ndarray) -> Sampled:
+def _sample(posed: SkeletonMotion, found: JointMapping, way: np.ndarray) -> SampledPoses:
     """Return how a person is held in poses spread over the motion; `way` is the pelvis' in legs' lengths, [n, 3]."""
     uprights, joints = [], []
-    for pose in _spread(posed):
+    for pose in _spread_pose_indices(posed):
         places = _places(posed, found, posed.turns[pose])
         uprights.append(unit(_trunk(places) + _up_of_legs(places)))
         joints.append((np.array(list(places.values())) - places["pelvis"]) / _leg_length(places) + way[pose])
-    return Sampled(np.array(uprights), np.array(joints))
+    return SampledPoses(np.array(uprights), np.array(joints))
 
 
-def _spread(posed: Posed) -> np.ndarray:
+def _spread_pose_indices(posed: SkeletonMotion) -> np.ndarray:
     """Return the indices of poses spread over a motion, the first one first."""
-    return np.unique(np.linspace(0, len(posed.turns) - 1, SAMPLES).astype(np.int64))
+    return np.unique(np.linspace(0, len(posed.turns) - 1, UP_SAMPLE_COUNT).astype(np.int64))
 
 
-def _places(posed: Posed, found: Found, turns: np.ndarray) -> dict[str, np.ndarray]:
+def _places(posed: SkeletonMotion, found: JointMapping, turns: np.ndarray) -> dict[str, np.ndarray]:
     """Return our joints in one pose, by their names; `turns` are its rotations in the world, [joint_count, 3, 3]."""
     places = posed.places(turns)
     return {name: places[index] for name, index in found.at.items()}
@@ -105,10 +112,10 @@ def _leg_length(places: dict[str, np.ndarray]) -> float:
     return float(np.mean(legs)) * 2.0
 
 
-def _stands(places: dict[str, np.ndarray]) -> bool:
+def _is_upright(places: dict[str, np.ndarray]) -> bool:
     """Check whether the legs hang below the trunk."""
     trunk, leg = _trunk(places), _up_of_legs(places)
-    return bool(trunk @ leg > UPRIGHT and np.linalg.norm(_side(places)) > 0)
+    return bool(trunk @ leg > MIN_UPRIGHT_COSINE and np.linalg.norm(_side(places)) > 0)
 
 
 def _trunk(places: dict[str, np.ndarray]) -> np.ndarray:
@@ -133,16 +140,16 @@ def _side(places: dict[str, np.ndarray]) -> np.ndarray:
 
 def _axes(places: dict[str, np.ndarray]) -> np.ndarray:
     """Return the rotation [3, 3] from the file's axes to ours: left along x, up along y."""
-    up = _snapped(unit(_trunk(places) + _up_of_legs(places)))
+    up = _snap_to_axis(unit(_trunk(places) + _up_of_legs(places)))
     side = _side(places)
-    side = _snapped(unit(side - (side @ up) * up))
+    side = _snap_to_axis(unit(side - (side @ up) * up))
     side = unit(side - (side @ up) * up)
     return np.stack([side, up, np.cross(side, up)])
 
 
-def _snapped(direction: np.ndarray) -> np.ndarray:
+def _snap_to_axis(direction: np.ndarray) -> np.ndarray:
     axis = int(np.abs(direction).argmax())
-    if abs(direction[axis]) < SNAP:
+    if abs(direction[axis]) < AXIS_SNAP_COSINE:
         return direction
     return np.asarray(np.eye(3)[axis] * np.sign(direction[axis]))
 
@@ -152,13 +159,13 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
     bones = np.zeros((24, 3))
     for joint, name in enumerate(JOINTS):
         side, _, part = name.partition("_")
-        end = f"{side}_{CHILD[part]}" if part in CHILD else ""
+        end = f"{side}_{BONE_END_JOINTS[part]}" if part in BONE_END_JOINTS else ""
         if name in places and end in places:
             bones[joint] = axes @ unit(places[end] - places[name])
     return bones
 
 
-def _tell_names(found: Found, posed: Posed) -> tuple[str, ...]:
+def _describe_names(found: JointMapping, posed: SkeletonMotion) -> tuple[str, ...]:
     """Describe which joints were taken for ours, where any is called otherwise, and what lies above the pelvis."""
     called = {name: posed.names[index] for name, index in found.at.items()}
     foreign = [f"{name} is {other}" for name, other in called.items() if other.lower() != name]
@@ -169,9 +176,9 @@ def _tell_names(found: Found, posed: Posed) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _tell_unit(leg: float) -> str:
+def _describe_unit(leg: float) -> str:
     """Describe what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
-    likely = [unit for unit, many in UNITS.items() if LEGS[0] <= leg / many <= LEGS[1]]
+    likely = [unit for unit, many in UNITS.items() if LEG_LENGTH_RANGE[0] <= leg / many <= LEG_LENGTH_RANGE[1]]
     taken = f"{likely[0]} by that" if likely else "a unit that is not known"
     return (
         f"A leg of the motion's skeleton is {leg:.3g} long, {taken}; the way of the pelvis is scaled to the wearer's."

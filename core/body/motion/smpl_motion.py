@@ -10,26 +10,26 @@ from scipy.spatial.transform import Rotation
 
 from ...run.npy import read_array
 from .errors import MotionBad, MotionTooLarge
-from .keys import RATES, chain_turns
-from .recording import MOST_FRAMES, Recording
+from .keys import FRAME_RATE_RANGE, chain_rotations
+from .recording import MAX_MOTION_FRAME_COUNT, Recording
 
 RATE_NAMES = ("mocap_framerate", "mocap_frame_rate", "fps", "framerate")
 """Names under which files hold their rate [1/s]; without any it is 30."""
 
-WIDEST = 400
-"""Values of one pose at most: SMPL-X has 165."""
+MAX_POSE_VALUE_COUNT = 400
+"""Largest number of values of one pose: SMPL-X has 165."""
 
-LEG = 0.8
+SMPL_LEG_LENGTH = 0.8
 """Length of thigh and shin of SMPL's mean body [m]: what `trans` is measured in."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From z up to y up."""
 
-PIECES = (("root_orient", "global_orient"), ("pose_body", "body_pose"))
+POSE_PART_NAMES = (("root_orient", "global_orient"), ("pose_body", "body_pose"))
 """Names under which files hold the turn of the pelvis [n, 3] and those of the 21 joints after it [n, 63], where they
 hold no `poses`."""
 
-WAYS = ("trans", "transl")
+TRANSLATION_NAMES = ("trans", "transl")
 """Names under which files hold the way of the pelvis."""
 
 
@@ -42,7 +42,7 @@ def read_smpl_motion(path: Path) -> Recording:
 
     Raises:
         MotionBad: where an array is missing or of another shape or kind.
-        MotionTooLarge: where there are more than `MOST_FRAMES` poses.
+        MotionTooLarge: where there are more than `MAX_MOTION_FRAME_COUNT` poses.
     """
     arrays = _read(Path(path))
     poses = _join_poses(arrays, path.name)
@@ -50,19 +50,21 @@ def read_smpl_motion(path: Path) -> Recording:
     local = np.tile(np.eye(3), (len(poses), 24, 1, 1))
     turned = Rotation.from_rotvec(poses[:, : 3 * joints].reshape(-1, 3)).as_matrix()
     local[:, :joints] = turned.reshape(-1, joints, 3, 3)
-    trans = next((arrays[name] for name in WAYS if name in arrays), np.zeros((len(poses), 3)))
+    trans = next((arrays[name] for name in TRANSLATION_NAMES if name in arrays), np.zeros((len(poses), 3)))
     if trans.shape != (len(poses), 3) or not np.isfinite(trans).all():
         raise MotionBad(f"{path.name}: trans has the shape {trans.shape}, expected {(len(poses), 3)} in metres.")
     rate = next((float(arrays[name].ravel()[0]) for name in RATE_NAMES if name in arrays and arrays[name].size), 30.0)
-    if not RATES[0] <= rate <= RATES[1]:
-        raise MotionBad(f"{path.name}: a rate of {rate:g} a second is outside {RATES[0]:g} to {RATES[1]:g}.")
+    if not FRAME_RATE_RANGE[0] <= rate <= FRAME_RATE_RANGE[1]:
+        raise MotionBad(
+            f"{path.name}: a rate of {rate:g} a second is outside {FRAME_RATE_RANGE[0]:g} to {FRAME_RATE_RANGE[1]:g}."
+        )
     upright = local[:, 0, :, 1].mean(axis=0)
     is_z_up = bool(upright[2] > upright[1])
     if is_z_up:
         local[:, 0], trans = Y_UP @ local[:, 0], trans @ Y_UP.T
     known = np.arange(24) < joints
     note = f"Up is +{'z' if is_z_up else 'y'} of the file, as the pelvis is held on the mean of the whole motion."
-    return Recording(rate, chain_turns(local), known, np.zeros((24, 3)), trans / LEG, notes=(note,))
+    return Recording(rate, chain_rotations(local), known, np.zeros((24, 3)), trans / SMPL_LEG_LENGTH, notes=(note,))
 
 
 def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
@@ -71,7 +73,7 @@ def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
     Raises:
         MotionBad: where they have another shape, or are no numbers.
     """
-    names = ("poses",) if "poses" in arrays else [each for piece in PIECES for each in piece if each in arrays]
+    names = ("poses",) if "poses" in arrays else [each for piece in POSE_PART_NAMES for each in piece if each in arrays]
     given = [arrays[each] for each in names]
     shapes = ", ".join(str(each.shape) for each in given)
     if not all(each.ndim >= 2 and len(each) == len(given[0]) for each in given):
@@ -86,19 +88,19 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
         if kind.hasobject or kind.kind not in "iuf":
             raise MotionBad(f"{path.name} holds {kind}, not numbers. {MotionBad().message}")
-        if len(shape) > 3 or int(np.prod(shape, dtype=object)) > MOST_FRAMES * WIDEST:
+        if len(shape) > 3 or int(np.prod(shape, dtype=object)) > MAX_MOTION_FRAME_COUNT * MAX_POSE_VALUE_COUNT:
             raise MotionTooLarge(f"{path.name}: an array of the shape {shape}. {MotionTooLarge().message}")
 
     try:
         with zipfile.ZipFile(path) as archive:
             names = {name.removesuffix(".npy") for name in archive.namelist()}
-            if "poses" not in names and not all(any(each in names for each in piece) for piece in PIECES):
+            if "poses" not in names and not all(any(each in names for each in piece) for piece in POSE_PART_NAMES):
                 raise MotionBad(
                     f"{path.name} has no array 'poses', nor 'root_orient' and 'pose_body'. {MotionBad().message}"
                 )
             found = {}
-            wanted = ("poses",) if "poses" in names else tuple(each for piece in PIECES for each in piece)
-            for name in (*wanted, *WAYS, *RATE_NAMES):
+            wanted = ("poses",) if "poses" in names else tuple(each for piece in POSE_PART_NAMES for each in piece)
+            for name in (*wanted, *TRANSLATION_NAMES, *RATE_NAMES):
                 if name in names:
                     with archive.open(f"{name}.npy") as entry:
                         found[name] = np.asarray(read_array(entry, judge), dtype=np.float64)
@@ -107,6 +109,6 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
         raise MotionBad(f"{path.name} cannot be read: {str(error)[:80]}. {MotionBad().message}") from error
     count = max(len(found[name]) if found[name].ndim else 0 for name in wanted if name in found)
-    if count > MOST_FRAMES:
+    if count > MAX_MOTION_FRAME_COUNT:
         raise MotionTooLarge(f"{path.name}: {count} poses. {MotionTooLarge().message}")
     return found

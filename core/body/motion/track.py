@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .. import PARENTS, Body
+from .. import JOINT_PARENTS, Body
 from ..template import articulate, transforms_of
 
 
@@ -28,7 +28,7 @@ class Pose:
     def of(cls, body: Body) -> Pose:
         """Return the pose in which a body stands."""
         world = body.transforms[:, :3, :3]
-        turns = np.stack([world[j] if p < 0 else world[p].T @ world[j] for j, p in enumerate(PARENTS)])
+        turns = np.stack([world[j] if p < 0 else world[p].T @ world[j] for j, p in enumerate(JOINT_PARENTS)])
         return cls(turns, world[0] @ body.rest_joints[0] + body.transforms[0, :3, 3])
 
     def transforms(self, joints: np.ndarray) -> np.ndarray:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from .joint_names import Found
-from .joint_words import HELPING, TWISTING, split_name
-from .posed import Posed
+from .joint_names import JointMapping
+from .joint_words import HELPER_WORDS, TWIST_WORDS, split_name
+from .posed import SkeletonMotion
 
-LISTED = 8
-"""Unused joints that are named; the others are counted."""
+MAX_LISTED_JOINTS = 8
+"""Largest number of unused joints that are named; the others are counted."""
 
-OUTERMOST = ("left_wrist", "right_wrist", "left_ankle", "right_ankle", "left_foot", "right_foot", "neck", "head")
+OUTERMOST_JOINTS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle", "left_foot", "right_foot", "neck", "head")
 """Our joints beyond which a skeleton has fingers, toes and a face."""
 
 
-def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
+def describe_unused_joints(posed: SkeletonMotion, found: JointMapping) -> tuple[str, ...]:
     """Describe which joints were not used: those of trunk and limbs that turn, and all others, in a sentence each.
 
     What lies on a chain to a joint that was used is used with it, and so is what lies above the pelvis.
@@ -23,7 +23,7 @@ def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
         while index >= 0 and index not in used:
             used.add(index)
             index = posed.parents[index]
-    fine = {found.at[name] for name in OUTERMOST if name in found.at}
+    fine = {found.at[name] for name in OUTERMOST_JOINTS if name in found.at}
     still = posed.still()
     matter: list[str] = []
     other: list[str] = []
@@ -33,7 +33,7 @@ def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
         if parent in fine:
             fine.add(joint)
         words = split_name(posed.names[joint])[1]
-        minor = joint in fine or joint in still or any(word in HELPING or word in TWISTING for word in words)
+        minor = joint in fine or joint in still or any(word in HELPER_WORDS or word in TWIST_WORDS for word in words)
         (other if minor else matter).append(posed.names[joint])
     told = []
     if matter:
@@ -44,5 +44,5 @@ def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
 
 
 def _list(names: list[str]) -> str:
-    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return f"{', '.join(names[:LISTED])}{more}"
+    more = f" and {len(names) - MAX_LISTED_JOINTS} more" if len(names) > MAX_LISTED_JOINTS else ""
+    return f"{', '.join(names[:MAX_LISTED_JOINTS])}{more}"

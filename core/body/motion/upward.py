@@ -6,24 +6,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SAME = 0.5
-"""Cosine between the mean upright of a motion and the rest pose's up from which both agree: 60 degrees, by which who
-works bent over leans on the mean."""
+MIN_UP_AGREEMENT_COSINE = 0.5
+"""Smallest cosine between the mean upright of a motion and the rest pose's up at which both agree: 60 degrees, by which
+a person who works bent over leans on the mean."""
 
-STEADY = 0.8
-"""Length of the mean of unit directions from which a person is held one way through the whole motion, 37 degrees about
-it: walks have 0.98, who rolls on the floor has less than 0.5."""
+MIN_MEAN_RESULTANT_LENGTH = 0.8
+"""Smallest length of the mean of unit directions at which a person is held one way through the whole motion, 37 degrees
+about it. Walks have 0.98; a person who rolls on the floor has less than 0.5."""
 
-NEAR_AXIS = 0.94
+MEAN_AXIS_COSINE = 0.94
 """Cosine to an axis of the file above which a mean is that axis: 20 degrees."""
 
-FLOOR = (-0.05, 0.35)
-"""Height of the lowest joint over 0 at which a file's floor is there [legs' lengths]: an ankle's is 0.1, and
-that of who goes about the origin of the file at the pelvis' height is negative, whatever up is."""
+FLOOR_HEIGHT_RANGE = (-0.05, 0.35)
+"""Range of the height of the lowest joint over 0 in which a file's floor is at 0 [leg lengths]. An ankle's height is
+0.1. That of a person who goes about the origin of the file at the pelvis' height is negative, whatever direction is
+up."""
 
 
 @dataclass(frozen=True)
-class Sampled:
+class SampledPoses:
     """Describe how a person is held in some poses of a motion, in the file's axes.
 
     Attributes:
@@ -36,14 +37,14 @@ class Sampled:
 
 
 @dataclass(frozen=True)
-class Up:
+class UpDirection:
     """Describe where up is: the unit direction in the file's axes, shape [3], and a sentence on what was decided."""
 
     direction: np.ndarray
     note: str
 
 
-def find_up(rest: np.ndarray, sampled: Sampled) -> Up:
+def find_up(rest: np.ndarray, sampled: SampledPoses) -> UpDirection:
     """Return where up is in the world of a motion.
 
     That is the rest pose's up; but where the person is held along another axis of the file through the whole motion (a
@@ -55,27 +56,29 @@ def find_up(rest: np.ndarray, sampled: Sampled) -> Up:
         sampled: Poses spread over the motion.
     """
     mean = sampled.uprights.mean(axis=0)
-    if mean @ rest > SAME:
-        return Up(rest, f"Up is {name_direction(rest)} of the file, by the rest pose and the whole motion.")
+    if mean @ rest > MIN_UP_AGREEMENT_COSINE:
+        return UpDirection(rest, f"Up is {name_direction(rest)} of the file, by the rest pose and the whole motion.")
     axis = int(np.abs(mean).argmax())
     held = np.eye(3)[axis] * np.sign(mean[axis])
-    steady = float(np.linalg.norm(mean)) > STEADY and mean @ held > NEAR_AXIS * np.linalg.norm(mean)
+    steady = float(
+        np.linalg.norm(mean)
+    ) > MIN_MEAN_RESULTANT_LENGTH and mean @ held > MEAN_AXIS_COSINE * np.linalg.norm(mean)
     if steady and (_has_floor(sampled, held) or not _has_floor(sampled, rest)):
-        return Up(
+        return UpDirection(
             held,
             f"Up is {name_direction(held)} of the file, along which the person is held through the whole motion; "
             f"the rest pose stands along {name_direction(rest)}.",
         )
-    return Up(
+    return UpDirection(
         rest,
         f"Up is {name_direction(rest)} of the file, by the rest pose; "
         "the person is not upright on the mean of the motion.",
     )
 
 
-def _has_floor(sampled: Sampled, up: np.ndarray) -> bool:
+def _has_floor(sampled: SampledPoses, up: np.ndarray) -> bool:
     """Check whether the lowest joints are about the height 0."""
-    return bool(FLOOR[0] <= float(np.median((sampled.places @ up).min(axis=1))) <= FLOOR[1])
+    return bool(FLOOR_HEIGHT_RANGE[0] <= float(np.median((sampled.places @ up).min(axis=1))) <= FLOOR_HEIGHT_RANGE[1])
 
 
 def name_direction(direction: np.ndarray) -> str:

@@ -7,24 +7,24 @@ import math
 import numpy as np
 from numba import njit
 
-from .closest import span, weigh
+from .closest import closest_weights, pair_distance
 
-KEEP = 0.2
+KEPT_DISTANCE_SHARE = 0.2
 """Share of a pair's distance that one step leaves (Li et al. 2021 leave 0.1 to 0.2): twelve steps in a row, each cut
 short by the same pair, still leave what double precision can tell from nothing."""
 
-LEAST = 1e-3
-"""Share of their reach that motion which no energy opposes (of pins) leaves between a pair: 2 micrometres. Pins that go
-on and on would else leave a fifth of a fifth, until double precision cannot tell it from nothing and cloth passes
-through: a rope of ten turns did at 1e-17 m. There the barrier pushes a thousand times as hard as where cloth begins to
-touch, so what can give way does."""
+MIN_PAIR_REACH_SHARE = 1e-3
+"""Share of its reach that motion which no energy opposes (of pins) leaves between a pair: 2 micrometres. Pins that go
+on and on would otherwise leave a fifth of a fifth, until double precision cannot tell it from nothing and cloth passes
+through: a rope of ten turns did at 1e-17 m. At this share the barrier pushes a thousand times as hard as where cloth
+begins to touch, so what can move away does."""
 
-_ROUNDS = 200
-"""Advances of one pair after which the way gone so far counts: each takes most of what is left."""
+_MAX_ADVANCE_ITERATIONS = 200
+"""Largest number of advances of one pair, after which the way gone so far counts. Each takes most of what is left."""
 
 
 @njit(cache=True)
-def free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
+def collision_free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
     """Return the largest share, 0 to 1, of a step [m], shape [node_count, 3], that leaves every pair some distance.
 
     Additive advancement (Li, Kaufman and Jiang 2021, codimensional incremental potential contact): the nearest points
@@ -42,18 +42,18 @@ def free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
             mean = 0.25 * (step[pair[0], d] + step[pair[1], d] + step[pair[2], d] + step[pair[3], d])
             for k in range(4):
                 motion[k, d] = step[pair[k], d] - mean
-        ahead = approach(motion, kinds[n])
+        ahead = max_approach_speed(motion, kinds[n])
         if ahead <= 0.0:
             continue
-        weigh(x, pair, kinds[n], weights, rates)
-        distance = span(x, pair, weights, vector)
-        kept = max(KEEP * distance, least * sizes[n, 1])
+        closest_weights(x, pair, kinds[n], weights, rates)
+        distance = pair_distance(x, pair, weights, vector)
+        kept = max(KEPT_DISTANCE_SHARE * distance, least * sizes[n, 1])
         if distance <= kept:
             return 0.0
         if share * ahead <= distance - kept:
             continue
         gone = 0.0
-        for _ in range(_ROUNDS):
+        for _ in range(_MAX_ADVANCE_ITERATIONS):
             more = (distance - kept) / ahead
             if (gone > 0.0 and more < 1e-3 * gone) or gone + more >= share:
                 gone = min(gone + more, share)
@@ -62,14 +62,14 @@ def free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
             for k in range(4):
                 for d in range(3):
                     place[k, d] = x[pair[k], d] + gone * motion[k, d]
-            weigh(place, own, kinds[n], weights, rates)
-            distance = span(place, own, weights, vector)
+            closest_weights(place, own, kinds[n], weights, rates)
+            distance = pair_distance(place, own, weights, vector)
         share = min(share, gone)
     return share
 
 
 @njit(cache=True)
-def approach(motion, kind):  # type: ignore[no-untyped-def]
+def max_approach_speed(motion, kind):  # type: ignore[no-untyped-def]
     """Return how fast the two parts of a pair may approach at most."""
     first = 0.0
     split = 1 if kind == 0 else 2

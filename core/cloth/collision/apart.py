@@ -25,7 +25,7 @@ class Bounds(NamedTuple):
     spread: np.ndarray
 
 
-def find_close(
+def find_close_patches(
     patches: Patches, path: np.ndarray, spans: np.ndarray, need: float, moved: np.ndarray | None
 ) -> np.ndarray:
     """Find all pairs of patches of which parts that share no node may come within a distance on a path.
@@ -42,23 +42,23 @@ def find_close(
     Args:
         patches: Of the cloth.
         path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
-        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6]; see `steady`.
+        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6]; see `remove_mean_motion`.
         need: The distance [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
 
     Returns:
         The lower and the higher patch of each pair, ascending, shape [pair_count, 2].
     """
-    parts, active = _bound(path, spans, patches.corners, np.zeros(0, np.bool_) if moved is None else moved)
+    parts, active = _bound_patches(path, spans, patches.corners, np.zeros(0, np.bool_) if moved is None else moved)
     bounds = Bounds(*parts)
     overlapping = pair_boxes(bounds.boxes, 0.5 * need, active)
-    far = _near_far(path, patches, bounds, (overlapping, active), need)
-    joined = _near_joined(path, patches, bounds, active, need)
+    far = _find_near_disjoint(path, patches, bounds, (overlapping, active), need)
+    joined = _find_near_joined(path, patches, bounds, active, need)
     return np.concatenate([far, patches.joined[joined]])
 
 
 @njit(cache=True)
-def steady(path):  # type: ignore[no-untyped-def]
+def remove_mean_motion(path):  # type: ignore[no-untyped-def]
     """Return a path [m], [place_count, node_count, 3], less its mean motion, and the box of each node on it.
 
     How the whole moves brings nothing nearer to anything. The boxes are lowest and highest corners, [node_count, 6].
@@ -81,7 +81,7 @@ def steady(path):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _bound(path, spans, corners, moved):  # type: ignore[no-untyped-def]
+def _bound_patches(path, spans, corners, moved):  # type: ignore[no-untyped-def]
     """Return the `Bounds` of patches, and which of them have a node that moved; all where none are told."""
     starts, members = corners
     count, places = len(starts) - 1, len(path)
@@ -126,7 +126,7 @@ def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _near_far(path, patches, bounds, found, need):  # type: ignore[no-untyped-def]
+def _find_near_disjoint(path, patches, bounds, found, need):  # type: ignore[no-untyped-def]
     """Return those pairs of patches of overlapping boxes that share no node and may come within a distance."""
     overlapping, active = found
     starts, members = patches.corners
@@ -169,8 +169,9 @@ def _near_far(path, patches, bounds, found, need):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True)
-def _near_joined(path, patches, bounds, active, need):  # type: ignore[no-untyped-def]
-    """Return which joined pairs of patches may come within a distance, shape [joined_count]; see `find_close`."""
+def _find_near_joined(path, patches, bounds, active, need):  # type: ignore[no-untyped-def]
+    """Return which joined pairs of patches may come within a distance, shape [joined_count]; see
+    `find_close_patches`."""
     starts, members = patches.laid
     layout, joined, gaps = patches.layout, patches.joined, patches.gaps
     near = np.zeros(len(joined), np.bool_)

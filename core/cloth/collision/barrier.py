@@ -7,16 +7,16 @@ import math
 import numpy as np
 from numba import njit
 
-from ..block_pattern import ABSENT, add_block
-from .closest import EDGE_EDGE, curve_cross, curve_distance, mollify, span, weigh
+from ..block_pattern import ABSENT_BLOCK_SLOT, add_block
+from .closest import EDGE_EDGE, closest_weights, cross_product_hessian, distance_hessian, mollify, pair_distance
 
-SHUT = 1e-4
+COINCIDENT_REACH_SHARE = 1e-4
 """Share of its reach under which a pair has no room: 0.2 micrometres. Its barrier is ten thousand times as stiff as
 where cloth begins to touch, and a step goes by fifths of what is left."""
 
 
 @njit(cache=True, inline="always")
-def bar(ratio):  # type: ignore[no-untyped-def]
+def barrier_function(ratio):  # type: ignore[no-untyped-def]
     """Return b = -(1 - s)^2 ln s, b' and b'' at s in 0 .. 1: infinite at 0, two continuous derivatives at 1."""
     rest, log = 1.0 - ratio, math.log(ratio)
     return (
@@ -35,7 +35,8 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
 
     Notation: `pairs` a `PairElements`: kinds and nodes; weights w [m2], reaches h [m], limits of the mollifier m of
     nearly parallel edges [m4]; d the least distance of the pair; `pressure` K [Pa]; `places`: `slots` [pair_count, 10]
-    of the upper blocks, `ABSENT` where the matrix has no place, and those of the diagonal blocks [node_count].
+    of the upper blocks, `ABSENT_BLOCK_SLOT` where the matrix has no place, and those of the diagonal blocks
+    [node_count].
 
     The PSD form is E'' grad d grad d^T: it drops the curvatures of d and m, as contact with the body does. Where the
     matrix has no place it is the diagonal matrix of blocks above it: |w_a| sum_b |w_b| E'' n n^T.
@@ -50,14 +51,14 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
     curve, turn, part = np.zeros((4, 4, 3, 3)), np.zeros((4, 4, 3, 3)), np.zeros((3, 3))
     for n in range(len(kinds)):
         pair, area, thick = nodes[n], sizes[n, 0], sizes[n, 1]
-        free = weigh(x, pair, kinds[n], weights, rates)
-        distance = span(x, pair, weights, vector)
+        free = closest_weights(x, pair, kinds[n], weights, rates)
+        distance = pair_distance(x, pair, weights, vector)
         if distance >= thick:
             continue
         if distance <= 0.0:
             return np.inf
         scale = area * pressure
-        value, first, second = bar(distance / thick)
+        value, first, second = barrier_function(distance / thick)
         value, first, second = scale * thick * value, scale * first, scale * second / thick
         soft, soft_first, soft_second = 1.0, 0.0, 0.0
         if kinds[n] == EDGE_EDGE:
@@ -72,7 +73,7 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
                     gradient[pair[a], d] += value * soft_first * slope[a, d]
         if order == 1:
             continue
-        if slots[n, 0] == ABSENT:
+        if slots[n, 0] == ABSENT_BLOCK_SLOT:
             total = abs(weights[0]) + abs(weights[1]) + abs(weights[2]) + abs(weights[3])
             for a in range(4):
                 scale = soft * second * abs(weights[a]) * total / (distance * distance)
@@ -81,9 +82,9 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
                         blocks[diagonal[pair[a]], d, e] += scale * vector[d] * vector[e]
             continue
         if exact:
-            curve_distance(x, pair, weights, rates, free, vector, distance, curve)
+            distance_hessian(x, pair, weights, rates, free, vector, distance, curve)
             if soft < 1.0:
-                curve_cross(x, pair, turn)
+                cross_product_hessian(x, pair, turn)
         b = 0
         for i in range(4):
             for j in range(i, 4):
@@ -116,12 +117,12 @@ def measure_pairs(x, pairs):  # type: ignore[no-untyped-def]
     distances, shares = np.zeros(len(kinds)), np.zeros((len(kinds), 4))
     rates, vector = np.zeros((2, 4)), np.zeros(3)
     for n in range(len(kinds)):
-        weigh(x, nodes[n], kinds[n], shares[n], rates)
-        distances[n] = span(x, nodes[n], shares[n], vector)
+        closest_weights(x, nodes[n], kinds[n], shares[n], rates)
+        distances[n] = pair_distance(x, nodes[n], shares[n], vector)
     return distances, shares
 
 
-def find_shut(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+def find_coincident_nodes(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
     """Return the nodes of pairs that have no room left at nodes [m], shape [node_count, 3]: contact cannot part them.
 
     Two nodes may lie in one place without a face that crosses another, where cloth was taken out of the crease of a
@@ -130,5 +131,5 @@ def find_shut(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray, np.ndarray
     if not len(pairs[0]):
         return np.zeros(0, np.int64)
     distances, weights = measure_pairs(nodes, pairs)
-    shut = distances <= SHUT * pairs[2][:, 1]
+    shut = distances <= COINCIDENT_REACH_SHARE * pairs[2][:, 1]
     return np.unique(pairs[1][shut][weights[shut] != 0.0])

@@ -7,16 +7,16 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-_CELLS = 2**18
-"""Most cells of a grid: 2 MB, cleared in a tenth of a millisecond; wider cloth gets larger ones."""
+_MAX_BOX_CELL_COUNT = 2**18
+"""Largest number of cells of a grid: 2 MB, cleared in a tenth of a millisecond. Wider cloth gets larger cells."""
 
-_SIDE = 1.5
-"""Side of a cell in mean extents of a box. Smaller cells hold each box more often, larger ones test more pairs: at 4000
-nodes 0.5 to 1.5 took 9.3, 5.7, 4.1 and 3.5 ms."""
+_GRID_CELL_SIZE_RATIO = 1.5
+"""Side of a grid cell [mean extents of a box]. Smaller cells hold each box more often, larger ones test more pairs: at
+4000 nodes 0.5 to 1.5 took 9.3, 5.7, 4.1 and 3.5 ms."""
 
 
-_TESTS = 2**16
-"""Pairs of boxes up to which each is tested: as quick as to fill a grid."""
+_MAX_BRUTE_FORCE_TESTS = 2**16
+"""Largest number of pairs of boxes up to which each pair is tested: as quick as to fill a grid."""
 
 
 class Grid(NamedTuple):
@@ -30,9 +30,9 @@ class Grid(NamedTuple):
     def of(cls, bounds: np.ndarray) -> Grid:
         """Lay a grid over boxes, of cells that suit their size."""
         low, high = bounds[:, :3], bounds[:, 3:]
-        origin, side = low.min(axis=0), _SIDE * float((high - low).mean())
+        origin, side = low.min(axis=0), _GRID_CELL_SIZE_RATIO * float((high - low).mean())
         extent = np.maximum(high.max(axis=0) - origin, side)
-        side = max(side, float(np.cbrt(extent.prod() / _CELLS)))
+        side = max(side, float(np.cbrt(extent.prod() / _MAX_BOX_CELL_COUNT)))
         return cls(origin, side, np.floor(extent / side).astype(np.int64) + 1)
 
 
@@ -44,21 +44,21 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
         inflation: How far each box reaches beyond them [m].
         active: Boxes of which every pair has one or both, shape [box_count].
     """
-    if int(active.sum()) * len(bounds) <= _TESTS:
+    if int(active.sum()) * len(bounds) <= _MAX_BRUTE_FORCE_TESTS:
         return np.asarray(_test_all(bounds, 2.0 * inflation, active))
     bounds = np.ascontiguousarray(bounds + inflation * np.repeat([-1.0, 1.0], 3))
     return np.asarray(_find_overlaps(bounds, Grid.of(bounds), active))
 
 
 @njit(cache=True, inline="always")
-def _grow(boxes, m, need):  # type: ignore[no-untyped-def]
+def _inflate_box(boxes, m, need):  # type: ignore[no-untyped-def]
     """Return the lowest and the highest corner of a box, moved outwards by `need` [m]."""
     low = (boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need)
     return low, (boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need)
 
 
 @njit(cache=True, inline="always")
-def _beside(boxes, m, low, high):  # type: ignore[no-untyped-def]
+def _is_beside_box(boxes, m, low, high):  # type: ignore[no-untyped-def]
     """Check whether a box lies beside the one between two corners [m]."""
     return (
         boxes[m, 0] > high[0]
@@ -75,9 +75,9 @@ def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
     """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
     pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
     for a in np.flatnonzero(active):
-        low, high = _grow(bounds, a, need)
+        low, high = _inflate_box(bounds, a, need)
         for b in range(a + 1 if whole else 0, len(bounds)):
-            if _beside(bounds, b, low, high) or (b <= a and active[b]):
+            if _is_beside_box(bounds, b, low, high) or (b <= a and active[b]):
                 continue
             if found == len(pairs):
                 pairs = np.concatenate((pairs, np.zeros_like(pairs)))
@@ -95,9 +95,9 @@ def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
     for c in range(len(starts) - 1):
         i, j, k = c // (counts[1] * counts[2]), c // counts[2] % counts[1], c % counts[2]
         for m in range(starts[c], starts[c + 1]):
-            low, high = _grow(copies, m, 0.0)
+            low, high = _inflate_box(copies, m, 0.0)
             for n in range(m + 1, starts[c + 1]):
-                if _beside(copies, n, low, high):
+                if _is_beside_box(copies, n, low, high):
                     continue
                 # the pair belongs to the cell of the lowest corner of what both share
                 if (
@@ -171,24 +171,24 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
         for turn in range(1 if same or close[n, 0] == close[n, 1] else 2):
             c, d = close[n, turn], close[n, 1 - turn]
             if not known[c]:
-                _wrap(spans, nodes, members, (starts[c], starts[c + 1]), boxes, wholes[c])
+                _fill_boxes(spans, nodes, members, (starts[c], starts[c + 1]), boxes, wholes[c])
                 known[c] = True
             if same and not known[d]:
-                _wrap(spans, nodes, members, (starts[d], starts[d + 1]), boxes, wholes[d])
+                _fill_boxes(spans, nodes, members, (starts[d], starts[d + 1]), boxes, wholes[d])
                 known[d] = True
             if not same and not other_known[d]:
-                _wrap(
+                _fill_boxes(
                     spans, others, other_members, (other_starts[d], other_starts[d + 1]), other_boxes, other_wholes[d]
                 )
                 other_known[d] = True
             around = wholes if same else other_wholes
             for m in range(starts[c], starts[c + 1]):
                 a = members[m]
-                low, high = _grow(boxes, m, need)
-                if not first[a] or _beside(around, d, low, high):
+                low, high = _inflate_box(boxes, m, need)
+                if not first[a] or _is_beside_box(around, d, low, high):
                     continue
                 for k in range(m + 1 if same and c == d else other_starts[d], other_starts[d + 1]):
-                    if _beside(other_boxes, k, low, high):
+                    if _is_beside_box(other_boxes, k, low, high):
                         continue
                     b = other_members[k]
                     shared, touched = not second[b], len(moved) == 0
@@ -210,7 +210,7 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
 
 
 @njit(cache=True)
-def _wrap(spans, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
+def _fill_boxes(spans, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
     """Fill the boxes [m] of a run of groups of nodes, and the box around all of them, by the boxes of the nodes."""
     whole[:3], whole[3:] = np.inf, -np.inf
     for m in range(run[0], run[1]):

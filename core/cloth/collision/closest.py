@@ -10,10 +10,10 @@ from numba import njit
 NODE_FACE, EDGE_EDGE = 0, 1
 """Kinds of pairs as the kernels take them. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
 
-PARALLEL = 1e-3
+PARALLEL_EDGE_SHARE = 1e-3
 """Share of |e1|^2 |e2|^2 at rest under which |e1 x e2|^2 counts as nearly parallel (Li et al. 2020, 6.3)."""
 
-_FLAT = 1e-20
+_DEGENERATE_AREA_SHARE = 1e-20
 """Share of the squared lengths under which a triangle or a pair of edges has no direction of its own."""
 
 
@@ -28,7 +28,7 @@ def _dot(x, i, j, k, m):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def weigh(x, pair, kind, weights, rates):  # type: ignore[no-untyped-def]
+def closest_weights(x, pair, kind, weights, rates):  # type: ignore[no-untyped-def]
     """Find the nearest points of a pair: fill the four weights of r = sum_k w_k x_k, the vector between them.
 
     The `rates` [2, 4] are dw/dp by the parameters p that are free (not at an end of their range); their number is
@@ -37,12 +37,12 @@ def weigh(x, pair, kind, weights, rates):  # type: ignore[no-untyped-def]
     weights[:] = 0.0
     rates[:] = 0.0
     if kind == NODE_FACE:
-        return _weigh_face(x, pair[0], pair[1], pair[2], pair[3], weights, rates)
-    return _weigh_edges(x, pair[0], pair[1], pair[2], pair[3], weights, rates)
+        return _closest_weights_face(x, pair[0], pair[1], pair[2], pair[3], weights, rates)
+    return _closest_weights_edges(x, pair[0], pair[1], pair[2], pair[3], weights, rates)
 
 
 @njit(cache=True)
-def _weigh_face(x, p, a, b, c, weights, rates):  # type: ignore[no-untyped-def]
+def _closest_weights_face(x, p, a, b, c, weights, rates):  # type: ignore[no-untyped-def]
     """Find the point of a triangle that is nearest to a node, by its regions (Ericson 2005, 5.1.5)."""
     weights[0] = 1.0
     d1, d2 = _dot(x, a, b, a, p), _dot(x, a, c, a, p)
@@ -83,7 +83,7 @@ def _on_side(weights, rates, first, second, along):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
-def _weigh_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
+def _closest_weights_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
     """Find the nearest points of two segments (Ericson 2005, 5.1.9); parallel ones meet in the middle of the overlap.
 
     Where they are parallel to round-off the first parameter counts as held: the mollifier is zero there.
@@ -92,7 +92,7 @@ def _weigh_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
     c, b = _dot(x, p, q, r, p), _dot(x, p, q, r, s)
     area = a * e - b * b
     free_one, free_two = True, True
-    if area > _FLAT * a * e:
+    if area > _DEGENERATE_AREA_SHARE * a * e:
         one = (b * f - c * e) / area
     else:
         one, free_one = 0.5, False
@@ -120,7 +120,7 @@ def _weigh_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def span(x, pair, weights, vector):  # type: ignore[no-untyped-def]
+def pair_distance(x, pair, weights, vector):  # type: ignore[no-untyped-def]
     """Fill the vector sum_k w_k x_k and return its length."""
     square = 0.0
     for d in range(3):
@@ -133,7 +133,7 @@ def span(x, pair, weights, vector):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def curve_distance(x, pair, weights, rates, free, vector, distance, curve):  # type: ignore[no-untyped-def]
+def distance_hessian(x, pair, weights, rates, free, vector, distance, curve):  # type: ignore[no-untyped-def]
     """Fill the Hessian of a pair's distance, 16 blocks [4, 4, 3, 3], where it is above zero.
 
     With D = min_p |r|^2, r = sum_k w_k(p) x_k, r_p = dr/dp, P_pq = 2 r_p . r_q and
@@ -156,7 +156,7 @@ def curve_distance(x, pair, weights, rates, free, vector, distance, curve):  # t
     elif free == 2:
         second, mixed = 2.0 * (along[1] ** 2).sum(), 2.0 * (along[0] * along[1]).sum()
         area = first * second - mixed * mixed
-        if area > _FLAT * first * second:
+        if area > _DEGENERATE_AREA_SHARE * first * second:
             inverse[0, 0], inverse[1, 1] = second / area, first / area
             inverse[0, 1] = inverse[1, 0] = -mixed / area
     for a in range(4):
@@ -193,7 +193,7 @@ def mollify(x, pair, least, slope):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def curve_cross(x, pair, curve):  # type: ignore[no-untyped-def]
+def cross_product_hessian(x, pair, curve):  # type: ignore[no-untyped-def]
     """Fill the Hessian of c = |u x v|^2, 16 blocks [4, 4, 3, 3]."""
     p, q, r, s = pair[0], pair[1], pair[2], pair[3]
     uu, vv, uv = _dot(x, p, q, p, q), _dot(x, r, s, r, s), _dot(x, p, q, r, s)

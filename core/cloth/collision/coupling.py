@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..block_pattern import ABSENT
+from ..block_pattern import ABSENT_BLOCK_SLOT
 from ..solver import Solver, make_solver
 
 if TYPE_CHECKING:
     from ..energy import Energy
 
-_MISSING = 0.1
+_MAX_MISSING_PAIR_SHARE = 0.1
 """Share of the pairs in touch for which the matrix may have no place before it is laid out anew: that costs as much as
 three factorisations (80 ms for 22 at 4000 nodes), and without its place a pair holds both layers back as if the other
 one stood still."""
 
 
-def couple(
-    energy: Energy, solver: Solver | None, nodes: np.ndarray, missing: float = _MISSING
+def extend_sparsity(
+    energy: Energy, solver: Solver | None, nodes: np.ndarray, missing: float = _MAX_MISSING_PAIR_SHARE
 ) -> tuple[Energy, Solver]:
     """Return the energy with its pairs near nodes [m], shape [node_count, 3], and a solver that has room for them.
 
@@ -33,7 +33,9 @@ def couple(
     energy = energy.watch(nodes)
     assert energy.near is not None
     touching = energy.near.within(nodes, 0.0)
-    absent = (topology.pattern.find_slots(touching.nodes)[:, 0] == ABSENT).sum() if len(touching.kinds) else 0
+    absent = (
+        (topology.pattern.find_slots(touching.nodes)[:, 0] == ABSENT_BLOCK_SLOT).sum() if len(touching.kinds) else 0
+    )
     if absent <= missing * len(touching.kinds):
         return energy, solver or make_solver(topology.pattern)
     wide = energy.near.within(nodes, cloth.margin)

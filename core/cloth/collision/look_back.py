@@ -7,17 +7,18 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from .advance import approach
-from .closest import span, weigh
-from .near import Near, find_candidates, gather
+from .advance import max_approach_speed
+from .closest import closest_weights, pair_distance
+from .near import NearPairs, collect_near_pairs, find_candidates
 from .self_contact import SelfContact
 
-MANY = 0.05
-"""Share of the nodes that left their margin from which pairs are looked for everywhere. Around a tenth of them takes as
-long as that: the others may be by a margin off, and all patches that one of the tenth is in are looked into."""
+MAX_MOVED_NODE_SHARE = 0.05
+"""Largest share of nodes beyond their margin at which pairs are looked for around these alone. Around a tenth of the
+nodes it takes as long as everywhere: the others may be by a margin off, and all patches that one of the tenth is in are
+looked into."""
 
 
-def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near, int]:
+def verify_pairs_on_path(cloth: SelfContact, path: np.ndarray, watched: NearPairs) -> tuple[NearPairs, int]:
     """Return the pairs near the last place of a path up to which its energies hold, and the number of that place.
 
     Cloth that descends knows the pairs near the start of a leg. What it did is right as far as no other pair came
@@ -39,7 +40,7 @@ def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near
     steps = last = len(path) - 1
     if not moved.any():
         return replace(watched, held=False), last
-    apart = watched.step.any() or np.count_nonzero(moved) > MANY * len(moved)
+    apart = watched.step.any() or np.count_nonzero(moved) > MAX_MOVED_NODE_SHARE * len(moved)
     # nodes that have not moved may be by a margin off where their pairs were found
     slack = (2.0 if apart else 3.0) * cloth.margin
     found = find_candidates(cloth, path, slack, None if apart else moved)
@@ -53,7 +54,7 @@ def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near
         close = least < slack
         close[close] = _measure(place, each.nodes[close], each.kind, cloth.reach) < slack
         chosen.append(close | (first < steps))
-    near = gather(cloth, found, chosen, place, np.zeros_like(place))
+    near = collect_near_pairs(cloth, found, chosen, place, np.zeros_like(place))
     return near if apart else watched.renewed(near, moved), last
 
 
@@ -74,19 +75,19 @@ def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
         most = 0.0
         for j in range(1, count + 1):
             _move(path[0], path[j], pair, motion)
-            most = max(most, approach(motion, kind))
-        weigh(path[0], pair, kind, weights, rates)
-        distance = span(path[0], pair, weights, vector) - far
+            most = max(most, max_approach_speed(motion, kind))
+        closest_weights(path[0], pair, kind, weights, rates)
+        distance = pair_distance(path[0], pair, weights, vector) - far
         first[n], least[n] = count, distance - most
         if least[n] >= slack:
             continue
         least[n] = distance
         for j in range(1, count + 1):
             before = distance
-            weigh(path[j], pair, kind, weights, rates)
-            distance = span(path[j], pair, weights, vector) - far
+            closest_weights(path[j], pair, kind, weights, rates)
+            distance = pair_distance(path[j], pair, weights, vector) - far
             _move(path[j - 1], path[j], pair, motion)
-            lowest = 0.5 * (before + distance - approach(motion, kind))
+            lowest = 0.5 * (before + distance - max_approach_speed(motion, kind))
             least[n] = min(least[n], min(lowest, distance))
             if lowest < 0.0 and first[n] == count:
                 first[n] = j - 1
@@ -112,7 +113,7 @@ def _measure(x, nodes, kind, reach):  # type: ignore[no-untyped-def]
     weights, rates, vector = np.zeros(4), np.zeros((2, 4)), np.zeros(3)
     for n in range(len(nodes)):
         pair = nodes[n]
-        weigh(x, pair, kind, weights, rates)
+        closest_weights(x, pair, kind, weights, rates)
         far = min(min(reach[pair[0]], reach[pair[1]]), min(reach[pair[2]], reach[pair[3]]))
-        beyond[n] = span(x, pair, weights, vector) - far
+        beyond[n] = pair_distance(x, pair, weights, vector) - far
     return beyond

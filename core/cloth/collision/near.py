@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .advance import approach, free_share
-from .apart import find_close, steady
+from .advance import collision_free_share, max_approach_speed
+from .apart import find_close_patches, remove_mean_motion
 from .barrier import measure_pairs
 from .broad import pair_parts
-from .closest import EDGE_EDGE, NODE_FACE, PARALLEL, span, weigh
-from .self_contact import SHARE, SelfContact
+from .closest import EDGE_EDGE, NODE_FACE, PARALLEL_EDGE_SHARE, closest_weights, pair_distance
+from .self_contact import PAIR_AREA_SHARE, SelfContact
 
-EVERY = np.zeros(0, np.bool_)
+NO_NODE_FILTER = np.zeros(0, np.bool_)
 """Tells `pair_parts` that it is no matter which nodes a pair has."""
 
 
@@ -46,7 +46,7 @@ class Candidates(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Near:
+class NearPairs:
     """Describe the pairs that may touch while cloth goes from one place to another, or stays near that way.
 
     Attributes:
@@ -78,7 +78,7 @@ class Near:
 
         The pairs are to be complete along the step. None comes nearer than the share `least` of its reach.
         """
-        return float(free_share(nodes, step, self.pairs, least)) if len(self.pairs.kinds) else 1.0
+        return float(collision_free_share(nodes, step, self.pairs, least)) if len(self.pairs.kinds) else 1.0
 
     def covers(self, nodes: np.ndarray) -> bool:
         """Return whether nodes [m], shape [node_count, 3], lie near one point of the way, where pairs are complete."""
@@ -88,9 +88,9 @@ class Near:
         """Return which nodes are beyond the margin somewhere on a path [m], [place_count, node_count, 3]."""
         if self.step.any():
             return np.full(path.shape[1], not all(self.covers(place) for place in path))
-        return np.asarray(_leave(path, self.start, self.margin))
+        return np.asarray(_find_nodes_beyond(path, self.start, self.margin))
 
-    def renewed(self, found: Near, moved: np.ndarray) -> Near:
+    def renewed(self, found: NearPairs, moved: np.ndarray) -> NearPairs:
         """Return these pairs with those of nodes that moved, shape [node_count], found anew, where those are now."""
         kept = ~moved[self.pairs.nodes].any(axis=1)
         keys = np.concatenate([self.keys[kept], found.keys])
@@ -100,7 +100,7 @@ class Near:
         return replace(found, pairs=PairElements(*parts), keys=keys[order], start=start)
 
 
-def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> Near:
+def find_near_pairs(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> NearPairs:
     """Find all pairs that come within reach of each other on the straight way from `start` to `end`, or stay there.
 
     A pair is a node and a face or two edges that share no node. Pairs whose boxes overlap are found first, in patches
@@ -116,8 +116,8 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
     step = np.zeros_like(start) if end is None else end - start
     slack = 2.0 * cloth.margin
     found = find_candidates(cloth, start[None] if end is None else np.stack([start, end]), slack)
-    kept = [_keep(start, step, each.nodes, each.kind, cloth.reach, slack) for each in found]
-    return gather(cloth, found, kept, start, step)
+    kept = [_find_kept_pairs(start, step, each.nodes, each.kind, cloth.reach, slack) for each in found]
+    return collect_near_pairs(cloth, found, kept, start, step)
 
 
 def find_candidates(
@@ -125,7 +125,8 @@ def find_candidates(
 ) -> list[Candidates]:
     """Find all pairs that may come within reach and slack of each other on a path, by patches, then by their boxes.
 
-    They come in the order in which patches were looked into; few of them are near, and `gather` orders those.
+    They come in the order in which patches were looked into; few of them are near, and `collect_near_pairs` orders
+    those.
 
     Args:
         cloth: The mesh and its reach.
@@ -134,13 +135,13 @@ def find_candidates(
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
     """
     need, patches = float(cloth.reach.max()) + slack, cloth.patches
-    path, spans = steady(np.ascontiguousarray(path))
-    close = find_close(patches, path, spans, need, moved)
+    path, spans = remove_mean_motion(np.ascontiguousarray(path))
+    close = find_close_patches(patches, path, spans, need, moved)
     if not len(close):
         return [Candidates(kind, NO_PAIRS.nodes, NO_PAIRS.kinds) for kind in (NODE_FACE, EDGE_EDGE)]
     singles, sheets, sides = np.arange(len(cloth.areas))[:, None], cloth.faces, cloth.edges
     single, sheet, side = cloth.open_parts
-    among = EVERY if moved is None else moved
+    among = NO_NODE_FILTER if moved is None else moved
     faced = pair_parts(spans, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need)
     edged = pair_parts(spans, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
     first, second = np.minimum(edged[:, 0], edged[:, 1]), np.maximum(edged[:, 0], edged[:, 1])
@@ -153,38 +154,38 @@ def find_candidates(
     ]
 
 
-def gather(
+def collect_near_pairs(
     cloth: SelfContact, found: list[Candidates], kept: list[np.ndarray], start: np.ndarray, step: np.ndarray
-) -> Near:
-    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `Near`.
+) -> NearPairs:
+    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `NearPairs`.
 
     They are in one order however they were found: sums over pairs then have the same last digits.
     """
     chosen = [np.flatnonzero(own) for own in kept]
     if not any(own.size for own in chosen):
-        return Near(NO_PAIRS, found[0].keys[:0], start, step, cloth.margin)
+        return NearPairs(NO_PAIRS, found[0].keys[:0], start, step, cloth.margin)
     chosen = [own[np.argsort(each.keys[own])] for each, own in zip(found, chosen, strict=True)]
     nodes = [each.nodes[own] for each, own in zip(found, chosen, strict=True)]
     keys = np.concatenate([each.keys[own] for each, own in zip(found, chosen, strict=True)])
     kinds = np.repeat(np.array([each.kind for each in found]), [len(each) for each in nodes])
-    return Near(PairElements(kinds, *_size(cloth, nodes)), keys, start, step, cloth.margin)
+    return NearPairs(PairElements(kinds, *_measure_pair_sizes(cloth, nodes)), keys, start, step, cloth.margin)
 
 
-def _size(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _measure_pair_sizes(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes of pairs and their sizes; see `PairElements`."""
     nodes = np.concatenate(kept)
-    weights = SHARE * cloth.areas[nodes].mean(1)
+    weights = PAIR_AREA_SHARE * cloth.areas[nodes].mean(1)
     reach = cloth.reach[nodes].min(1)
     lengths = cloth.lengths
     limits = np.zeros(len(nodes))
     edged = kept[1]
     # the mean squared length of the edges around a node stands for an edge's own: it changes the law of no pair apart
-    limits[len(kept[0]) :] = PARALLEL * lengths[edged[:, :2]].prod(1) * lengths[edged[:, 2:]].prod(1)
+    limits[len(kept[0]) :] = PARALLEL_EDGE_SHARE * lengths[edged[:, :2]].prod(1) * lengths[edged[:, 2:]].prod(1)
     return nodes, np.column_stack([weights, reach, limits])
 
 
 @njit(cache=True)
-def _keep(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
+def _find_kept_pairs(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     """Return which pairs may come within reach and slack [m], shape [pair_count]."""
     kept = np.zeros(len(nodes), np.bool_)
     weights, rates, vector, motion = np.zeros(4), np.zeros((2, 4)), np.zeros(3), np.zeros((4, 3))
@@ -195,8 +196,8 @@ def _keep(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-de
             mean = 0.25 * (step[i, d] + step[j, d] + step[k, d] + step[m, d])
             for c in range(4):
                 motion[c, d] = step[nodes[n, c], d] - mean
-        weigh(start, nodes[n], kind, weights, rates)
-        kept[n] = span(start, nodes[n], weights, vector) < far + approach(motion, kind)
+        closest_weights(start, nodes[n], kind, weights, rates)
+        kept[n] = pair_distance(start, nodes[n], weights, vector) < far + max_approach_speed(motion, kind)
     return kept
 
 
@@ -219,7 +220,7 @@ def _stay_near(nodes, start, step, margin):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _leave(path, start, margin):  # type: ignore[no-untyped-def]
+def _find_nodes_beyond(path, start, margin):  # type: ignore[no-untyped-def]
     """Return which nodes are further than a margin [m] from their start at some place of a path, shape [node_count]."""
     left = np.zeros(len(start), np.bool_)
     for v in range(len(start)):

@@ -9,21 +9,21 @@ import scipy.sparse as sparse
 from numba import njit
 
 from ...geometry import HalfEdges
-from .closest import EDGE_EDGE, NODE_FACE, span, weigh
+from .closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 
-_ROUNDS = 4
-"""Rounds in which the layout of a patch is drawn towards the shape of its flat triangles: what lies around a seam or a
-dart has no plane shape of its own, and comes to rest between them."""
+_LAYOUT_ITERATIONS = 4
+"""Number of iterations that move the layout of a patch towards the shape of its flat triangles. What lies around a seam
+or a dart has no plane shape of its own, and comes to rest between them."""
 
 
-class Lists(NamedTuple):
+class RaggedLists(NamedTuple):
     """Lists one behind the other: where each begins, shape [list_count + 1], and their entries."""
 
     starts: np.ndarray
     members: np.ndarray
 
     @classmethod
-    def of(cls, owners: np.ndarray, members: np.ndarray, count: int) -> Lists:
+    def of(cls, owners: np.ndarray, members: np.ndarray, count: int) -> RaggedLists:
         """List members by their owners, shape [member_count] both, in the order they come in."""
         order = np.argsort(owners, kind="stable")
         starts = np.concatenate([[0], np.cumsum(np.bincount(owners, minlength=count))])
@@ -47,43 +47,43 @@ class Patches(NamedTuple):
             [m, m, 1/m, 1/m], shape [laid_count, 4].
     """
 
-    corners: Lists
-    nodes: Lists
-    faces: Lists
-    edges: Lists
-    around: Lists
+    corners: RaggedLists
+    nodes: RaggedLists
+    faces: RaggedLists
+    edges: RaggedLists
+    around: RaggedLists
     joined: np.ndarray
     gaps: np.ndarray
-    laid: Lists
+    laid: RaggedLists
     layout: np.ndarray
 
 
-def part_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
+def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
     """Part a mesh into patches of about eight faces, by its flat triangles [m], shape [face_count, 3, 2]."""
     faces, count = half.faces, half.vertex_count
     all_faces = np.arange(len(faces))
-    around_node = Lists.of(faces.ravel(), np.repeat(all_faces, 3), count)
+    around_node = RaggedLists.of(faces.ravel(), np.repeat(all_faces, 3), count)
     owner, size = _group(faces, half.twin, around_node)
     by_corner = np.unique(np.repeat(owner, 3) * count + faces.ravel())
-    corners = Lists.of(by_corner // count, by_corner % count, size)
+    corners = RaggedLists.of(by_corner // count, by_corner % count, size)
     first_face = np.full(count, -1)
     first_face[faces.ravel()[::-1]] = np.repeat(owner, 3)[::-1]
     used = np.flatnonzero(first_face >= 0)
     of_edge = np.zeros(len(half.edges), np.int64)
     of_edge[half.edge[::-1]] = np.repeat(owner, 3)[::-1]
-    nodes, own = Lists.of(first_face[used], used, size), Lists.of(owner, all_faces, size)
-    edges = Lists.of(of_edge, np.arange(len(half.edges)), size)
+    nodes, own = RaggedLists.of(first_face[used], used, size), RaggedLists.of(owner, all_faces, size)
+    edges = RaggedLists.of(of_edge, np.arange(len(half.edges)), size)
     touch = sparse.csr_matrix((np.ones(len(by_corner)), (by_corner // count, by_corner % count)), shape=(size, count))
     shared = (touch @ touch.T).tocsr()
     shared.sort_indices()
-    around = Lists(shared.indptr.astype(np.int64), shared.indices.astype(np.int64))
+    around = RaggedLists(shared.indptr.astype(np.int64), shared.indices.astype(np.int64))
     first = np.repeat(np.arange(size), np.diff(around.starts))
     joined = np.column_stack([first, around.members])[first <= around.members]
     found = _lay_out(
         faces, half.twin, np.ascontiguousarray(rest), half.edges, (corners, nodes, own, edges, around), joined
     )
     gaps, starts, laid, layout = found
-    return Patches(corners, nodes, own, edges, around, joined, gaps, Lists(starts, laid), layout)
+    return Patches(corners, nodes, own, edges, around, joined, gaps, RaggedLists(starts, laid), layout)
 
 
 @njit(cache=True)
@@ -213,12 +213,12 @@ def _unfold(patch, faces, twin, rest, lists, found):  # type: ignore[no-untyped-
                 continue
             _set_apex(place[a], place[b], rest[g, j], rest[g, (j + 1) % 3], rest[g, (j + 2) % 3], place[apex])
             placed[apex] = True
-    for _ in range(_ROUNDS):
+    for _ in range(_LAYOUT_ITERATIONS):
         for n in range(tail):
             for k in range(3):
                 sums[faces[queue[n], k]] = 0.0
         for n in range(tail):
-            _draw(faces[queue[n]], rest[queue[n]], place, sums)
+            _add_rigid_fit(faces[queue[n]], rest[queue[n]], place, sums)
         for n in range(tail):
             for k in range(3):
                 v = faces[queue[n], k]
@@ -249,7 +249,7 @@ def _set_apex(a, b, flat_a, flat_b, flat_c, apex):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True)
-def _draw(face, flat, place, sums):  # type: ignore[no-untyped-def]
+def _add_rigid_fit(face, flat, place, sums):  # type: ignore[no-untyped-def]
     """Add where a flat triangle, turned and moved to lie as its corners do, would have them."""
     sign = -1.0 if _area(flat) < 0.0 else 1.0
     y, z, p, q = 0.0, 0.0, 0.0, 0.0
@@ -287,25 +287,25 @@ def _gap(c, d, place, faces, sides, lists):  # type: ignore[no-untyped-def]
                 pair[1:] = faces[own[1][n]]
                 if pair[0] == pair[1] or pair[0] == pair[2] or pair[0] == pair[3]:
                     continue
-                if _clear(place, pair, 1, least):
+                if _are_boxes_apart(place, pair, 1, least):
                     continue
-                weigh(place, pair, NODE_FACE, weights, rates)
-                least = min(least, span(place, pair, weights, vector))
+                closest_weights(place, pair, NODE_FACE, weights, rates)
+                least = min(least, pair_distance(place, pair, weights, vector))
     for m in range(edges[0][c], edges[0][c + 1]):
         pair[:2] = sides[edges[1][m]]
         for n in range(m + 1 if c == d else edges[0][d], edges[0][d + 1]):
             pair[2:] = sides[edges[1][n]]
             if pair[0] == pair[2] or pair[0] == pair[3] or pair[1] == pair[2] or pair[1] == pair[3]:
                 continue
-            if _clear(place, pair, 2, least):
+            if _are_boxes_apart(place, pair, 2, least):
                 continue
-            weigh(place, pair, EDGE_EDGE, weights, rates)
-            least = min(least, span(place, pair, weights, vector))
+            closest_weights(place, pair, EDGE_EDGE, weights, rates)
+            least = min(least, pair_distance(place, pair, weights, vector))
     return least
 
 
 @njit(cache=True)
-def _clear(place, pair, split, least):  # type: ignore[no-untyped-def]
+def _are_boxes_apart(place, pair, split, least):  # type: ignore[no-untyped-def]
     """Return whether the boxes of a pair's two parts are at least so far apart [m] along an axis of the plane."""
     for d in range(2):
         low, high, lower, higher = np.inf, -np.inf, np.inf, -np.inf

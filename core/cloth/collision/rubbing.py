@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from ..block_pattern import ABSENT, add_block
+from ..block_pattern import ABSENT_BLOCK_SLOT, add_block
 from ..friction import mobilise
-from .barrier import bar, measure_pairs
-from .near import Near
+from .barrier import barrier_function, measure_pairs
+from .near import NearPairs
 from .self_contact import SelfContact
 
 
 @dataclass(frozen=True)
-class Rubbing:
+class ClothFriction:
     """What friction of cloth on cloth takes as given while positions are solved for.
 
     Attributes:
@@ -47,7 +47,9 @@ class Rubbing:
         return np.asarray(drawn * np.minimum(1.0, self.slip / np.maximum(length, 1e-300)))
 
 
-def lag_rubbing(cloth: SelfContact, near: Near, nodes: np.ndarray, before: Rubbing | None) -> Rubbing | None:
+def lag_cloth_friction(
+    cloth: SelfContact, near: NearPairs, nodes: np.ndarray, before: ClothFriction | None
+) -> ClothFriction | None:
     """Compute the friction that follows from the near pairs in touch at nodes [m], shape [node_count, 3], or None.
 
     A pair that was in touch before stays drawn as it was, as far as friction holds it; any other sticks where it is.
@@ -58,17 +60,17 @@ def lag_rubbing(cloth: SelfContact, near: Near, nodes: np.ndarray, before: Rubbi
     distances, weights = measure_pairs(nodes, pairs)
     vectors = np.einsum("nk,nkd->nd", weights, nodes[pairs.nodes])
     normals = vectors / distances[:, None]
-    slopes = np.array([bar(ratio)[1] for ratio in distances / pairs.sizes[:, 1]])
+    slopes = np.array([barrier_function(ratio)[1] for ratio in distances / pairs.sizes[:, 1]])
     limits = -cloth.settings.friction * cloth.settings.stiffness * pairs.sizes[:, 0] * slopes
     keys = np.column_stack([pairs.kinds, pairs.nodes])
     drawn = np.zeros_like(vectors)
     if before is not None:
         drawn = _inherit(keys, before, before.strain(nodes))
         drawn -= (drawn * normals).sum(1, keepdims=True) * normals
-    return Rubbing(keys, weights, normals, limits, vectors - drawn, cloth.settings.slip)
+    return ClothFriction(keys, weights, normals, limits, vectors - drawn, cloth.settings.slip)
 
 
-def _inherit(keys: np.ndarray, before: Rubbing, strain: np.ndarray) -> np.ndarray:
+def _inherit(keys: np.ndarray, before: ClothFriction, strain: np.ndarray) -> np.ndarray:
     """Return the strain [m] of the same pairs before, shape [pair_count, 3]; zero for those that are new."""
     _, where, inverse = np.unique(np.concatenate([before.keys, keys]), axis=0, return_index=True, return_inverse=True)
     first = where[inverse.ravel()[len(before.keys) :]]
@@ -79,11 +81,11 @@ def _inherit(keys: np.ndarray, before: Rubbing, strain: np.ndarray) -> np.ndarra
 
 
 @njit(cache=True)
-def rub(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
+def cloth_friction(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
     """Add the friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E = L f(|u|),  u = (I - n n^T)(sum_k w_k x_k - a), f as in `friction`: the force on node k is w_k L f'(|u|) u / |u|,
-    so that both sides get the opposite of each other. `places` as in `barrier`; `given` a `Rubbing`'s `elements`.
+    so that both sides get the opposite of each other. `places` as in `barrier`; `given` a `ClothFriction`'s `elements`.
     """
     keys, weights, normals, limits, anchors, slip = given
     slots, diagonal = places
@@ -120,7 +122,7 @@ def rub(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
                 if y > 0.0:
                     value += (second - over) * (u[d] / y) * (u[e] / y)
                 turn[d, e] = limit * value
-        if slots[n, 0] == ABSENT:
+        if slots[n, 0] == ABSENT_BLOCK_SLOT:
             total = np.abs(weights[n]).sum()
             for k in range(4):
                 blocks[diagonal[pair[k]]] += abs(weights[n, k]) * total * turn

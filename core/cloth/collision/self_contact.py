@@ -10,18 +10,19 @@ import numpy as np
 from ...geometry import HalfEdges
 from ..settings import SelfContactSettings
 from ..topology import Topology
-from .patches import Patches, part_cloth
+from .patches import Patches, partition_cloth
 
-SHARE = 0.125
-"""Weight of a pair in mean areas of its nodes. Of two sheets that lie on each other each node has one face of the other
-sheet, and a sheet of equal triangles has 3 edges a node, which cross some 7 of the other's: 2 + 7 pairs for the area of
-a node, so that the pressure is about that of the law."""
+PAIR_AREA_SHARE = 0.125
+"""Weight of a pair as a share of the mean area of its nodes. Of two sheets that lie on each other each node has one
+face of the other sheet, and a sheet of equal triangles has 3 edges a node, which cross some 7 of the other's: 2 + 7
+pairs for the area of a node, so that the pressure is about that of the law."""
 
-NARROW = 0.5
-"""Share of the least height of the triangles around a node that it reaches at most: what is flat is not in contact."""
+MAX_REACH_HEIGHT_SHARE = 0.5
+"""Largest reach of a node as a share of the least height of the triangles around it: what is flat is not in contact."""
 
-CLOSE = 0.1
-"""Share of the mean edge that the margin of found pairs takes: more pairs in it, the fewer searches."""
+PAIR_MARGIN_SHARE = 0.1
+"""Share of the mean edge that is the margin of found pairs. A larger margin holds more pairs and needs fewer
+searches."""
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,13 @@ class SelfContact:
         sides = np.linalg.norm(rest.corners - np.roll(rest.corners, -1, axis=1), axis=2)
         heights = 2.0 * rest.areas / sides.max(axis=1)
         reach = np.full(count, float(settings.thickness))
-        np.minimum.at(reach, faces, np.repeat(NARROW * heights[:, None], 3, axis=1))
+        np.minimum.at(reach, faces, np.repeat(MAX_REACH_HEIGHT_SHARE * heights[:, None], 3, axis=1))
         lengths = np.bincount(half.edge, weights=sides.ravel()) / half.face_counts
         degree = np.bincount(half.edges.ravel(), minlength=count)
         around = np.bincount(half.edges.ravel(), np.repeat(lengths, 2), minlength=count) / np.maximum(degree, 1)
-        margin = min(CLOSE * float(lengths.mean()), 2.0 * settings.thickness)
+        margin = min(PAIR_MARGIN_SHARE * float(lengths.mean()), 2.0 * settings.thickness)
         edges = np.ascontiguousarray(half.edges, dtype=np.int64)
-        off, patches = np.zeros(len(faces), dtype=bool), part_cloth(half, rest.corners)
+        off, patches = np.zeros(len(faces), dtype=bool), partition_cloth(half, rest.corners)
         return cls(settings, faces, edges, rest.node_areas, around, reach, margin, patches, off)
 
     def wait(self, crossed: np.ndarray) -> SelfContact:

@@ -12,12 +12,12 @@ from ...geometry import contract_contours, intersecting_pairs
 if TYPE_CHECKING:
     from ..scene import Scene
 
-TENSION = 0.1
+CONTOUR_CONTRACTION_FORCE = 0.1
 """Force with which a contour of intersection contracts [N]: some 200 weights of a node of 4000, which a fold gives way
 to and the membrane (300 N/m) does not."""
 
 
-def pull_apart(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarray | None]:
+def contract_crossings(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarray | None]:
     """Let contact wait where faces cross at nodes [m], and contract the contours along which they do.
 
     Returns:
@@ -32,7 +32,7 @@ def pull_apart(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarray | Non
     scene = scene if waiting is cloth else replace(scene, self_contact=waiting)
     if not len(pairs):
         return scene, None
-    return scene, TENSION * contract_contours(nodes, cloth.faces, pairs)
+    return scene, CONTOUR_CONTRACTION_FORCE * contract_contours(nodes, cloth.faces, pairs)
 
 
 def is_resolving(counts: list[int], patience: int) -> bool:

@@ -7,14 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...reuse.animate import Animation, Moved
+from ...reuse.animate import AnimatedGarment, Animation
 from .animation_report import report_animation
 from .meshes import write_meshes, write_ply
-from .morph_glb import MOST_BYTES, morph_bytes, write_morphs
+from .morph_glb import MAX_ANIMATION_FILE_BYTES, morph_bytes, write_morphs
 from .motion_pictures import write_preview, write_sheet
 from .point_caches import write_mdd, write_pc2
 from .result import write_json
-from .usd_mesh import MISSING, can_write_usd, write_usd
+from .usd_mesh import USD_MISSING_WARNING, can_write_usd, write_usd
 
 
 def write_animation(animation: Animation, folder: Path) -> list[Path]:
@@ -26,15 +26,15 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
 
     Returns:
         The files: garment.obj and garment.ply (the first frame, whose vertex order the caches have), garment.pc2,
-        garment.mdd, garment.glb (left out where it would be larger than `MOST_BYTES`), garment.usdc (left out without
-        the extra `usd`), sheet.png, preview.gif, frames.json.
+        garment.mdd, garment.glb (left out where it would be larger than `MAX_ANIMATION_FILE_BYTES`), garment.usdc (left
+        out without the extra `usd`), sheet.png, preview.gif, frames.json.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment, frames = animation.worn.garment, animation.frames
     files = write_meshes(garment, frames[0], folder, "garment", ("obj", "ply"))
     files.append(write_pc2(frames, folder / "garment.pc2"))
     files.append(write_mdd(frames, animation.fps, folder / "garment.mdd"))
-    if morph_bytes(garment, frames) <= MOST_BYTES:
+    if morph_bytes(garment, frames) <= MAX_ANIMATION_FILE_BYTES:
         files.append(write_morphs(garment, frames, animation.fps, folder / "garment.glb"))
     if can_write_usd():
         files.append(write_usd(garment, frames, folder / "garment.usdc", animation.fps))
@@ -45,15 +45,19 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
     return [*files, verdicts]
 
 
-def tell_left_out(moved: Moved) -> Moved:
-    """Return an animation with a warning for each file that `write_moved` leaves out of its folder."""
+def add_omission_warnings(moved: AnimatedGarment) -> AnimatedGarment:
+    """Return an animation with a warning for each file that `write_animation_result` leaves out of its folder."""
     animation, told = moved.animation, []
     if not can_write_usd():
-        told.append(MISSING)
-    if morph_bytes(animation.worn.garment, animation.frames) > MOST_BYTES:
-        told.append(f"no GLB: it would be larger than {MOST_BYTES // 10**6} MB; the point caches hold all frames.")
-    if _body_bytes(animation) > MOST_BYTES:
-        told.append(f"no body.pc2: it would be larger than {MOST_BYTES // 10**6} MB; take a part of the motion.")
+        told.append(USD_MISSING_WARNING)
+    if morph_bytes(animation.worn.garment, animation.frames) > MAX_ANIMATION_FILE_BYTES:
+        told.append(
+            f"no GLB: it would be larger than {MAX_ANIMATION_FILE_BYTES // 10**6} MB; the point caches hold all frames."
+        )
+    if _body_bytes(animation) > MAX_ANIMATION_FILE_BYTES:
+        told.append(
+            f"no body.pc2: it would be larger than {MAX_ANIMATION_FILE_BYTES // 10**6} MB; take a part of the motion."
+        )
     report = replace(moved.report, warnings=(*moved.report.warnings, *told))
     return replace(moved, report=report)
 
@@ -63,17 +67,18 @@ def _body_bytes(animation: Animation) -> int:
     return 4 * animation.worn.body.vertices.size * len(animation.frames)
 
 
-def write_moved(moved: Moved, folder: Path) -> list[Path]:
+def write_animation_result(moved: AnimatedGarment, folder: Path) -> list[Path]:
     """Write an animation with its numbers and report.
 
     Returns:
         The files: those of `write_animation`, body.ply (the wearer where the motion started from), body.pc2 (the
-        wearer's mesh in each frame; left out beyond `MOST_BYTES`), metrics.json, manifest.json, report.html.
+        wearer's mesh in each frame; left out beyond `MAX_ANIMATION_FILE_BYTES`), metrics.json, manifest.json,
+        report.html.
     """
     files, animation = write_animation(moved.animation, folder), moved.animation
     body = animation.worn.body
     files.append(write_ply(body.vertices, body.faces, folder / "body.ply"))
-    if _body_bytes(animation) <= MOST_BYTES:
+    if _body_bytes(animation) <= MAX_ANIMATION_FILE_BYTES:
         files.append(write_pc2(animation.bodies(), folder / "body.pc2"))
     files.append(write_json(moved.report.metrics, folder / "metrics.json"))
     files.append(write_json(moved.report.manifest, folder / "manifest.json"))

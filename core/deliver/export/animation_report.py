@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import base64
 
-from ...reuse.animate import Moved
+from ...reuse.animate import AnimatedGarment
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
-from .report import number
+from .report import format_number
 
-WORST = 8
-"""Frames that are listed as the worst."""
+WORST_FRAME_COUNT = 8
+"""Number of frames that the report lists as the worst."""
 
 
-def report_animation(moved: Moved, preview: bytes, sheet: bytes) -> str:
+def report_animation(moved: AnimatedGarment, preview: bytes, sheet: bytes) -> str:
     """Return the whole report as the text of one HTML file; every name that comes from a file is escaped.
 
     Args:
@@ -35,7 +35,7 @@ def report_animation(moved: Moved, preview: bytes, sheet: bytes) -> str:
     )
 
 
-def _header(moved: Moved) -> str:
+def _header(moved: AnimatedGarment) -> str:
     worn, animation = moved.animation.worn, moved.animation
     facts = {
         "Motion": moved.motion,
@@ -57,16 +57,16 @@ def _pictures(preview: bytes, sheet: bytes) -> str:
     )
 
 
-def _worst(moved: Moved) -> str:
+def _worst(moved: AnimatedGarment) -> str:
     """List the frames that are worst: not converged, then crossed, then deep."""
     verdicts = moved.animation.verdicts
     ranks = [(verdict.converged, -verdict.crossings, -max(verdict.depth, verdict.pinched)) for verdict in verdicts]
     order = sorted(range(len(ranks)), key=ranks.__getitem__)
     rows = "".join(
         f"<tr><td class=num>{n + 1}</td><td>{'yes' if verdicts[n].converged else 'no'}</td>"
-        f"<td class=num>{verdicts[n].crossings}</td><td class=num>{number(1e3 * verdicts[n].depth)}</td>"
-        f"<td class=num>{number(1e3 * verdicts[n].pinched)}</td></tr>"
-        for n in order[:WORST]
+        f"<td class=num>{verdicts[n].crossings}</td><td class=num>{format_number(1e3 * verdicts[n].depth)}</td>"
+        f"<td class=num>{format_number(1e3 * verdicts[n].pinched)}</td></tr>"
+        for n in order[:WORST_FRAME_COUNT]
     )
     titles = ("Frame", "Converged", "Faces crossed", "Depth, mm", "Between parts of the body, mm")
     head = f"<tr>{''.join(f'<th>{title}</th>' for title in titles)}</tr>"

@@ -10,7 +10,7 @@ import numpy as np
 from ...body import Body
 from ...garment import place_points
 from ...geometry import face_areas
-from .sewn_mesh import SewnMesh, plain_names
+from .sewn_mesh import SewnMesh, sanitise_names
 
 
 def write_blender(mesh: SewnMesh, body: Body, folder: Path, stem: str) -> list[Path]:
@@ -36,7 +36,7 @@ def write_blender(mesh: SewnMesh, body: Body, folder: Path, stem: str) -> list[P
     area = float(face_areas(np.pad(garment.uv, ((0, 0), (0, 1))), garment.uv_faces).sum())
     mass = mesh.fabric.density * area / len(garment.uv)
     program = files(__package__).joinpath("programs/blender.py").read_text(encoding="utf-8")
-    program = program.replace('STEM = ""', f"STEM = {stem!r}").replace("MASS = 0.0", f"MASS = {mass:.9g}")
+    program = program.replace('STEM = ""', f"STEM = {stem!r}").replace("VERTEX_MASS = 0.0", f"VERTEX_MASS = {mass:.9g}")
     files_made[3].write_text(program, encoding="utf-8")
     return files_made
 
@@ -58,7 +58,7 @@ def _obj_text(mesh: SewnMesh, places: np.ndarray, threads: np.ndarray) -> str:
     lines = ["# metres, y up; 1 unit of uv is 1 m of cloth; l: sewing threads", "o garment"]
     lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in places.tolist()]
     lines += [f"vt {u:.7f} {v:.7f}" for u, v in mesh.metre_uv.tolist()]
-    for index, name in enumerate(plain_names([panel.name for panel in garment.pattern.panels])):
+    for index, name in enumerate(sanitise_names([panel.name for panel in garment.pattern.panels])):
         lines.append(f"g {name}")
         own = garment.uv_faces[garment.panel_of_face == index] + 1
         lines += ["f " + " ".join(f"{v}/{v}" for v in face) for face in own.tolist()]

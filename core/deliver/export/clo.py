@@ -16,37 +16,40 @@ import numpy as np
 from ...cloth import Fabric
 from ...garment import Edge, EdgeRef, Panel, Pattern, edge_length, edge_points, equalise_seams, panel_outline
 from ...garment.curves import chord, is_flat_arc, place_on_chord, unit_circle
-from ...garment.pieces import lay_out
+from ...garment.pieces import pack_on_shelves
 from ...run.errors import BadInput
-from .sewn_mesh import plain_names
+from ...run.units import MM_PER_M
+from .sewn_mesh import sanitise_names
 
-MM = 1e3
-DECIMALS = 5
-"""Decimals of a position [mm]: seams' lengths are then right to far less than 0.05 mm."""
+POSITION_DECIMAL_COUNT = 5
+"""Number of decimals of a position in millimetres. The lengths of seams are then right to far less than 0.05 mm."""
 
-SHORTEST = 3e-3
-"""Shortest seam that is written [m]: slivers made Marvelous Designer drop all seams of a file."""
+MIN_CLO_SEAM_LENGTH = 3e-3
+"""Shortest seam that is written [m]. Slivers made Marvelous Designer drop all seams of a file."""
 
-SLIVER = 5e-4
-"""Shortest edge of a piece that is written, sewn or not [m]: ten times the one that did so."""
+MIN_CLO_EDGE_LENGTH = 5e-4
+"""Shortest edge of a piece that is written, sewn or not [m]. It is ten times the length of the edge that made Marvelous
+Designer drop all seams of a file."""
 
-APART = 5e-5
-"""Largest difference of both sides of a seam that is not gathered [m]."""
+MAX_CLO_SEAM_MISMATCH = 5e-5
+"""Largest difference in length of the two sides of a seam that is not gathered [m]."""
 
-GAP = 0.1
+PATTERN_WINDOW_GAP = 0.1
 """Space between pieces in the pattern window [m]."""
 
-WIDTH = 2.0
+PATTERN_WINDOW_WIDTH = 2.0
 """Width of the pattern window's layout [m]."""
 
-TURN = np.pi / 4.0
-"""Largest turn of an arc that is one cubic: it strays by 4e-7 of its radius."""
+MAX_BEZIER_ARC_ANGLE = np.pi / 4.0
+"""Largest angle of an arc that is drawn as one cubic Bezier curve [rad]. The cubic deviates from the arc by 4e-7 of its
+radius."""
 
-SPLINE = (4, 24)
-"""Points of a curve between its ends for the second way, least and most: 4 is the least that keeps a curve's form."""
+SPLINE_POINT_COUNT_RANGE = (4, 24)
+"""Least and greatest number of points of a curve between its ends, where the program draws the pieces point by point. 4
+is the least number that keeps a curve's form."""
 
-SPLINE_STEP = 0.01
-"""Distance of such points [m]."""
+SPLINE_POINT_SPACING = 0.01
+"""Distance between such points along the curve [m]."""
 
 
 class SeamUnsewable(BadInput):
@@ -56,7 +59,7 @@ class SeamUnsewable(BadInput):
 
 
 @dataclass(frozen=True)
-class _Placed:
+class _PlacedPiece:
     """A piece in the pattern window: its panel, plain name, and where the panel's origin lies [m], shape [2]."""
 
     panel: Panel
@@ -71,8 +74,8 @@ def write_clo(pattern: Pattern, fabric: Fabric, folder: Path, stem: str) -> list
     by `equalise_seams`.
 
     Raises:
-        SeamUnsewable: where a seam is shorter than `SHORTEST` or an edge than `SLIVER`, a seam's sides differ by more
-            than `APART`, or it joins an edge to itself.
+        SeamUnsewable: where a seam is shorter than `MIN_CLO_SEAM_LENGTH` or an edge than `MIN_CLO_EDGE_LENGTH`, a
+            seam's sides differ by more than `MAX_CLO_SEAM_MISMATCH`, or it joins an edge to itself.
     """
     sewn = equalise_seams(pattern)
     _check_seams(sewn)
@@ -91,41 +94,43 @@ def write_clo(pattern: Pattern, fabric: Fabric, folder: Path, stem: str) -> list
 def _check_seams(pattern: Pattern) -> None:
     for panel in pattern.panels:
         short = min(range(len(panel.edges)), key=lambda edge: edge_length(panel, edge))
-        if edge_length(panel, short) < SLIVER:
+        if edge_length(panel, short) < MIN_CLO_EDGE_LENGTH:
             raise SeamUnsewable(
-                f"edge {short} of '{panel.name}' is {MM * edge_length(panel, short):.3f} mm long; the program takes "
-                f"none below {MM * SLIVER:g} mm: merge it with its neighbour."
+                f"edge {short} of '{panel.name}' is {MM_PER_M * edge_length(panel, short):.3f} mm long; "
+                f"the program takes none below {MM_PER_M * MIN_CLO_EDGE_LENGTH:g} mm: merge it with its neighbour."
             )
     for seam in pattern.seams:
         sides = [f"edge {ref.edge} of '{ref.panel}'" for ref in (seam.a, seam.b)]
         if seam.a == seam.b:
             raise SeamUnsewable(f"{sides[0]} is sewn to itself; sew it to another edge.")
         lengths = [edge_length(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b)]
-        if min(lengths) < SHORTEST:
+        if min(lengths) < MIN_CLO_SEAM_LENGTH:
             raise SeamUnsewable(
-                f"the seam of {' and '.join(sides)} is {MM * min(lengths):.2f} mm long; the program takes none below "
-                f"{MM * SHORTEST:.0f} mm: merge it with its neighbour."
+                f"the seam of {' and '.join(sides)} is {MM_PER_M * min(lengths):.2f} mm long; "
+                f"the program takes none below {MM_PER_M * MIN_CLO_SEAM_LENGTH:.0f} mm: merge it with its neighbour."
             )
-        if not seam.gathered and abs(lengths[0] - lengths[1]) > APART:
+        if not seam.gathered and abs(lengths[0] - lengths[1]) > MAX_CLO_SEAM_MISMATCH:
             raise SeamUnsewable(
-                f"the sides of the seam of {' and '.join(sides)} differ by {MM * abs(lengths[0] - lengths[1]):.2f} mm; "
-                "make them equal, or mark the seam as gathered."
+                f"the sides of the seam of {' and '.join(sides)} differ by "
+                f"{MM_PER_M * abs(lengths[0] - lengths[1]):.2f} mm; make them equal, or mark the seam as gathered."
             )
 
 
-def _place(pattern: Pattern) -> list[_Placed]:
+def _place(pattern: Pattern) -> list[_PlacedPiece]:
     """Lay the panels side by side in the pattern window."""
     outlines = [panel_outline(panel) for panel in pattern.panels]
     low = np.array([outline.min(axis=0) for outline in outlines])
-    corners = lay_out(np.array([np.ptp(outline, axis=0) for outline in outlines]), GAP, WIDTH)
-    names = plain_names([panel.name for panel in pattern.panels])
+    corners = pack_on_shelves(
+        np.array([np.ptp(outline, axis=0) for outline in outlines]), PATTERN_WINDOW_GAP, PATTERN_WINDOW_WIDTH
+    )
+    names = sanitise_names([panel.name for panel in pattern.panels])
     return [
-        _Placed(panel, name, corner - start)
+        _PlacedPiece(panel, name, corner - start)
         for panel, name, corner, start in zip(pattern.panels, names, corners, low, strict=True)
     ]
 
 
-def clo_document(pattern: Pattern, fabric: Fabric, placed: list[_Placed]) -> dict[str, Any]:
+def clo_document(pattern: Pattern, fabric: Fabric, placed: list[_PlacedPiece]) -> dict[str, Any]:
     """Return the pattern document as JSON values."""
     cloth = "gq_fabric_0"
     pieces: list[dict[str, Any]] = []
@@ -138,7 +143,7 @@ def clo_document(pattern: Pattern, fabric: Fabric, placed: list[_Placed]) -> dic
         "Unit": "mm",
         "FabricList": [
             {
-                "FabricName": plain_names([fabric.name])[0], "FabricUUID": cloth, "FabricType": "None",
+                "FabricName": sanitise_names([fabric.name])[0], "FabricUUID": cloth, "FabricType": "None",
                 "FabricContent": "None", "strBaseColorHexCode": "#FFFFFF",
             }
         ],
@@ -159,7 +164,7 @@ def clo_document(pattern: Pattern, fabric: Fabric, placed: list[_Placed]) -> dic
     }  # fmt: skip
 
 
-def _describe_piece(piece: _Placed, key: str, lines: list[dict[str, Any]], cloth: str) -> dict[str, Any]:
+def _describe_piece(piece: _PlacedPiece, key: str, lines: list[dict[str, Any]], cloth: str) -> dict[str, Any]:
     return {
         "Name": piece.name,
         "ID": key,
@@ -180,7 +185,7 @@ def _describe_piece(piece: _Placed, key: str, lines: list[dict[str, Any]], cloth
     }
 
 
-def _draw_lines(piece: _Placed, number: int) -> tuple[list[dict[str, Any]], dict[EdgeRef, dict[str, Any]]]:
+def _draw_lines(piece: _PlacedPiece, number: int) -> tuple[list[dict[str, Any]], dict[EdgeRef, dict[str, Any]]]:
     """Return a piece's lines, and of each edge the span of the outline's length that it is."""
     panel = piece.panel
     lines: list[np.ndarray] = []
@@ -190,7 +195,7 @@ def _draw_lines(piece: _Placed, number: int) -> tuple[list[dict[str, Any]], dict
     for edge in range(len(panel.edges)):
         first = len(lines)
         for controls in edge_cubics(panel, edge):
-            lines.append(MM * (controls + piece.origin))
+            lines.append(MM_PER_M * (controls + piece.origin))
         length = edge_length(panel, edge)
         end = 1.0 if edge == len(panel.edges) - 1 else (done + length) / whole
         spans[EdgeRef(panel.name, edge)] = {
@@ -211,7 +216,10 @@ def _draw_lines(piece: _Placed, number: int) -> tuple[list[dict[str, Any]], dict
                     {
                         "ID": key,
                         "PointType": kind,
-                        "Position": {"x": round(float(x), DECIMALS), "y": round(float(y), DECIMALS)},
+                        "Position": {
+                            "x": round(float(x), POSITION_DECIMAL_COUNT),
+                            "y": round(float(y), POSITION_DECIMAL_COUNT),
+                        },
                         "GradingRuleID": 0,
                     }
                     for key, kind, (x, y) in zip(keys, kinds, controls, strict=True)
@@ -235,8 +243,8 @@ def _span(span: dict[str, Any], is_backward: bool) -> dict[str, Any]:
 def edge_cubics(panel: Panel, edge: int) -> list[np.ndarray]:
     """Return an edge as lines, shape [2, 2], or cubics by their four control points, shape [4, 2] [m], end to end.
 
-    A quadratic is raised to a cubic exactly; an arc is cut into turns of at most `TURN`, each a cubic with handles
-    4/3 tan(turn / 4) of the radius long.
+    A quadratic is raised to a cubic exactly; an arc is cut into turns of at most `MAX_BEZIER_ARC_ANGLE`, each a cubic
+    with handles 4/3 tan(turn / 4) of the radius long.
     """
     kind, start_end = panel.edges[edge], chord(panel, edge)
     if kind.kind == "line" or is_flat_arc(kind):
@@ -252,7 +260,7 @@ def edge_cubics(panel: Panel, edge: int) -> list[np.ndarray]:
 
 def _arc_cubics(edge: Edge) -> list[np.ndarray]:
     centre, radius, first, sweep = unit_circle(edge)
-    count = max(1, int(np.ceil(abs(sweep) / TURN - 1e-9)))
+    count = max(1, int(np.ceil(abs(sweep) / MAX_BEZIER_ARC_ANGLE - 1e-9)))
     angles = first + sweep * np.arange(count + 1) / count
     handle = 4.0 / 3.0 * np.tan(sweep / count / 4.0)
     points = centre + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -263,7 +271,7 @@ def _arc_cubics(edge: Edge) -> list[np.ndarray]:
     ]
 
 
-def _point_lists(pattern: Pattern, placed: list[_Placed]) -> dict[str, Any]:
+def _point_lists(pattern: Pattern, placed: list[_PlacedPiece]) -> dict[str, Any]:
     """Return pieces as corners (0) and points of splines (2) [mm], and seams by piece and line."""
     pieces, names = [], {piece.panel.name: piece.name for piece in placed}
     for piece in placed:
@@ -271,9 +279,11 @@ def _point_lists(pattern: Pattern, placed: list[_Placed]) -> dict[str, Any]:
         for edge in range(len(piece.panel.edges)):
             kind = piece.panel.edges[edge]
             is_straight = kind.kind == "line" or is_flat_arc(kind)
-            wanted = int(np.ceil(edge_length(piece.panel, edge) / SPLINE_STEP))
-            inner = 0 if is_straight else int(np.clip(wanted, *SPLINE))
-            along = np.round(MM * (edge_points(piece.panel, edge, inner + 1)[:-1] + piece.origin), DECIMALS)
+            wanted = int(np.ceil(edge_length(piece.panel, edge) / SPLINE_POINT_SPACING))
+            inner = 0 if is_straight else int(np.clip(wanted, *SPLINE_POINT_COUNT_RANGE))
+            along = np.round(
+                MM_PER_M * (edge_points(piece.panel, edge, inner + 1)[:-1] + piece.origin), POSITION_DECIMAL_COUNT
+            )
             points += [[x, y, 2 if n else 0] for n, (x, y) in enumerate(along.tolist())]
         pieces.append({"name": piece.name, "points": points})
 

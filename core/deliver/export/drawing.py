@@ -7,28 +7,29 @@ from html import escape
 import numpy as np
 
 from ...garment import EdgeRef, Pattern, edge_points
-from ...garment.pieces import lay_out
+from ...garment.pieces import pack_on_shelves
 from ...geometry import polyline_length, resample_polyline
 
-SCALE = 10
-"""The report's drawing is 1:10: a dress's pieces then fit the width of a page."""
+DRAWING_SCALE_DENOMINATOR = 10
+"""Denominator of the scale of the report's drawing. At 1:10 a dress's pieces fit the width of a page."""
 
-SHEET = 1.75
+REPORT_SHEET_WIDTH = 1.75
 """Width of the sheet [m]: 175 mm on paper at 1:10, the width inside an A4 page's margins."""
 
-GAP = 0.06
+REPORT_PIECE_GAP = 0.06
 """Space between pieces [m], for their labels."""
 
 PALETTE = ("#2f6f9f", "#c2571a", "#3d8b4f", "#8f4b9b", "#b8860b", "#c0395b", "#2a8c8c", "#6b5b3e", "#5566cc", "#7a9a01")
 """Colours of the seams, told apart by lightness as well as by hue; the number beside each says the same."""
 
-CURVE_SEGMENTS = 24
+REPORT_CURVE_SEGMENT_COUNT = 24
+"""Number of straight segments that draw a curved edge in the report."""
 
-LONG_ENOUGH = 0.06
-"""Edges shorter than this [m] carry no length: the number would be longer than they are."""
+MIN_LABELLED_EDGE_LENGTH = 0.06
+"""Shortest edge that is labelled with its length [m]. On a shorter edge the number would be longer than the edge."""
 
-ROOMY = 0.10
-"""Panels narrower than this [m] carry their name alone."""
+MIN_LABELLED_PANEL_WIDTH = 0.10
+"""Smallest width of a panel that is labelled with its size [m]. A narrower panel is labelled with its name alone."""
 
 
 def pattern_drawing(pattern: Pattern) -> str:
@@ -36,10 +37,10 @@ def pattern_drawing(pattern: Pattern) -> str:
     outlines = [[edge_points(p, i, _segments(e.kind)) for i, e in enumerate(p.edges)] for p in pattern.panels]
     low = np.array([np.concatenate(lines).min(axis=0) for lines in outlines])
     sizes = np.array([np.concatenate(lines).max(axis=0) for lines in outlines]) - low
-    corners = lay_out(sizes, GAP, SHEET) + GAP / 2
-    width = max(SHEET, float((corners[:, 0] + sizes[:, 0]).max()) + GAP / 2)
-    corners[:, 1] += GAP  # room for the scale bar below the lowest shelf
-    height = float((corners[:, 1] + sizes[:, 1]).max()) + GAP
+    corners = pack_on_shelves(sizes, REPORT_PIECE_GAP, REPORT_SHEET_WIDTH) + REPORT_PIECE_GAP / 2
+    width = max(REPORT_SHEET_WIDTH, float((corners[:, 0] + sizes[:, 0]).max()) + REPORT_PIECE_GAP / 2)
+    corners[:, 1] += REPORT_PIECE_GAP  # room for the scale bar below the lowest shelf
+    height = float((corners[:, 1] + sizes[:, 1]).max()) + REPORT_PIECE_GAP
     sides = {side: n for n, seam in enumerate(pattern.seams) for side in (seam.a, seam.b)}
     parts = []
     for panel, lines, origin, place, size in zip(pattern.panels, outlines, low, corners, sizes, strict=True):
@@ -47,16 +48,19 @@ def pattern_drawing(pattern: Pattern) -> str:
         parts.append(f'<path class="cloth" d="{_path(np.concatenate([line[:-1] for line in drawn]))} Z"/>')
         for index, line in enumerate(drawn):
             parts.append(_edge(line, sides.get(EdgeRef(panel.name, index))))
-        middle = _to_page(_middle(np.concatenate([line[:-1] for line in lines])) - origin + place, height)
+        middle = _to_page(_polygon_centroid(np.concatenate([line[:-1] for line in lines])) - origin + place, height)
         parts.append(_name(panel.name, middle, size))
     parts.append(_scale_bar(height * 1e3))
-    sheet = f'width="{width * 1e3 / SCALE:.1f}mm" height="{height * 1e3 / SCALE:.1f}mm"'
+    sheet = (
+        f'width="{width * 1e3 / DRAWING_SCALE_DENOMINATOR:.1f}mm" '
+        f'height="{height * 1e3 / DRAWING_SCALE_DENOMINATOR:.1f}mm"'
+    )
     box = f'viewBox="0 0 {width * 1e3:.0f} {height * 1e3:.0f}"'
     return f'<svg xmlns="http://www.w3.org/2000/svg" class="pattern" {sheet} {box}>{"".join(parts)}</svg>'
 
 
 def _segments(kind: str) -> int:
-    return 1 if kind == "line" else CURVE_SEGMENTS
+    return 1 if kind == "line" else REPORT_CURVE_SEGMENT_COUNT
 
 
 def _to_page(points: np.ndarray, height: float) -> np.ndarray:
@@ -68,7 +72,7 @@ def _path(points: np.ndarray) -> str:
     return "M " + " L ".join(f"{x:.1f} {y:.1f}" for x, y in points)
 
 
-def _middle(outline: np.ndarray) -> np.ndarray:
+def _polygon_centroid(outline: np.ndarray) -> np.ndarray:
     """Return the centre of area of a polygon, shape [2]."""
     following = np.roll(outline, -1, axis=0)
     cross = outline[:, 0] * following[:, 1] - following[:, 0] * outline[:, 1]
@@ -94,7 +98,7 @@ def _edge(line: np.ndarray, seam: int | None) -> str:
 def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
     """Write a panel's name, and its width and height [cm] below where there is room."""
     x, y = middle
-    if size.min() < ROOMY:
+    if size.min() < MIN_LABELLED_PANEL_WIDTH:
         return f'<text class="name small" x="{x:.1f}" y="{y:.1f}">{escape(name)}</text>'
     text = f'<text class="name" x="{x:.1f}" y="{y:.1f}">{escape(name)}</text>'
     width, height = 100.0 * size
@@ -104,7 +108,7 @@ def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
 def _length(line: np.ndarray, colour: str) -> str:
     """Write an edge's length [cm] outside it, along it; short edges carry none."""
     length = polyline_length(line)
-    if length < 1e3 * LONG_ENOUGH:
+    if length < 1e3 * MIN_LABELLED_EDGE_LENGTH:
         return ""
     at, ahead = resample_polyline(line, 21)[[5, 6]]  # a quarter along, where no seam's number is
     along = (ahead - at) / max(float(np.linalg.norm(ahead - at)), 1e-9)

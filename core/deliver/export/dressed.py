@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...garment import write_pattern
-from ...reuse.wear import Dressed, save_worn
+from ...reuse.wear import DressedGarment, save_worn
 from .dressed_report import draw_wearers, report_dressed
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
 from .result import write_body, write_json
 
 
-def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
+def write_dressed(dressed: DressedGarment, folder: Path) -> list[Path]:
     """Write meshes, pattern, numbers and report of a garment on another body.
 
     Args:
@@ -39,7 +39,7 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
     return [*files, picture, report]
 
 
-def write_garment(dressed: Dressed, folder: Path) -> list[Path]:
+def write_garment(dressed: DressedGarment, folder: Path) -> list[Path]:
     """Write meshes and pattern of a garment on another body, and what a later job reads of it, into a folder.
 
     Args:

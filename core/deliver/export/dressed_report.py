@@ -7,32 +7,33 @@ from html import escape
 
 import numpy as np
 
-from ...reuse.wear import Dressed, Ease, Worn
+from ...reuse.wear import DressedGarment, Ease, WornGarment
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
-from .person import on_white
-from .picture import Camera, ColouredMesh, aim, draw, png_base64, turn_view
-from .views import CLOTH, DRAPED, SKIN, colour_of
+from .person import composite_on_white
+from .picture import Camera, ColouredMesh, aim_camera, png_base64, render_meshes, rotate_view
+from .views import CLOTH_COLOUR, DRAPE_COLOUR, SKIN_COLOUR, error_colours
 
-WIDTH, HEIGHT = 300, 480
+WEARER_VIEW_WIDTH_PX, WEARER_VIEW_HEIGHT_PX = 300, 480
 """Size of one of the pictures [pixel]: three views of two wearers are a page wide."""
 
-MOST_STRAIN, MOST_PRESSURE = 0.1, 1000.0
-"""Ends of both scales of colour: cloth stretched by a tenth is tight, and a tight waistband presses by 1 kPa."""
+MAX_SHOWN_STRAIN, MAX_SHOWN_PRESSURE = 0.1, 1000.0
+"""Upper ends of the colour scales of strain (share of the cloth's length) and of pressure [Pa]. Cloth that is stretched
+by a tenth is tight, and a tight waistband presses by 1 kPa."""
 
-TURNS = (0.0, 0.5 * np.pi, np.pi)
+WEARER_VIEW_ANGLES = (0.0, 0.5 * np.pi, np.pi)
 """Angles about the vertical from which a wearer is drawn: front, right side, back."""
 
 
-def draw_wearers(dressed: Dressed) -> bytes:
+def draw_wearers(dressed: DressedGarment) -> bytes:
     """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
-    strain, pressure = dressed.strain / MOST_STRAIN, dressed.pressure / MOST_PRESSURE
-    rows = [draw_wearer(dressed.before, CLOTH), draw_wearer(dressed.worn, DRAPED, dressed.under)]
-    rows += [draw_wearer(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
+    strain, pressure = dressed.strain / MAX_SHOWN_STRAIN, dressed.pressure / MAX_SHOWN_PRESSURE
+    rows = [draw_wearer(dressed.before, CLOTH_COLOUR), draw_wearer(dressed.worn, DRAPE_COLOUR, dressed.under)]
+    rows += [draw_wearer(dressed.worn, error_colours(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
-def draw_wearer(worn: Worn, colour: np.ndarray, under: Worn | None = None) -> np.ndarray:
+def draw_wearer(worn: WornGarment, colour: np.ndarray, under: WornGarment | None = None) -> np.ndarray:
     """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
 
     Args:
@@ -42,21 +43,23 @@ def draw_wearer(worn: Worn, colour: np.ndarray, under: Worn | None = None) -> np
     """
     body = worn.body
     surfaces = [
-        ColouredMesh(body.vertices, body.faces, SKIN),
+        ColouredMesh(body.vertices, body.faces, SKIN_COLOUR),
         ColouredMesh(worn.garment.nodes, worn.garment.faces, colour),
     ]
     if under is not None:
-        surfaces.append(ColouredMesh(under.garment.nodes, under.garment.faces, CLOTH))
-    return np.concatenate([on_white(draw(surfaces, aim_at(worn, turn))) for turn in TURNS], axis=1)
+        surfaces.append(ColouredMesh(under.garment.nodes, under.garment.faces, CLOTH_COLOUR))
+    return np.concatenate(
+        [composite_on_white(render_meshes(surfaces, aim_at(worn, turn))) for turn in WEARER_VIEW_ANGLES], axis=1
+    )
 
 
-def aim_at(worn: Worn, turn: float) -> Camera:
+def aim_at(worn: WornGarment, turn: float) -> Camera:
     """Return the camera that shows a wearer whole, turned by an angle about the vertical [rad]."""
     points = np.concatenate([worn.body.vertices, worn.garment.nodes])
-    return aim(points, turn_view(worn.body.heading, turn), WIDTH, HEIGHT)
+    return aim_camera(points, rotate_view(worn.body.heading, turn), WEARER_VIEW_WIDTH_PX, WEARER_VIEW_HEIGHT_PX)
 
 
-def report_dressed(dressed: Dressed, picture: bytes) -> str:
+def report_dressed(dressed: DressedGarment, picture: bytes) -> str:
     """Return the whole report as the text of one HTML file; every name that comes from a file is escaped.
 
     Args:
@@ -76,7 +79,7 @@ def report_dressed(dressed: Dressed, picture: bytes) -> str:
     )
 
 
-def _header(dressed: Dressed) -> str:
+def _header(dressed: DressedGarment) -> str:
     worn = dressed.worn
     facts = {
         "Category": worn.category,

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ...garment import write_pattern
-from ...reuse.edit import Edited
+from ...reuse.edit import EditedGarment
 from ...reuse.wear import save_worn
 from .edited_report import draw_versions, report_edited
 from .meshes import write_meshes, write_ply
@@ -14,7 +14,7 @@ from .pattern_svg import write_svg
 from .result import write_body, write_json
 
 
-def write_edited(edited: Edited, folder: Path) -> list[Path]:
+def write_edited(edited: EditedGarment, folder: Path) -> list[Path]:
     """Write meshes, pattern, difference, numbers and report of an edited garment.
 
     Args:

@@ -7,24 +7,24 @@ from html import escape
 
 import numpy as np
 
-from ...reuse.edit import Edited
+from ...reuse.edit import EditedGarment
 from .dressed_report import draw_wearer, ease_html
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .picture import png_base64
-from .views import CLOTH, DRAPED
+from .views import CLOTH_COLOUR, DRAPE_COLOUR
 
-UNCHANGED_MM = 0.05
-"""Changes of a length below this are not shown [mm]: a tenth of what a chalk line is wide."""
+MIN_SHOWN_CHANGE_MM = 0.05
+"""Smallest change of a length that is shown [mm]: a tenth of the width of a chalk line."""
 
 
-def draw_versions(edited: Edited) -> bytes:
+def draw_versions(edited: EditedGarment) -> bytes:
     """Return a PNG: above the garment that was edited, below the edited one; front, side and back."""
-    rows = [draw_wearer(edited.before, CLOTH), draw_wearer(edited.worn, DRAPED)]
+    rows = [draw_wearer(edited.before, CLOTH_COLOUR), draw_wearer(edited.worn, DRAPE_COLOUR)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
-def report_edited(edited: Edited, picture: bytes) -> str:
+def report_edited(edited: EditedGarment, picture: bytes) -> str:
     """Return the whole report as the text of one HTML file; every name that comes from a file is escaped.
 
     Args:
@@ -64,7 +64,7 @@ def _pictures(picture: bytes) -> str:
     )
 
 
-def _panels(edited: Edited) -> str:
+def _panels(edited: EditedGarment) -> str:
     """Return the table of panels: how much each differs from the recovered one."""
     found = edited.difference.panels
     rows = "".join(
@@ -78,14 +78,14 @@ def _panels(edited: Edited) -> str:
     return f"<section><h2>Difference to the recovered pattern</h2><table>{head}{rows}</table></section>"
 
 
-def _seams(edited: Edited) -> str:
+def _seams(edited: EditedGarment) -> str:
     """Return the table of the seams whose length changed, and of those that are new; empty where there are none."""
     found = edited.difference
     rows = "".join(
         f"<tr><td>{escape(one.a[0])} {one.a[1]}, {escape(one.b[0])} {one.b[1]}</td>"
         f"<td class=num>{one.change_mm[0]:+.1f}</td><td class=num>{one.change_mm[1]:+.1f}</td></tr>"
         for one in found.seams
-        if max(abs(change) for change in one.change_mm) >= UNCHANGED_MM
+        if max(abs(change) for change in one.change_mm) >= MIN_SHOWN_CHANGE_MM
     )
     for number in found.seams_added:
         seam = edited.worn.pattern.seams[number]

@@ -12,7 +12,7 @@ from .clo import write_clo
 from .sewn_files import write_sewn_glb, write_sewn_obj
 from .sewn_mesh import SewnMesh
 from .sewn_usd import write_sewn_usd
-from .stored import garment_stem, stored_meshes
+from .stored import garment_stem, load_stored_meshes
 from .textured import write_textured
 
 if TYPE_CHECKING:
@@ -35,14 +35,14 @@ class ScanMissing(BadInput):
 def write_obj(production: Production, folder: Path) -> list[Path]:
     """Write each of the result's meshes as OBJ with materials and a JSON of panels, seams and fabric."""
     stem = garment_stem(production.files)
-    meshes = stored_meshes(production.files, production.worn)
+    meshes = load_stored_meshes(production.files, production.worn)
     return [path for mesh in meshes for path in write_sewn_obj(mesh, folder / f"{stem}_{mesh.name}.obj")]
 
 
 def write_glb(production: Production, folder: Path) -> list[Path]:
     """Write each of the result's meshes as GLB with panels, seams, flat rest shape and fabric."""
     stem = garment_stem(production.files)
-    meshes = stored_meshes(production.files, production.worn)
+    meshes = load_stored_meshes(production.files, production.worn)
     return [write_sewn_glb(mesh, folder / f"{stem}_{mesh.name}.glb") for mesh in meshes]
 
 
@@ -53,11 +53,11 @@ def write_usd(production: Production, folder: Path) -> list[Path]:
         UsdMissing: where the extra `usd` is not installed.
     """
     stem = garment_stem(production.files)
-    meshes = stored_meshes(production.files, production.worn)
+    meshes = load_stored_meshes(production.files, production.worn)
     return [write_sewn_usd(mesh, folder / f"{stem}_{mesh.name}.usd") for mesh in meshes]
 
 
-def write_sewn(production: Production, folder: Path) -> list[Path]:
+def write_clo_files(production: Production, folder: Path) -> list[Path]:
     """Write the sewn pattern for CLO and Marvelous Designer.
 
     Raises:
@@ -67,7 +67,7 @@ def write_sewn(production: Production, folder: Path) -> list[Path]:
     return write_clo(worn.pattern, worn.fabric, folder, garment_stem(production.files))
 
 
-def write_cloth(production: Production, folder: Path) -> list[Path]:
+def write_blender_files(production: Production, folder: Path) -> list[Path]:
     """Write panels with sewing threads for Blender, worn as the result is."""
     worn = production.worn
     mesh = SewnMesh("worn", worn.garment, worn.garment.nodes, worn.fabric)
@@ -82,7 +82,7 @@ def write_texture(production: Production, folder: Path) -> list[Path]:
         ScanMissing: where the scan's file is not there.
         ColoursMissing: where the scan has no colours.
     """
-    meshes = stored_meshes(production.files, production.worn, ("detail",))
+    meshes = load_stored_meshes(production.files, production.worn, ("detail",))
     if not meshes or meshes[0].name != "detail":
         raise DetailMissing()
     if production.scan is None or not production.scan.is_file():
@@ -104,10 +104,10 @@ def read_colours(scan: Path, result: Path) -> ColouredScan:
         ScanMissing: where the manifest does not say how the file was understood.
     """
     from ...garment.reading import load_reading
-    from ...scan.coloured import coloured_of, load_coloured
+    from ...scan.coloured import load_coloured, to_coloured_scan
 
     if scan.suffix == ".npz":
-        return coloured_of(load_reading(scan).pieces.garment, is_cut=True)
+        return to_coloured_scan(load_reading(scan).pieces.garment, is_cut=True)
     try:
         told = json.loads((result / "manifest.json").read_text(encoding="utf-8"))["scan"]
         units, up = str(told["units"]), str(told["up"])

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-FLOAT, UNSIGNED = 5126, 5125
-"""glTF's names of float32 and uint32."""
+GL_FLOAT, GL_UNSIGNED_INT = 5126, 5125
+"""OpenGL's numbers for the component types float32 and uint32, as glTF uses them."""
 
-VERTICES, INDICES = 34962, 34963
-"""glTF's names of what a buffer's part is for."""
+GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER = 34962, 34963
+"""OpenGL's numbers for the targets of a buffer view, vertex attributes and vertex indices, as glTF uses them."""
 
-WIDTHS = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
+GLTF_ACCESSOR_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 """glTF's names of numbers in a row."""
 
 
@@ -32,9 +32,9 @@ class GlbBuffer:
         wide = values.shape[1] if values.ndim == 2 else 1
         accessor: dict[str, Any] = {
             "bufferView": self.add_bytes(values.tobytes(), target),
-            "componentType": UNSIGNED if values.dtype.kind == "u" else FLOAT,
+            "componentType": GL_UNSIGNED_INT if values.dtype.kind == "u" else GL_FLOAT,
             "count": len(values),
-            "type": WIDTHS[wide],
+            "type": GLTF_ACCESSOR_TYPES[wide],
         }
         if bounds:
             accessor["min"] = np.atleast_1d(values.min(axis=0)).tolist()

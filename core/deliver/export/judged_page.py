@@ -9,7 +9,7 @@ from html import escape
 from typing import Any
 
 from ...run.verdict import Gate
-from .report import number
+from .report import format_number
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ def gates_html(gates: Sequence[Gate]) -> str:
     """Return the table of verdicts, each with its value, the limit up to which it passes, and what it means."""
     rows = "".join(
         f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
-        f"<td class=check>{escape(_title(gate))}</td><td class=num>{number(gate.value)}</td>"
-        f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
+        f"<td class=check>{escape(_title(gate))}</td><td class=num>{format_number(gate.value)}</td>"
+        f"<td class=num>{format_number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
         for gate in gates
     )
     head = "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Passes to</th><th>What it means</th></tr>"
@@ -54,7 +54,8 @@ def gates_html(gates: Sequence[Gate]) -> str:
 def numbers_html(metrics: Mapping[str, float | None]) -> str:
     """Return the table of all metrics by name."""
     rows = "".join(
-        f"<tr><td>{escape(name)}</td><td class=num>{number(value)}</td></tr>" for name, value in sorted(metrics.items())
+        f"<tr><td>{escape(name)}</td><td class=num>{format_number(value)}</td></tr>"
+        for name, value in sorted(metrics.items())
     )
     head = "<tr><th>Metric</th><th class=num>Value</th></tr>"
     return f'<section class="page"><h2>Numbers</h2><table>{head}{rows}</table></section>'

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...garment import Garment
-from ...garment.pieces import lay_out
+from ...garment.pieces import pack_on_shelves
 from ...geometry import vertex_normals
 
 UV_GAP = 0.02
@@ -32,7 +32,7 @@ def uv_layout(garment: Garment) -> np.ndarray:
     own = [garment.panel_of_uv == panel for panel in panels]
     low = np.array([uv[mask].min(axis=0) for mask in own])
     sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
-    for mask, corner, place in zip(own, low, lay_out(sizes, UV_GAP, UV_WIDTH), strict=True):
+    for mask, corner, place in zip(own, low, pack_on_shelves(sizes, UV_GAP, UV_WIDTH), strict=True):
         uv[mask] += place - corner
     return uv
 

@@ -9,11 +9,12 @@ import numpy as np
 
 from ...garment import Garment
 from ...geometry import vertex_normals
-from .glb import INDICES, VERTICES, GlbBuffer, pack_glb
+from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
 from .meshes import uv_layout
 
-MOST_BYTES = 200_000_000
-"""Size of a file at most: beyond, the caches are for it; viewers keep all targets in memory."""
+MAX_ANIMATION_FILE_BYTES = 200_000_000
+"""Largest size of an animation's file [bytes]. Beyond it the point caches are meant for the motion: viewers keep all
+morph targets in memory."""
 
 
 def morph_bytes(garment: Garment, frames: np.ndarray) -> int:
@@ -32,13 +33,13 @@ def write_morphs(garment: Garment, frames: np.ndarray, fps: float, path: Path) -
     uv = uv_layout(garment)
     uv[:, 1] = 1.0 - uv[:, 1]  # a glTF's v runs downwards
     attributes = {
-        "POSITION": buffer.add(first, VERTICES, bounds=True),
-        "NORMAL": buffer.add(vertex_normals(frames[0], garment.faces)[split].astype("<f4"), VERTICES),
-        "TEXCOORD_0": buffer.add(uv.astype("<f4"), VERTICES),
+        "POSITION": buffer.add(first, GL_ARRAY_BUFFER, bounds=True),
+        "NORMAL": buffer.add(vertex_normals(frames[0], garment.faces)[split].astype("<f4"), GL_ARRAY_BUFFER),
+        "TEXCOORD_0": buffer.add(uv.astype("<f4"), GL_ARRAY_BUFFER),
     }
-    faces = buffer.add(garment.uv_faces.astype("<u4").ravel(), INDICES)
+    faces = buffer.add(garment.uv_faces.astype("<u4").ravel(), GL_ELEMENT_ARRAY_BUFFER)
     targets = [
-        {"POSITION": buffer.add((frame[split] - frames[0][split]).astype("<f4"), VERTICES, bounds=True)}
+        {"POSITION": buffer.add((frame[split] - frames[0][split]).astype("<f4"), GL_ARRAY_BUFFER, bounds=True)}
         for frame in frames[1:]
     ]
     mesh: dict[str, Any] = {

@@ -7,39 +7,45 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .picture import Camera, ColouredMesh, aim, draw, turn_view
-from .views import DRAPED, SKIN
+from .picture import Camera, ColouredMesh, aim_camera, render_meshes, rotate_view
+from .views import DRAPE_COLOUR, SKIN_COLOUR
 
 if TYPE_CHECKING:
     from ...reuse.animate.animation import Animation
 
-SHEET = (6, 4)
-"""Pictures beside and below each other on a contact sheet."""
+CONTACT_SHEET_GRID = (6, 4)
+"""Numbers of columns and rows of pictures on a contact sheet."""
 
-TILE = (200, 300)
-"""Width and height of each [pixel]."""
+CONTACT_TILE_SIZE_PX = (200, 300)
+"""Width and height of a picture on the contact sheet [pixels]."""
 
-PREVIEW = (240, 320)
-"""Width and height of the preview [pixel]."""
+PREVIEW_SIZE_PX = (240, 320)
+"""Width and height of the preview [pixels]."""
 
-PREVIEW_FRAMES = 40
-"""Frames of the preview at most: under a megabyte."""
+MAX_PREVIEW_FRAME_COUNT = 40
+"""Largest number of frames of the preview: the file stays under a megabyte."""
 
-TURN = np.deg2rad(25.0)
-"""Angle by which the camera stands to the wearer's left of the front [rad]: legs and arms that swing are then seen."""
+MOTION_CAMERA_ANGLE = np.deg2rad(25.0)
+"""Angle of the camera from the front to the wearer's left [rad]: legs and arms that swing are then seen."""
 
 
 def write_sheet(animation: Animation, path: Path) -> Path:
     """Write a contact sheet of evenly spaced frames as PNG, read row by row."""
     from PIL import Image
 
-    count = min(SHEET[0] * SHEET[1], len(animation.frames))
-    tiles = _draw(animation, np.unique(np.linspace(0, len(animation.frames) - 1, count).astype(np.int64)), TILE)
-    rows = -(-len(tiles) // SHEET[0])
-    sheet = Image.new("RGB", (SHEET[0] * TILE[0], rows * TILE[1]), "white")
+    count = min(CONTACT_SHEET_GRID[0] * CONTACT_SHEET_GRID[1], len(animation.frames))
+    tiles = _draw(
+        animation, np.unique(np.linspace(0, len(animation.frames) - 1, count).astype(np.int64)), CONTACT_TILE_SIZE_PX
+    )
+    rows = -(-len(tiles) // CONTACT_SHEET_GRID[0])
+    sheet = Image.new("RGB", (CONTACT_SHEET_GRID[0] * CONTACT_TILE_SIZE_PX[0], rows * CONTACT_TILE_SIZE_PX[1]), "white")
     for n, tile in enumerate(tiles):
         picture = Image.fromarray(tile)
-        sheet.paste(picture, (n % SHEET[0] * TILE[0], n // SHEET[0] * TILE[1]), picture)
+        sheet.paste(
+            picture,
+            (n % CONTACT_SHEET_GRID[0] * CONTACT_TILE_SIZE_PX[0], n // CONTACT_SHEET_GRID[0] * CONTACT_TILE_SIZE_PX[1]),
+            picture,
+        )
     sheet.save(path, format="PNG")
     return path
 
@@ -48,11 +54,11 @@ def write_preview(animation: Animation, path: Path) -> Path:
     """Write a small GIF that loops in the motion's own time."""
     from PIL import Image
 
-    every = max(1, -(-len(animation.frames) // PREVIEW_FRAMES))
-    tiles = _draw(animation, np.arange(0, len(animation.frames), every), PREVIEW)
+    every = max(1, -(-len(animation.frames) // MAX_PREVIEW_FRAME_COUNT))
+    tiles = _draw(animation, np.arange(0, len(animation.frames), every), PREVIEW_SIZE_PX)
     pictures = []
     for tile in tiles:
-        ground = Image.new("RGB", PREVIEW, "white")
+        ground = Image.new("RGB", PREVIEW_SIZE_PX, "white")
         ground.paste(Image.fromarray(tile), (0, 0), Image.fromarray(tile))
         pictures.append(ground.quantize(64))
     pictures[0].save(
@@ -73,10 +79,10 @@ def _draw(animation: Animation, indices: np.ndarray, size: tuple[int, int]) -> l
         scenes.append((wearer - place, animation.frames[index] - place))
     camera = _aim(np.concatenate([part for scene in scenes for part in scene]), body.heading, size)
     return [
-        draw([ColouredMesh(wearer, body.faces, SKIN), ColouredMesh(cloth, faces, DRAPED)], camera)
+        render_meshes([ColouredMesh(wearer, body.faces, SKIN_COLOUR), ColouredMesh(cloth, faces, DRAPE_COLOUR)], camera)
         for wearer, cloth in scenes
     ]
 
 
 def _aim(points: np.ndarray, heading: np.ndarray, size: tuple[int, int]) -> Camera:
-    return aim(points, turn_view(heading, -TURN), *size)
+    return aim_camera(points, rotate_view(heading, -MOTION_CAMERA_ANGLE), *size)

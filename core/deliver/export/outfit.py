@@ -10,15 +10,15 @@ import numpy as np
 
 from ...reuse.wear import DressedOutfit
 from .dressed import write_garment
-from .dressed_report import TURNS, aim_at, ease_html
+from .dressed_report import WEARER_VIEW_ANGLES, aim_at, ease_html
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
-from .person import on_white
-from .picture import ColouredMesh, draw, png_base64
+from .person import composite_on_white
+from .picture import ColouredMesh, png_base64, render_meshes
 from .result import write_body, write_json
-from .views import CLOTH, DRAPED, REDRAPED, SCANNED, SKIN
+from .views import CLOTH_COLOUR, DRAPE_COLOUR, REDRAPE_COLOUR, SCAN_COLOUR, SKIN_COLOUR
 
-COLOURS = (CLOTH, DRAPED, REDRAPED, SCANNED)
+OUTFIT_COLOURS = (CLOTH_COLOUR, DRAPE_COLOUR, REDRAPE_COLOUR, SCAN_COLOUR)
 """Colours of the garments from the innermost to the outermost: blue, green, sand, grey."""
 
 
@@ -47,10 +47,10 @@ def write_outfit(outfit: DressedOutfit, folder: Path) -> list[Path]:
 def draw_outfit(outfit: DressedOutfit) -> bytes:
     """Return a PNG of the wearer in all garments: front, side and back."""
     body, worn = outfit.body, [one.worn for one in outfit.garments.values()]
-    surfaces = [ColouredMesh(body.vertices, body.faces, SKIN)]
+    surfaces = [ColouredMesh(body.vertices, body.faces, SKIN_COLOUR)]
     for place, one in enumerate(worn):
-        surfaces.append(ColouredMesh(one.garment.nodes, one.garment.faces, COLOURS[place % len(COLOURS)]))
-    views = [on_white(draw(surfaces, aim_at(worn[0], turn))) for turn in TURNS]
+        surfaces.append(ColouredMesh(one.garment.nodes, one.garment.faces, OUTFIT_COLOURS[place % len(OUTFIT_COLOURS)]))
+    views = [composite_on_white(render_meshes(surfaces, aim_at(worn[0], turn))) for turn in WEARER_VIEW_ANGLES]
     return base64.b64decode(png_base64(np.concatenate(views, axis=1)))
 
 

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment import Panel, Pattern, contains, edge_points, panel_outline
-from ...garment.pieces import lay_out
+from ...garment import Panel, Pattern, edge_points, panel_outline, points_in_polygon
+from ...garment.pieces import pack_on_shelves
 from ...garment.svg_path import edge_path
 
-SHEET = 1.4
+PATTERN_SVG_SHEET_WIDTH = 1.4
 """Width of the sheet [m]: the usable width of common cloth."""
 
-GAP = 0.03
+PATTERN_SVG_PIECE_GAP = 0.03
 """Free space between pieces [m]: room for seam allowances on both."""
 
-NOTCH = 6.0
+SVG_NOTCH_LENGTH_MM = 6.0
 """Length of a notch [mm], as cut in practice."""
 
 STYLE = """
@@ -49,10 +49,10 @@ def pattern_svg(pattern: Pattern) -> str:
     outlines = [panel_outline(panel, 32) for panel in pattern.panels]
     low = np.array([outline.min(axis=0) for outline in outlines])
     sizes = np.array([outline.max(axis=0) for outline in outlines]) - low
-    corners = lay_out(sizes, GAP, SHEET) + GAP
-    corners[:, 1] += GAP  # the scale bar stands below the lowest shelf
-    width = max(float((corners[:, 0] + sizes[:, 0]).max()) + GAP, 0.2)
-    height = float((corners[:, 1] + sizes[:, 1]).max()) + GAP
+    corners = pack_on_shelves(sizes, PATTERN_SVG_PIECE_GAP, PATTERN_SVG_SHEET_WIDTH) + PATTERN_SVG_PIECE_GAP
+    corners[:, 1] += PATTERN_SVG_PIECE_GAP  # the scale bar stands below the lowest shelf
+    width = max(float((corners[:, 0] + sizes[:, 0]).max()) + PATTERN_SVG_PIECE_GAP, 0.2)
+    height = float((corners[:, 1] + sizes[:, 1]).max()) + PATTERN_SVG_PIECE_GAP
     ids = _unique_ids([panel.name for panel in pattern.panels])
     parts = [
         _panel_group(panel, name, outline, corner - origin, height)
@@ -110,7 +110,7 @@ def _notch(panel: Panel, edge: int, at: float, page: Callable[[np.ndarray], np.n
     along = page(points[place + 1 : place + 2])[0] - page(points[place - 1 : place])[0]
     inwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)  # the cloth lies to the left of its edge
     start = page(points[place : place + 1])[0]
-    return f'<path class="notch" d="M {_pair(start)} L {_pair(start + NOTCH * inwards)}"/>'
+    return f'<path class="notch" d="M {_pair(start)} L {_pair(start + SVG_NOTCH_LENGTH_MM * inwards)}"/>'
 
 
 def _roomiest_point(outline: np.ndarray) -> tuple[np.ndarray, float]:
@@ -118,7 +118,7 @@ def _roomiest_point(outline: np.ndarray) -> tuple[np.ndarray, float]:
     low, high = outline.min(axis=0), outline.max(axis=0)
     x, y = (np.linspace(low[k], high[k], 27)[1:-1] for k in (0, 1))
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    inside = contains(outline, grid)
+    inside = points_in_polygon(outline, grid)
     grid = grid[inside] if inside.any() else outline.mean(axis=0)[None]
     step = np.roll(outline, -1, axis=0) - outline
     offset = grid[:, None] - outline

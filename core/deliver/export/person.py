@@ -9,28 +9,28 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...geometry import unit
-from ...people import Part, Separation
+from ...people import LabelledPerson, Part
 from ...people.colours import COLOURS, SURE, UNSURE
 from ...people.labels import write_labels
 from ...scan.raw import RawScan
-from ...scan.thin import thin
+from ...scan.thin import thin_raw_scan
 from .meshes import write_ply
-from .picture import ColouredMesh, aim, draw, png_base64, turn_view
+from .picture import ColouredMesh, aim_camera, png_base64, render_meshes, rotate_view
 
-SCANNED, FOUND = np.array([0.66, 0.69, 0.72]), np.array([0.90, 0.85, 0.80])
-"""Colours of a scan that has none, and of the body."""
+PERSON_SCAN_COLOUR, PERSON_BODY_COLOUR = np.array([0.66, 0.69, 0.72]), np.array([0.90, 0.85, 0.80])
+"""Colours of a scan that has none of its own, and of the body, RGB in 0..1."""
 
-WIDTH, HEIGHT = 300, 480
+PERSON_VIEW_WIDTH_PX, PERSON_VIEW_HEIGHT_PX = 300, 480
 """Size of one of the pictures [pixel]: three views of four things are a page wide."""
 
-SPLATS = 120_000
-"""Points of a cloud that are drawn at most: more than a picture has pixels."""
+MAX_SPLAT_COUNT = 120_000
+"""Largest number of points of a cloud that are drawn: more than a picture has pixels."""
 
-TURNS = (0.0, np.pi, 0.5 * np.pi)
+PERSON_VIEW_ANGLES = (0.0, np.pi, 0.5 * np.pi)
 """Angles about the vertical from which a person is drawn: front, back, left side."""
 
 
-def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Path]:
+def write_person(raw: RawScan, separation: LabelledPerson, folder: Path) -> list[Path]:
     """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into a folder that is there.
 
     `labels.npz` has a label for each point of the given file, in its order, in `place` the point of the cleaned scan
@@ -47,15 +47,15 @@ def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Pat
     return [
         write_labels(separation.label, separation.confidence, folder / "labels.npz", raw.place, raw.origin),
         write_segmented(raw, label, separation.confidence[raw.origin], folder / "segmented.ply"),
-        write_seen(raw, folder / "scan.ply"),
+        write_scan_ply(raw, folder / "scan.ply"),
         write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply"),
         picture,
     ]
 
 
-def write_seen(raw: RawScan, path: Path) -> Path:
+def write_scan_ply(raw: RawScan, path: Path) -> Path:
     """Write a scan in its own colours as PLY, thinned to at most `FACES` triangles or half as many points."""
-    seen = thin(raw)
+    seen = thin_raw_scan(raw)
     colours = None if seen.colours is None else (255.0 * seen.colours + 0.5).astype(np.uint8)
     return write_ply(seen.points, seen.faces, path, colours=colours)
 
@@ -100,22 +100,29 @@ def write_segmented(raw: RawScan, label: np.ndarray, confidence: np.ndarray, pat
     return path
 
 
-def draw_person(raw: RawScan, separation: Separation) -> bytes:
+def draw_person(raw: RawScan, separation: LabelledPerson) -> bytes:
     """Return a PNG: in rows the scan, the body, the parts and how sure they are; in columns front, back and side."""
     label, sure = separation.label[raw.origin], separation.confidence[raw.origin]
     body = separation.body
     share = np.clip(2.0 * sure - 1.0, 0.0, 1.0)[:, None]
-    scanned = np.tile(SCANNED, (len(raw.points), 1)) if raw.colours is None else raw.colours
+    scanned = np.tile(PERSON_SCAN_COLOUR, (len(raw.points), 1)) if raw.colours is None else raw.colours
     surfaces = [_surface(raw, colours) for colours in (scanned, colour_parts(label), UNSURE + share * (SURE - UNSURE))]
-    surfaces.insert(1, ColouredMesh(body.vertices, body.faces, FOUND))
+    surfaces.insert(1, ColouredMesh(body.vertices, body.faces, PERSON_BODY_COLOUR))
     columns = []
-    for turn in TURNS:
-        camera = aim(np.concatenate([raw.points, body.vertices]), turn_view(body.heading, turn), WIDTH, HEIGHT)
-        columns.append(np.concatenate([on_white(draw([surface], camera)) for surface in surfaces], axis=1))
+    for turn in PERSON_VIEW_ANGLES:
+        camera = aim_camera(
+            np.concatenate([raw.points, body.vertices]),
+            rotate_view(body.heading, turn),
+            PERSON_VIEW_WIDTH_PX,
+            PERSON_VIEW_HEIGHT_PX,
+        )
+        columns.append(
+            np.concatenate([composite_on_white(render_meshes([surface], camera)) for surface in surfaces], axis=1)
+        )
     return base64.b64decode(png_base64(np.concatenate(columns, axis=0)))
 
 
-def on_white(pixels: np.ndarray) -> np.ndarray:
+def composite_on_white(pixels: np.ndarray) -> np.ndarray:
     """Return a picture with transparency, RGBA in 0..255, on white: RGB, uint8, shape [height, width, 3]."""
     cover = pixels[..., 3:] / 255.0
     return np.asarray(255.0 + cover * (pixels[..., :3] - 255.0) + 0.5).clip(0, 255).astype(np.uint8)
@@ -125,7 +132,7 @@ def _surface(raw: RawScan, colours: np.ndarray) -> ColouredMesh:
     """Return what is drawn: the mesh, or a small triangle at each point of a cloud."""
     if not raw.is_cloud:
         return ColouredMesh(raw.points, raw.faces, colours)
-    step = -(-len(raw.points) // SPLATS)
+    step = -(-len(raw.points) // MAX_SPLAT_COUNT)
     points, colours = raw.points[::step], colours[::step]
     spacing = float(np.median(cKDTree(points).query(points[:: max(1, len(points) // 2000)], 2)[0][:, 1]))
     normals = np.tile([0.0, 0.0, 1.0], (len(points), 1)) if raw.normals is None else raw.normals[::step]

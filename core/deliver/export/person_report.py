@@ -8,12 +8,12 @@ from html import escape
 
 import numpy as np
 
-from ...people import Outfit, Part, Separation
+from ...people import LabelledPerson, Outfit, Part
 from ...scan.raw import RawScan
 from .page import page_html
 from .person import COLOURS
 
-NEXT = {
+NEXT_STEP_TEXTS = {
     True: "Nothing is recovered from this by itself. Correct labels.npz (segmented.ply shows it) and hand it in with "
     "--labels, or say what is worn with --wearing, or what is at a place with --mark.",
     False: "Each garment is recovered by a job of its own, with a report of its own. Where a part is wrong, correct "
@@ -22,7 +22,7 @@ NEXT = {
 """The next step, where something is wrong and where nothing is."""
 
 
-def report_person(raw: RawScan, separation: Separation, warnings: Sequence[str], picture: bytes) -> str:
+def report_person(raw: RawScan, separation: LabelledPerson, warnings: Sequence[str], picture: bytes) -> str:
     """Return the whole report as the text of one HTML file; every name that comes from a file is escaped.
 
     Args:
@@ -41,14 +41,14 @@ def report_person(raw: RawScan, separation: Separation, warnings: Sequence[str],
     return page_html(raw.name, sections)
 
 
-def weigh_outfits(outfits: Sequence[Outfit]) -> np.ndarray:
+def reading_probabilities(outfits: Sequence[Outfit]) -> np.ndarray:
     """Return the probability of each reading among all of them, exp(score) / sum exp(score)."""
     scores = np.array([outfit.score for outfit in outfits])
     weights = np.exp(scores - scores.max(initial=-np.inf))
     return np.asarray(weights / weights.sum())
 
 
-def _header(raw: RawScan, separation: Separation, warnings: Sequence[str]) -> str:
+def _header(raw: RawScan, separation: LabelledPerson, warnings: Sequence[str]) -> str:
     problem, body = separation.problem, separation.body
     verdict = ("fail", problem.message) if problem is not None else ("pass", "Taken apart")
     kind = f"cloud of {len(raw.points)} points" if raw.is_cloud else f"{len(raw.points)} points, {len(raw.faces)} faces"
@@ -65,12 +65,12 @@ def _header(raw: RawScan, separation: Separation, warnings: Sequence[str]) -> st
         f'<header><p class="brand">garmentq · person report</p><h1>{escape(raw.name)}</h1>'
         f'<p class="verdicts"><span class="verdict {verdict[0]}">{escape(verdict[1])}</span></p>'
         f'<dl class="facts">{cells}</dl></header>'
-        f'<section class="notes"><h2>Next</h2><p>{NEXT[problem is not None]}</p></section>'
+        f'<section class="notes"><h2>Next</h2><p>{NEXT_STEP_TEXTS[problem is not None]}</p></section>'
         + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
     )
 
 
-def _pictures(separation: Separation, picture: bytes) -> str:
+def _pictures(separation: LabelledPerson, picture: bytes) -> str:
     data = base64.b64encode(picture).decode("ascii")
     keys = "".join(
         f'<span style="white-space:nowrap"><span style="display:inline-block;width:1em;height:1em;background:'
@@ -86,7 +86,7 @@ def _pictures(separation: Separation, picture: bytes) -> str:
     )
 
 
-def _garments(separation: Separation) -> str:
+def _garments(separation: LabelledPerson) -> str:
     rows = "".join(
         f"<tr><td>{garment.part.word}</td><td>{escape(garment.category)}</td>"
         f"<td class=num>{garment.confidence:.2f}</td></tr>"
@@ -95,7 +95,7 @@ def _garments(separation: Separation) -> str:
     readings = "".join(
         f"<tr><td>{' and '.join(part.word for part in outfit.parts) or 'nothing'}</td>"
         f"<td class=num>{weight:.2f}</td></tr>"
-        for outfit, weight in list(zip(separation.outfits, weigh_outfits(separation.outfits), strict=True))[:3]
+        for outfit, weight in list(zip(separation.outfits, reading_probabilities(separation.outfits), strict=True))[:3]
     )
     return (
         "<section><h2>Garments</h2><table><tr><th>Garment</th><th>Category</th><th class=num>Confidence</th></tr>"
@@ -104,7 +104,7 @@ def _garments(separation: Separation) -> str:
     )
 
 
-def _openings(separation: Separation) -> str:
+def _openings(separation: LabelledPerson) -> str:
     rows = "".join(
         f"<tr><td>{garment.part.word}</td><td>{escape(contour.name)}</td>"
         f"<td class=num>{'–' if contour.is_inferred else f'{contour.confidence:.2f}'}</td>"
@@ -116,7 +116,7 @@ def _openings(separation: Separation) -> str:
     return f"<section><h2>Openings</h2><table>{head}{rows}</table></section>" if rows else ""
 
 
-def _parts(raw: RawScan, separation: Separation) -> str:
+def _parts(raw: RawScan, separation: LabelledPerson) -> str:
     seen = raw.place >= 0
     label, sure = separation.label[seen], separation.confidence[seen]
     rows = "".join(

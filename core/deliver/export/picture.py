@@ -13,24 +13,26 @@ from scipy.ndimage import gaussian_filter
 
 from ...geometry import vertex_normals
 
-OVERSAMPLING = 2
-"""Pixels drawn per pixel shown, each way: edges are smooth without a finer grid's cost."""
+OVERSAMPLING_FACTOR = 2
+"""Number of pixels drawn per pixel shown, each way: edges are smooth without the cost of a finer grid."""
 
-LIGHTS = (
+STUDIO_LIGHTS = (
     ((-0.55, 0.55, 0.62), 0.66),
     ((0.75, 0.10, 0.45), 0.22),
     ((0.10, -0.60, 0.55), 0.08),
 )
-"""Direction (right, up, towards the eye) and strength of key, fill and floor light: a studio's usual three."""
+"""Directions (right, up, towards the eye) and strengths of the key, fill and floor lights: a studio's usual three."""
 
-AMBIENT = 0.27
-"""Light from everywhere; with the three lights a surface that faces the key just stays below white."""
+AMBIENT_LIGHT_STRENGTH = 0.27
+"""Strength of the light from all directions, as a share of a surface's colour. With the three lights a surface that
+faces the key light stays just below white."""
 
-RIM = 0.10
-"""Light along the outline: fibres that stand off the cloth catch it, and it sets the picture off its ground."""
+RIM_LIGHT_STRENGTH = 0.10
+"""Strength of the light along the outline, added to RGB in 0..1. Fibres that stand off the cloth catch it, and it sets
+the picture off its ground."""
 
-CAVITY = 14.0
-"""How much a point that lies deeper than its surroundings is darkened [1 / m of depth]: brings folds out."""
+CAVITY_SHADING_STRENGTH = 14.0
+"""Darkening of a point per depth below its surroundings [1/m]: it makes folds visible."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class Camera:
     height: int
 
 
-def aim(points: np.ndarray, rotation: np.ndarray, width: int, height: int, margin: float = 0.06) -> Camera:
+def aim_camera(points: np.ndarray, rotation: np.ndarray, width: int, height: int, margin: float = 0.06) -> Camera:
     """Aim a camera so that all points [m], shape [n, 3], are in the picture with a margin (fraction of its size)."""
     seen = points @ rotation.T
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
@@ -76,13 +78,13 @@ def aim(points: np.ndarray, rotation: np.ndarray, width: int, height: int, margi
     return Camera(rotation, 0.5 * (low + high), float(scale), width, height)
 
 
-def turn_view(rotation: np.ndarray, angle: float) -> np.ndarray:
+def rotate_view(rotation: np.ndarray, angle: float) -> np.ndarray:
     """Return a camera's rotation, shape [3, 3], for a view of all turned by an angle about the vertical [rad]."""
     around = np.array([[np.cos(angle), 0.0, np.sin(angle)], [0.0, 1.0, 0.0], [-np.sin(angle), 0.0, np.cos(angle)]])
     return around @ rotation
 
 
-def draw(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
+def render_meshes(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
     """Draw surfaces together, shaded from both sides.
 
     Args:
@@ -92,15 +94,17 @@ def draw(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
     Returns:
         RGBA in 0..255, transparent where nothing is, uint8, shape [height, width, 4].
     """
-    height, width = camera.height * OVERSAMPLING, camera.width * OVERSAMPLING
+    height, width = camera.height * OVERSAMPLING_FACTOR, camera.width * OVERSAMPLING_FACTOR
     depth = np.full((height, width), -np.inf)
     colour = np.zeros((height, width, 3))
     normal = np.zeros((height, width, 3))
     for surface in surfaces:
         if len(surface.faces):
-            _paint(surface, camera, depth, colour, normal)
-    lights = np.array([np.asarray(d) / np.linalg.norm(d) * strength for d, strength in LIGHTS])
-    rgb, cover, near = _resolve(depth, colour, normal, lights, AMBIENT, RIM, OVERSAMPLING)
+            _rasterise_mesh(surface, camera, depth, colour, normal)
+    lights = np.array([np.asarray(d) / np.linalg.norm(d) * strength for d, strength in STUDIO_LIGHTS])
+    rgb, cover, near = _resolve(
+        depth, colour, normal, lights, AMBIENT_LIGHT_STRENGTH, RIM_LIGHT_STRENGTH, OVERSAMPLING_FACTOR
+    )
     rgb *= _cavity(near, cover > 0.0, camera)[..., None]
     return (np.concatenate([np.clip(rgb, 0.0, 1.0), cover[..., None]], axis=2) * 255.0 + 0.5).astype(np.uint8)
 
@@ -114,12 +118,14 @@ def png_base64(pixels: np.ndarray) -> str:
     return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def _paint(surface: ColouredMesh, camera: Camera, depth: np.ndarray, colour: np.ndarray, normal: np.ndarray) -> None:
+def _rasterise_mesh(
+    surface: ColouredMesh, camera: Camera, depth: np.ndarray, colour: np.ndarray, normal: np.ndarray
+) -> None:
     """Draw one surface's colour and normal into the buffers wherever it is nearest."""
     if len(surface.faces) == 0:
         return
     seen = surface.vertices @ camera.rotation.T
-    scale = camera.pixels_per_metre * OVERSAMPLING
+    scale = camera.pixels_per_metre * OVERSAMPLING_FACTOR
     screen = np.stack(
         [
             (seen[:, 0] - camera.centre[0]) * scale + 0.5 * depth.shape[1],
@@ -210,4 +216,4 @@ def _cavity(depth: np.ndarray, seen: np.ndarray, camera: Camera) -> np.ndarray:
     weight = gaussian_filter(seen.astype(np.float64), radius)
     around = gaussian_filter(np.where(seen, depth, 0.0), radius) / np.maximum(weight, 1e-6)
     # A step to something far behind is an outline and no fold: 2 cm are as dark as it gets.
-    return 1.0 - np.clip(CAVITY * np.where(seen, around - depth, 0.0), -0.06, 0.28)
+    return 1.0 - np.clip(CAVITY_SHADING_STRENGTH * np.where(seen, around - depth, 0.0), -0.06, 0.28)

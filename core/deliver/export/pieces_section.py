@@ -9,7 +9,7 @@ from ...garment import Pattern
 from ...garment.pieces import CLOTH_WIDTH, PieceNumbers, describe_pieces, make_pieces
 from ...run.errors import BadInput
 from ..formats.papers import find_paper
-from ..formats.tiled_pdf import tile
+from ..formats.tiled_pdf import tile_pieces
 
 PAPER = "a4"
 """What most printers hold."""
@@ -20,7 +20,7 @@ def pieces_html(pattern: Pattern) -> str:
     try:
         pieces = make_pieces(pattern)
         numbers, found = describe_pieces(pieces)
-        sheets = len(tile(pieces, find_paper(PAPER))[1].tiles)
+        sheets = len(tile_pieces(pieces, find_paper(PAPER))[1].tiles)
     except BadInput as error:
         return f'<section><h2>Pieces to cut</h2><p class="hint">None: {escape(error.message)}</p></section>'
     rows = "".join(

@@ -11,13 +11,14 @@ from ...garment import Pattern
 from ...garment.pieces import PieceBad, make_pieces
 from ...scan.texture import sample_image
 from ..texture import BakedTexture, find_texels, spread_border
-from .sewn_mesh import SewnMesh, plain_names
+from .sewn_mesh import SewnMesh, sanitise_names
 
-BLEED = 0.04
-"""Print beyond the sew line [m]: the widest usual seam allowance, that of a leg's hem."""
+PRINT_BLEED_WIDTH = 0.04
+"""Width of the print beyond the sew line [m]: the widest usual seam allowance, that of a leg's hem."""
 
-MIRROR = np.diag([-1.0, 1.0])
-"""Makes of a pair's mirrored copy, drawn as its other piece lies, the copy as it is cut."""
+PRINT_MIRROR_MATRIX = np.diag([-1.0, 1.0])
+"""Mirror matrix, shape [2, 2]. It turns a pair's mirrored copy, drawn as its other piece lies, into the copy as it is
+cut."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,17 @@ def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
     try:
         pieces = make_pieces(pattern).pieces
     except PieceBad:
-        names = plain_names([panel.name for panel in pattern.panels])
+        names = sanitise_names([panel.name for panel in pattern.panels])
         return [(name, [PrintPlace(n, np.eye(2), np.zeros(2))]) for n, name in enumerate(names)]
     for piece in pieces:
         own = [place for place in piece.places if np.linalg.det(place.rotation) > 0.0]
         prints.append((piece.name, [PrintPlace(index[p.panel], p.rotation, p.translation) for p in own]))
         copy = [place for place in piece.places if np.linalg.det(place.rotation) < 0.0]
         if piece.pair and copy:
-            turned = [PrintPlace(index[p.panel], MIRROR @ p.rotation, MIRROR @ p.translation) for p in copy]
+            turned = [
+                PrintPlace(index[p.panel], PRINT_MIRROR_MATRIX @ p.rotation, PRINT_MIRROR_MATRIX @ p.translation)
+                for p in copy
+            ]
             prints.append((f"{piece.name}_MIRRORED", turned))
     return prints
 
@@ -61,7 +65,7 @@ def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
 def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace], texel: float) -> np.ndarray:
     """Draw panels as they lie in one piece, RGBA bytes from the top, shape [height, width, 4].
 
-    The print goes on for `BLEED` beyond the sew line, in the colours at it.
+    The print goes on for `PRINT_BLEED_WIDTH` beyond the sew line, in the colours at it.
 
     Args:
         mesh: What the texture was baked for.
@@ -77,8 +81,8 @@ def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace]
         laid[own] = garment.uv[own] @ place.rotation.T + place.translation
         used |= own
     faces = garment.uv_faces[used[garment.uv_faces[:, 0]]]
-    low = laid[used].min(axis=0) - BLEED
-    width, height = (int(np.ceil(length / texel)) for length in laid[used].max(axis=0) + BLEED - low)
+    low = laid[used].min(axis=0) - PRINT_BLEED_WIDTH
+    width, height = (int(np.ceil(length / texel)) for length in laid[used].max(axis=0) + PRINT_BLEED_WIDTH - low)
     size = max(width, height)
     shifted = np.where(used[:, None], (laid - low) / (size * texel), 0.0)
     texels = find_texels(shifted, faces, size, 0.0)
@@ -86,7 +90,7 @@ def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace]
     row = texels.row - (size - height)  # rows count from the top, and the panels stand at the lower end
     image, known = np.zeros((height, width, 3)), np.zeros((height, width), dtype=bool)
     image[row, texels.column], known[row, texels.column] = sample_image(baked.image, uv), True
-    image, near = spread_border(image, known, BLEED / texel)
+    image, near = spread_border(image, known, PRINT_BLEED_WIDTH / texel)
     drawn = np.zeros((height, width, 4), dtype=np.uint8)
     drawn[..., :3] = np.where(near[..., None], np.clip(np.round(image), 0, 255), 255)
     drawn[..., 3] = np.where(near, 255, 0)

@@ -14,10 +14,10 @@ from ...garment import edge_length, panel_area, panel_outline
 from ...judge import Product, product_of
 from ...recover.recovery import Recovery
 from ...run.verdict import worst_verdict
-from .drawing import SCALE, pattern_drawing
+from .drawing import DRAWING_SCALE_DENOMINATOR, pattern_drawing
 from .page import page_html
 from .pieces_section import pieces_html
-from .views import STOPS, render_views
+from .views import ERROR_COLOUR_STOPS, render_views
 
 VERDICTS = {
     "detail": {
@@ -112,7 +112,7 @@ def report_html(recovery: Recovery) -> str:
     return page_html(recovery.scan.name, sections)
 
 
-def number(value: Any) -> str:
+def format_number(value: Any) -> str:
     """Return a number for people, as HTML: whole where it is whole, a dash where there is none."""
     if value is None or not np.isfinite(value):
         return "–"
@@ -167,8 +167,10 @@ def _pictures(recovery: Recovery) -> str:
             f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">'
             for head, data in view.pictures.items()
         ]
-    stops = ", ".join(f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in STOPS)
-    ticks = "".join(f"<span>{number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))
+    stops = ", ".join(
+        f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in ERROR_COLOUR_STOPS
+    )
+    ticks = "".join(f"<span>{format_number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))
     bar = (
         f'<div class="colours"><div class="bar" style="background:linear-gradient(90deg, {stops})"></div>'
         f'<div class="ticks">{ticks}</div></div>'
@@ -183,7 +185,7 @@ def _meshes(recovery: Recovery) -> str:
     for prefix, name, use in MESHES:
         ways = [recovery.report.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
         if any(way is not None for way in ways):
-            there, back = (number(way) for way in ways)
+            there, back = (format_number(way) for way in ways)
             rows.append(f"<tr><td>{name}</td><td class=num>{there} / {back}</td><td>{use}</td></tr>")
     head = "<tr><th>Mesh</th><th class=num>To the scan / back, RMS [mm]</th><th>What it is</th></tr>"
     return f'<table class="meshes">{head}{"".join(rows)}</table>' if rows else ""
@@ -193,8 +195,8 @@ def _gates(recovery: Recovery) -> str:
     rows = "".join(
         f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
         f"<td class=check>{product_of(gate.name)}: {escape(gate.name.replace('_', ' '))}</td>"
-        f"<td class=num>{number(gate.value)}</td>"
-        f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
+        f"<td class=num>{format_number(gate.value)}</td>"
+        f"<td class=num>{format_number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
         for product in Product
         for gate in recovery.report.gates
         if product_of(gate.name) is product
@@ -220,8 +222,9 @@ def _pattern(recovery: Recovery) -> str:
         "<th class=num>Area [cm²]</th></tr>"
     )
     return (
-        f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{SCALE} when printed at full size, net lines '
-        "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. Lengths: cm. "
+        f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{DRAWING_SCALE_DENOMINATOR} when printed at '
+        "full size, net lines without seam allowance. "
+        "Edges of one colour and number are sewn together; dark edges stay open. Lengths: cm. "
         f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
         f"<table>{head}{''.join(rows)}</table></section>"
     )
@@ -241,7 +244,7 @@ def _fabric(recovery: Recovery) -> str:
         rows.append(
             f"<tr><td><b>{escape(each.name)}</b><br><small>{MEANINGS.get(each.name, '')}</small></td>"
             f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{sure}</span></td>"
-            f"<td class=num>{told}</td><td>{_narrowing(each)}</td><td>{escape(each.note)}</td></tr>"
+            f"<td class=num>{told}</td><td>{_draw_posterior(each)}</td><td>{escape(each.note)}</td></tr>"
         )
     points = ""
     if recovery.point_std is not None:
@@ -258,7 +261,7 @@ def _fabric(recovery: Recovery) -> str:
     )
 
 
-def _narrowing(estimate: FabricEstimate) -> str:
+def _draw_posterior(estimate: FabricEstimate) -> str:
     """Draw how much of what one believes of cloth in general a drape leaves open: the posterior over the prior."""
     left = 100.0 * min(1.0, estimate.std / max(estimate.prior_std, 1e-12))
     factor = f"within a factor {np.exp(estimate.std):.1f}" if estimate.identifiable else "open"
@@ -285,7 +288,7 @@ def _numbers(recovery: Recovery) -> str:
         if not any(prefix + base in metrics for prefix, _ in shown):
             continue
         title = TITLES.get(base) or _contour_title(base)
-        cells = "".join(f"<td class=num>{number(metrics.get(prefix + base))}</td>" for prefix, _ in shown)
+        cells = "".join(f"<td class=num>{format_number(metrics.get(prefix + base))}</td>" for prefix, _ in shown)
         rows.append(f"<tr><td title='{escape(base, quote=True)}'>{escape(title)}</td>{cells}</tr>")
     head = "<tr><th>Metric</th>" + "".join(f"<th class=num>{title}</th>" for _, title in shown) + "</tr>"
     return f'<section class="page"><h2>Numbers</h2><table>{head}{"".join(rows)}</table></section>'

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ...body import JOINTS, PARENTS, Body
+from ...body import JOINT_PARENTS, JOINTS, Body
 from ...garment import write_pattern
 from ...geometry import TriangleSurface
 from ...recover.recovery import Recovery
-from ...reuse.wear import save_worn, worn_of
-from ...scan.coloured import coloured_of
+from ...reuse.wear import save_worn, worn_from_recovery
+from ...scan.coloured import to_coloured_scan
 from ..texture import colour_vertices
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
@@ -37,7 +37,9 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     scanned = TriangleSurface(recovery.scan.vertices, recovery.scan.faces)
-    coloured = None if recovery.scan.colours is None else coloured_of(recovery.scan, recovery.scan.unseen is not None)
+    coloured = (
+        None if recovery.scan.colours is None else to_coloured_scan(recovery.scan, recovery.scan.unseen is not None)
+    )
     for name, nodes in recovery.meshes:
         faces, apart = recovery.garment.faces, {"distance": scanned.distance(nodes)}
         shades = colour_vertices(nodes, faces, coloured) if coloured and name == "detail" else None
@@ -53,7 +55,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         files.append(write_json(describe_fit(recovery), folder / "fit.json"))
     files.append(write_json(recovery.report.metrics, folder / "metrics.json"))
     files.append(write_json(recovery.report.manifest, folder / "manifest.json"))
-    files.append(save_worn(worn_of(recovery), folder))
+    files.append(save_worn(worn_from_recovery(recovery), folder))
     report = folder / "report.html"
     report.write_text(report_html(recovery), encoding="utf-8")
     return [*files, report]
@@ -84,22 +86,24 @@ def describe_fit(recovery: Recovery) -> dict[str, Any]:
     return found
 
 
-def plain(value: Any) -> Any:
+def to_plain_json(value: Any) -> Any:
     """Return a value as plain JSON: arrays as lists, numbers that are none (nan, inf) as null, the rest as text."""
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): to_plain_json(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [to_plain_json(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
+        return to_plain_json(value.tolist())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, bool | int | str) else str(value)
 
 
 def write_json(value: Any, path: Path) -> Path:
-    """Write a value as `plain` JSON, and return the file."""
-    path.write_text(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    """Write a value as `to_plain_json` JSON, and return the file."""
+    path.write_text(
+        json.dumps(to_plain_json(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+    )
     return path
 
 
@@ -116,6 +120,6 @@ def describe_joints(body: Body) -> dict[str, Any]:
         "source": body.source,
         "joints": {
             name: {"position": position.tolist(), "parent": JOINTS[parent] if parent >= 0 else None}
-            for name, position, parent in zip(JOINTS, body.joints, PARENTS, strict=True)
+            for name, position, parent in zip(JOINTS, body.joints, JOINT_PARENTS, strict=True)
         },
     }

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .glb import INDICES, VERTICES, GlbBuffer, pack_glb
-from .sewn_mesh import SewnMesh, describe_cloth, panel_colour, plain_names, seams_of_uv
+from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
+from .sewn_mesh import SewnMesh, describe_cloth, panel_colour, sanitise_names, seams_of_uv
 
 
 def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> list[Path]:
@@ -27,7 +27,7 @@ def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> lis
         The OBJ, its `.mtl` and its `.json`.
     """
     garment, library, sidecar = mesh.garment, path.with_suffix(".mtl"), path.with_suffix(".json")
-    names = plain_names([panel.name for panel in garment.pattern.panels])
+    names = sanitise_names([panel.name for panel in garment.pattern.panels])
     flat, scale = (mesh.metre_uv, 1.0) if image is None else mesh.unit_uv
     lines = [f"# metres, y up; 1 unit of uv is {scale:.9g} m of cloth", f"mtllib {library.name}", f"o {mesh.name}"]
     lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in mesh.nodes.tolist()]
@@ -80,7 +80,7 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
         "POSITION": mesh.nodes[split], "NORMAL": mesh.normals[split], "TEXCOORD_0": first, "TEXCOORD_1": second,
         "_NODE": split, "_PANEL": garment.panel_of_uv, "_SEAM_A": seams[:, 0], "_SEAM_B": seams[:, 1],
     }  # fmt: skip
-    names = plain_names([panel.name for panel in garment.pattern.panels])
+    names = sanitise_names([panel.name for panel in garment.pattern.panels])
     primitives: list[dict[str, Any]] = []
     for index, name in enumerate(names):
         own = np.flatnonzero(garment.panel_of_uv == index)
@@ -88,13 +88,13 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
         place[own] = np.arange(len(own))
         corners = place[garment.uv_faces[garment.panel_of_face == index]]
         attributes = {
-            key: buffer.add(np.ascontiguousarray(array[own].astype("<f4")), VERTICES, bounds=key == "POSITION")
+            key: buffer.add(np.ascontiguousarray(array[own].astype("<f4")), GL_ARRAY_BUFFER, bounds=key == "POSITION")
             for key, array in values.items()
         }
         primitives.append(
             {
                 "attributes": attributes,
-                "indices": buffer.add(corners.astype("<u4").ravel(), INDICES),
+                "indices": buffer.add(corners.astype("<u4").ravel(), GL_ELEMENT_ARRAY_BUFFER),
                 "material": index if image is None else 0,
                 "extras": {"panel": index, "name": name},
             }

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...cloth import Fabric
 from ...garment import EdgeRef, Garment, edge_length
-from ...garment.pieces import lay_out
+from ...garment.pieces import pack_on_shelves
 from ...geometry import vertex_normals
 from .meshes import UV_GAP, uv_layout
 
@@ -26,8 +26,8 @@ SQUARE_TRIES = 40
 """Widths of a layout that are tried for the smallest square around it: steps of 2 % from the widest panel on."""
 
 
-WHOLE = 0.01
-"""A layout's side is a multiple of this [m], so that it holds whole texels of 0.5, 1 or 2 mm."""
+LAYOUT_SIDE_STEP = 0.01
+"""Step of a layout's side [m]: the side is a multiple of it, so that it holds whole texels of 0.5, 1 or 2 mm."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
     Panels are `UV_GAP` apart, and half of that from the square's sides.
 
     Returns:
-        Coordinates, shape [uv_count, 2], and the side of the square [m], a multiple of `WHOLE`.
+        Coordinates, shape [uv_count, 2], and the side of the square [m], a multiple of `LAYOUT_SIDE_STEP`.
     """
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
@@ -92,13 +92,13 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
     widest = float(sizes[:, 0].max())
     best, side = np.zeros_like(low), np.inf
     for width in widest * 1.02 ** np.arange(SQUARE_TRIES * 2):
-        places = lay_out(sizes, UV_GAP, width + 1e-9)
+        places = pack_on_shelves(sizes, UV_GAP, width + 1e-9)
         needed = float((places + sizes).max())
         if needed < side - 1e-12:
             best, side = places, needed
     for mask, corner, place in zip(own, low, best, strict=True):
         uv[mask] += place - corner + 0.5 * UV_GAP
-    side = WHOLE * np.ceil((side + UV_GAP) / WHOLE - 1e-9)
+    side = LAYOUT_SIDE_STEP * np.ceil((side + UV_GAP) / LAYOUT_SIDE_STEP - 1e-9)
     return uv / side, float(side)
 
 
@@ -118,7 +118,7 @@ def seams_of_uv(garment: Garment) -> np.ndarray:
     return found
 
 
-def plain_names(names: tuple[str, ...] | list[str]) -> list[str]:
+def sanitise_names(names: tuple[str, ...] | list[str]) -> list[str]:
     """Return names of letters, digits, `_` and `-` alone, each once: a number is added where two are alike."""
     found: list[str] = []
     for index, name in enumerate(names):
@@ -142,7 +142,7 @@ def describe_cloth(mesh: SewnMesh, is_textured: bool = False) -> dict[str, Any]:
             "length_m": round(edge_length(pattern.panel(ref.panel), ref.edge), 6),
         }  # fmt: skip
 
-    names = plain_names([panel.name for panel in pattern.panels])
+    names = sanitise_names([panel.name for panel in pattern.panels])
     return {
         "garment": pattern.name,
         "mesh": mesh.name,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...run.errors import BadInput
-from .sewn_mesh import FABRIC_UNITS, SewnMesh, describe_cloth, panel_colour, plain_names
+from .sewn_mesh import FABRIC_UNITS, SewnMesh, describe_cloth, panel_colour, sanitise_names
 from .usd_mesh import can_write_usd, make_stage
 
 
@@ -57,7 +57,7 @@ def write_sewn_usd(mesh: SewnMesh, path: Path, image: Path | None = None) -> Pat
     garment, unit = mesh.garment, mesh.unit_uv[0]
     uv = {"st": mesh.metre_uv, "st1": unit} if image is None else {"st": unit, "st1": mesh.metre_uv}
     stage, cloth = make_stage(garment, mesh.nodes[None], uv=uv)
-    names = plain_names([panel.name for panel in garment.pattern.panels])
+    names = sanitise_names([panel.name for panel in garment.pattern.panels])
     UsdGeom.Scope.Define(stage, "/garment/materials")
     subsets = {int(subset.GetPrim().GetName().split("_")[1]): subset for subset in UsdGeom.Subset.GetGeomSubsets(cloth)}
     for index, subset in subsets.items():

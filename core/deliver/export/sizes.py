@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...body import MeasureRange
-from ...reuse.wear import Dressed
+from ...reuse.wear import DressedGarment
 from ...run.verdict import Verdict, worst_verdict
 from ..formats import nest
 from ..formats.grading import Size, grade_sizes
 from ..formats.size_drapes import drape_size
 from .dressed_report import aim_at
 from .meshes import write_ply
-from .person import on_white
-from .picture import ColouredMesh, draw, png_base64
+from .person import composite_on_white
+from .picture import ColouredMesh, png_base64, render_meshes
 from .result import write_json
-from .views import DRAPED, SKIN
+from .views import DRAPE_COLOUR, SKIN_COLOUR
 
 if TYPE_CHECKING:
     from ..formats import Production
@@ -48,12 +48,12 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
         try:
             dressed = drape_size(worn, size, base, production.hooks.quiet())
         except MeasureRange as error:
-            told.append(_tell(size, None, error.message))
+            told.append(_describe_draped_size(size, None, error.message))
             continue
         garment, body = dressed.worn.garment, dressed.worn.body
         files.append(write_ply(garment.nodes, garment.faces, folder / f"draped_{size.name}.ply"))
         files.append(write_ply(body.vertices, body.faces, folder / f"body_{size.name}.ply"))
-        told.append(_tell(size, dressed))
+        told.append(_describe_draped_size(size, dressed))
         pictures.append(_draw(dressed))
     files.append(write_json({"sizes": told}, folder / "sizes.json"))
     if pictures:
@@ -63,7 +63,7 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
     return files
 
 
-def _tell(size: Size, dressed: Dressed | None, why: str = "") -> dict[str, Any]:
+def _describe_draped_size(size: Size, dressed: DressedGarment | None, why: str = "") -> dict[str, Any]:
     """Return what is known of a size: girths [cm], verdict, warnings, numbers; why it was not draped otherwise."""
     girths = {name: round(100.0 * getattr(size.measures, name), 1) for name in ("bust", "waist", "hip")}
     told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
@@ -75,11 +75,13 @@ def _tell(size: Size, dressed: Dressed | None, why: str = "") -> dict[str, Any]:
     return {**told, "verdict": verdict, "gates": gates, "warnings": report.warnings, "metrics": report.metrics}
 
 
-def _draw(dressed: Dressed) -> np.ndarray:
+def _draw(dressed: DressedGarment) -> np.ndarray:
     """Return a picture of a size from the front, above one from the back."""
     worn = dressed.worn
     surfaces = [
-        ColouredMesh(worn.body.vertices, worn.body.faces, SKIN),
-        ColouredMesh(worn.garment.nodes, worn.garment.faces, DRAPED),
+        ColouredMesh(worn.body.vertices, worn.body.faces, SKIN_COLOUR),
+        ColouredMesh(worn.garment.nodes, worn.garment.faces, DRAPE_COLOUR),
     ]
-    return np.concatenate([on_white(draw(surfaces, aim_at(worn, turn))) for turn in (0.0, np.pi)], axis=0)
+    return np.concatenate(
+        [composite_on_white(render_meshes(surfaces, aim_at(worn, turn))) for turn in (0.0, np.pi)], axis=0
+    )

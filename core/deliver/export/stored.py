@@ -8,31 +8,31 @@ from pathlib import Path
 
 import numpy as np
 
-from ...reuse.wear import Worn
+from ...reuse.wear import WornGarment
 from ...reuse.wear.worn import ResultOld
 from ..ply import PlyBad, read_ply
 from .sewn_mesh import SewnMesh
 
-MESHES = ("graded", "detail", "simulation", "redrape")
+RECOVERED_MESHES = ("graded", "detail", "simulation", "redrape")
 """Names of a recovery's meshes."""
 
-AGAIN = ("dressed", "edited")
+REUSED_MESHES = ("dressed", "edited")
 """Names of the only mesh of a garment that is worn again, and of one that is sewn by an edited pattern."""
 
 
-def stored_meshes(folder: Path, worn: Worn, names: tuple[str, ...] = MESHES) -> list[SewnMesh]:
-    """Return those of the meshes of a stored result that there are, those of `AGAIN` among them.
+def load_stored_meshes(folder: Path, worn: WornGarment, names: tuple[str, ...] = RECOVERED_MESHES) -> list[SewnMesh]:
+    """Return those of the meshes of a stored result that there are, those of `REUSED_MESHES` among them.
 
     Args:
         folder: The result's files.
         worn: What `load_worn` reads there: topology, rest shape and fabric of all of them.
-        names: Some of `MESHES`.
+        names: Some of `RECOVERED_MESHES`.
 
     Raises:
         ResultOld: where a mesh is not that garment's.
     """
     found = []
-    for name in (*names, *AGAIN):
+    for name in (*names, *REUSED_MESHES):
         path = folder / f"{name}.ply"
         if path.is_file():
             nodes = read_nodes(path)

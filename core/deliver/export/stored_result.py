@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any
 from ...body import Body
 from ...cloth import Fabric
 from ...garment import Pattern
-from ...reuse.wear import Worn, load_worn
-from ...reuse.wear.worn import WORN
+from ...reuse.wear import WornGarment, load_worn
+from ...reuse.wear.worn import WORN_FILE_NAME
 from ...run.errors import BadInput, NotFound
 from .sewn_mesh import SewnMesh
-from .stored import AGAIN, MESHES, garment_stem, stored_meshes
+from .stored import RECOVERED_MESHES, REUSED_MESHES, garment_stem, load_stored_meshes
 
 if TYPE_CHECKING:
     from .result_picture import Picture
 
 METRICS, MANIFEST, PATTERN = "metrics.json", "manifest.json", "pattern.json"
 
-FILES = (WORN, METRICS, MANIFEST, PATTERN, *(f"{name}.ply" for name in (*MESHES, *AGAIN)))
+FILES = (WORN_FILE_NAME, METRICS, MANIFEST, PATTERN, *(f"{name}.ply" for name in (*RECOVERED_MESHES, *REUSED_MESHES)))
 """Names of the files that are read of a result, where it has them."""
 
 
@@ -52,7 +52,7 @@ class StoredResult:
     """
 
     name: str
-    worn: Worn
+    worn: WornGarment
     states: tuple[SewnMesh, ...]
     metrics: Mapping[str, float | None]
     manifest: Mapping[str, Any]
@@ -114,12 +114,12 @@ def load_result(folder: Path) -> StoredResult:
         ResultUnreadable: where the folder is none of a garment's result.
         ResultOld: where it was stored by another version.
     """
-    if not (folder / WORN).is_file():
-        below = sorted(path.parent.name for path in folder.glob(f"*/{WORN}")) if folder.is_dir() else []
+    if not (folder / WORN_FILE_NAME).is_file():
+        below = sorted(path.parent.name for path in folder.glob(f"*/{WORN_FILE_NAME}")) if folder.is_dir() else []
         hint = f"open one of the garments in it: {', '.join(below)}." if below else ResultUnreadable().message
         raise ResultUnreadable(f"{folder}: {hint}")
     worn = load_worn(folder)
-    states = tuple(stored_meshes(folder, worn))
+    states = tuple(load_stored_meshes(folder, worn))
     return StoredResult(garment_stem(folder), worn, states, _read(folder / METRICS), _read(folder / MANIFEST))
 
 

@@ -19,7 +19,7 @@ from .usd_mesh import can_write_usd
 
 
 @dataclass(frozen=True)
-class Textured:
+class TexturedFiles:
     """Describe what was written, and how much of the cloth the scan shows.
 
     Attributes:
@@ -31,7 +31,7 @@ class Textured:
     coverage: float
 
 
-def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, texel_mm: float = 1.0) -> Textured:
+def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, texel_mm: float = 1.0) -> TexturedFiles:
     """Bake a scan's colours and write them.
 
     Writes `STEM_texture.png`, `STEM_texture_mask.png` (white: seen, grey: filled from around it, black: no cloth),
@@ -65,7 +65,7 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
         path = folder / f"{stem}_print_{name}.png"
         path.write_bytes(_png(draw_print(mesh, baked, places, texel), texel))
         files.append(path)
-    return Textured(files, baked.coverage)
+    return TexturedFiles(files, baked.coverage)
 
 
 def _png(pixels: np.ndarray, texel: float) -> bytes:

@@ -13,7 +13,7 @@ import numpy as np
 from ...garment import Garment
 from .meshes import uv_layout
 
-MISSING = "no USD file: `pip install garmentq[usd]` adds it."
+USD_MISSING_WARNING = "no USD file: `pip install garmentq[usd]` adds it."
 """What a user is told where the library that writes USD is not installed."""
 
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...garment import contains
+from ...garment import points_in_polygon
 from ...garment.pieces import EdgeUse, PieceSet, lay_on_cloth
 from .drawing import describe_cutting, keep_ascii
 from .pdf_file import show_text
 from .sheet import Sheet
 from .tiling import Tile, Tiling
 
-SQUARES = ((50.0, "50 mm"), (50.8, "2 in"))
+TEST_SQUARES = ((50.0, "50 mm"), (50.8, "2 in"))
 """Sides of the test squares [mm], each with its own unit beside it."""
 
-LINE = 4.4
+COVER_LINE_HEIGHT_MM = 4.4
 """Height of a line of text [mm]."""
 
-TEXT = 3.2
+COVER_TEXT_SIZE_MM = 3.2
 """Size of the text [mm]."""
 
 
@@ -26,9 +26,14 @@ def cover_content(sheet: Sheet, tiling: Tiling) -> str:
     paper, pieces = tiling.paper, sheet.pieces
     left, top = 12.0, paper.height - 18.0
     parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_ascii(pieces.name), True)]
-    lines = [*_head(pieces), f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:"]
-    parts += [show_text(left, top - 6.0 - LINE * n, TEXT, line) for n, line in enumerate(lines)]
-    y = top - 10.0 - LINE * len(lines) - SQUARES[1][0]
+    lines = [
+        *_heading_lines(pieces),
+        f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:",
+    ]
+    parts += [
+        show_text(left, top - 6.0 - COVER_LINE_HEIGHT_MM * n, COVER_TEXT_SIZE_MM, line) for n, line in enumerate(lines)
+    ]
+    y = top - 10.0 - COVER_LINE_HEIGHT_MM * len(lines) - TEST_SQUARES[1][0]
     parts.append(_squares(left, y))
     y -= 8.0
     room = y - 12.0
@@ -36,7 +41,7 @@ def cover_content(sheet: Sheet, tiling: Tiling) -> str:
     parts.append(_map(sheet, tiling, (left, y - height), (paper.width - 2 * left, height)))
     y -= height + 8.0
     half = (paper.width - 2 * left) / 2
-    most = int((y - 8.0) / LINE)
+    most = int((y - 8.0) / COVER_LINE_HEIGHT_MM)
     shown = _name_tiles(sheet, tiling)
     parts.append(_column(left, y, _list_pieces(pieces, shown) + ["", *list_notes(pieces)], most, half))
     parts.append(_column(left + half + 4.0, y, list_steps(pieces), most, half))
@@ -46,16 +51,16 @@ def cover_content(sheet: Sheet, tiling: Tiling) -> str:
 def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
     """Return the operators of the strip below the pieces of a roll, its lower left corner at (x, y) [mm]."""
     pieces = sheet.pieces
-    lines = [*_head(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
+    lines = [*_heading_lines(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
     parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_ascii(pieces.name), True)]
-    most, column = int(60.0 / LINE), 110.0
+    most, column = int(60.0 / COVER_LINE_HEIGHT_MM), 110.0
     room = max(1, int((width - 125.0) / column))
     for n in range(min(room, -(-len(lines) // most))):
         parts.append(_column(x + 125.0 + n * column, y + 62.0, lines[n * most : (n + 1) * most], most, column))
     return "".join(parts)
 
 
-def _head(pieces: PieceSet) -> list[str]:
+def _heading_lines(pieces: PieceSet) -> list[str]:
     lay = lay_on_cloth(pieces.pieces)
     cloth = f"about {lay.length:.2f} m" if np.isfinite(lay.length) else "wider than the cloth"
     lines = [f"size: {keep_ascii(pieces.size)} cm" if pieces.size else "", keep_ascii(pieces.fabric)]
@@ -65,7 +70,7 @@ def _head(pieces: PieceSet) -> list[str]:
 
 def _squares(left: float, bottom: float) -> str:
     parts = []
-    for n, (side, name) in enumerate(SQUARES):
+    for n, (side, name) in enumerate(TEST_SQUARES):
         x = left + 60.0 * n
         parts.append(f"0.2 w [] 0 d {x:.3f} {bottom:.3f} {side:.3f} {side:.3f} re S\n")
         parts.append(show_text(x + 16.0, bottom + side / 2, 5.0, name, True))
@@ -100,7 +105,7 @@ def _name_tiles(sheet: Sheet, tiling: Tiling) -> dict[int, list[str]]:
         low = np.array([tile.column * across, height - (tile.row + 1) * down])
         high = low + (across, down)
         inside = (outline > low).all(axis=1) & (outline < high).all(axis=1)
-        return bool(inside.any() or contains(outline, ((low + high) / 2)[None])[0])
+        return bool(inside.any() or points_in_polygon(outline, ((low + high) / 2)[None])[0])
 
     return {
         number: [tile.name for tile in tiling.tiles if shows(tile, 1e3 * outline)]
@@ -148,9 +153,15 @@ def list_steps(pieces: PieceSet) -> list[str]:
 def _column(x: float, y: float, lines: list[str], most: int, width: float) -> str:
     if len(lines) > most > 1:
         lines = [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines"]
-    letters = int(width / (0.5 * TEXT))
+    letters = int(width / (0.5 * COVER_TEXT_SIZE_MM))
     parts = [
-        show_text(x, y - LINE * n, TEXT, line[:letters], bold=line in ("Pieces", "Sewing order", "Not in this pattern"))
+        show_text(
+            x,
+            y - COVER_LINE_HEIGHT_MM * n,
+            COVER_TEXT_SIZE_MM,
+            line[:letters],
+            bold=line in ("Pieces", "Sewing order", "Not in this pattern"),
+        )
         for n, line in enumerate(lines[:most])
     ]
     return "".join(parts)

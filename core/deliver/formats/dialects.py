@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 
-SLIT, CHECK = 4, 82
-"""Layers of kinds of notches (ASTM D6673)."""
+SLIT_NOTCH_LAYER, CHECK_NOTCH_LAYER = 4, 82
+"""Numbers of the layers of slit notches and of check notches (ASTM D6673)."""
 
 
-class Closing(StrEnum):
+class OutlineClosing(StrEnum):
     """Describe how a closed outline ends."""
 
     FLAG = "flag"
@@ -46,10 +46,10 @@ class Dialect:
     acad: str = ""
     is_inch: bool = False
     grain_along_x: bool = False
-    closing: Closing = Closing.FLAG
+    closing: OutlineClosing = OutlineClosing.FLAG
     sew_layer: int = 14
     text_layer: int = 1
-    notch_layer: int = SLIT
+    notch_layer: int = SLIT_NOTCH_LAYER
     notch_is_line: bool = False
     marks_points: bool = True
     has_validation: bool = False
@@ -61,16 +61,16 @@ class Dialect:
 _ASTM = "ASTM/D13 Proposal 1 Version: D6673-10"
 _ASTM_RULES = "ASTM/D13 Proposal 1 Version: D 6673-04"
 
-BY_NAME: Mapping[str, Dialect] = MappingProxyType({
+DIALECTS_BY_NAME: Mapping[str, Dialect] = MappingProxyType({
     one.name: one
     for one in (
         Dialect("aama"),
         Dialect("astm", version=_ASTM, rule_version=_ASTM_RULES, text_layer=15, notch_layer=4, has_validation=True),
         Dialect("clo", acad="AC1006", rule_version=_ASTM_RULES, separator=" "),
-        Dialect("gerber", is_inch=True, grain_along_x=True, closing=Closing.REPEATED, name_key="Piece Name"),
-        Dialect("optitex", closing=Closing.REPEATED),
+        Dialect("gerber", is_inch=True, grain_along_x=True, closing=OutlineClosing.REPEATED, name_key="Piece Name"),
+        Dialect("optitex", closing=OutlineClosing.REPEATED),
         Dialect("seamly", sew_layer=8, notch_is_line=True, marks_points=False),
-        Dialect("richpeace", closing=Closing.REPEATED, notch_layer=CHECK, name_key="Piece Name",
+        Dialect("richpeace", closing=OutlineClosing.REPEATED, notch_layer=CHECK_NOTCH_LAYER, name_key="Piece Name",
                 size_key="SAMPLE SIZE"),
     )
 })  # fmt: skip

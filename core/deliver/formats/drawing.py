@@ -7,20 +7,20 @@ from enum import StrEnum
 
 import numpy as np
 
-from ...garment import contains
+from ...garment import points_in_polygon
 from ...garment.pieces import EdgeUse, Piece, PieceSet, flatten_edge, flatten_outline
 
-HEAD = 0.006
+ARROW_HEAD_LENGTH = 0.006
 """Length of an arrow's head [m]."""
 
 FOLD_INSET = 0.012
 """Distance of the arrow of a fold from the fold [m]."""
 
-LETTER = 0.52
-"""Mean width of a letter of Helvetica, as a part of its size."""
+LETTER_WIDTH_FRACTION = 0.52
+"""Mean width of a letter of Helvetica, as a fraction of the size of the text."""
 
-LARGEST, SMALLEST = 0.009, 0.005
-"""Size of the text on a piece [m]: 9 mm where there is room, never under 5."""
+MAX_PIECE_TEXT_SIZE, MIN_PIECE_TEXT_SIZE = 0.009, 0.005
+"""Largest and smallest size of the text on a piece [m]: 9 mm where there is room, never under 5 mm."""
 
 
 class Layer(StrEnum):
@@ -63,7 +63,7 @@ class Text:
     @property
     def width(self) -> float:
         """Return its width [m], rather too wide than too narrow."""
-        return self.size * LETTER * len(self.text) * (1.1 if self.is_bold else 1.0)
+        return self.size * LETTER_WIDTH_FRACTION * len(self.text) * (1.1 if self.is_bold else 1.0)
 
 
 def draw_lines(piece: Piece) -> list[Line]:
@@ -92,7 +92,7 @@ def _arrow(start: np.ndarray, end: np.ndarray) -> list[np.ndarray]:
     along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
     side = 0.4 * np.array([-along[1], along[0]])
     heads = [
-        np.array([tip + HEAD * (back + side), tip, tip + HEAD * (back - side)])
+        np.array([tip + ARROW_HEAD_LENGTH * (back + side), tip, tip + ARROW_HEAD_LENGTH * (back - side)])
         for tip, back in ((start, along), (end, -along))
     ]
     return [np.array([start, end]), *heads]
@@ -135,12 +135,12 @@ def place_texts(piece: Piece, texts: list[str]) -> list[Text]:
     outline = flatten_outline(piece.net, 2e-4)[0]
     low, high = outline.min(axis=0), outline.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.linspace(low[k], high[k], 23)[1:-1] for k in (0, 1))), axis=-1).reshape(-1, 2)
-    grid = grid[contains(outline, grid)]
+    grid = grid[points_in_polygon(outline, grid)]
     if not len(grid):
         return []
     grid = grid[np.argsort(-_clearance(outline, grid), kind="stable")]
     for count in range(len(texts), 0, -1):
-        for size in (LARGEST, 0.007, SMALLEST):
+        for size in (MAX_PIECE_TEXT_SIZE, 0.007, MIN_PIECE_TEXT_SIZE):
             block = [Text(text, np.zeros(2), size, n == 0) for n, text in enumerate(texts[:count])]
             half = np.array([max(text.width for text in block) / 2, 0.75 * size * count])
             for centre in grid[:60]:
@@ -164,7 +164,7 @@ def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.nda
     """Return whether a box lies within an outline and holds neither grainline, fold arrow, notch, dart nor drill."""
     turns = np.linspace(-1.0, 1.0, 9)
     rim = np.concatenate([[(x, y) for x in turns for y in (-1.0, 1.0)], [(x, y) for y in turns for x in (-1.0, 1.0)]])
-    if not contains(outline, centre + rim * half).all():
+    if not points_in_polygon(outline, centre + rim * half).all():
         return False
     marks = [*piece.darts, piece.drills, *(n.point + n.depth * n.inward for n in piece.notches)]
     marks.append(np.linspace(piece.grain[0], piece.grain[1], 50))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...garment import Panel
 from ...garment.pieces import Piece, PieceSet, flatten_outline
-from .dialects import BY_NAME, Closing, Dialect
+from .dialects import DIALECTS_BY_NAME, Dialect, OutlineClosing
 from .drawing import keep_ascii
 
 if TYPE_CHECKING:
@@ -25,11 +25,12 @@ AUTHOR = "garmentq;garmentq;1"
 NOTCH_WIDTH = 0.0
 """Width of a slit [m]."""
 
-DRILL = 0.003
+DRILL_HOLE_DIAMETER = 0.003
 """Diameter of a drill hole [m]."""
 
-STAMP = (1980, 1, 1, 0, 0, 0)
-"""Time of the files in an archive: its bytes are to depend on its content alone."""
+ARCHIVE_FILE_TIMESTAMP = (1980, 1, 1, 0, 0, 0)
+"""Time of the files in an archive (year, month, day, hour, minute, second). It is constant, so that the archive's bytes
+depend on its content alone."""
 
 Rules = dict[str, list[tuple[np.ndarray, int]]]
 """By the piece's name: points of it [m], and the number of the rule that moves each."""
@@ -46,7 +47,7 @@ class Block:
 
 def write(production: Production, folder: Path) -> list[Path]:
     """Write `pieces_DIALECT.dxf`, its rule table and an archive of both, and return them."""
-    dialect = BY_NAME[production.options.dialect]
+    dialect = DIALECTS_BY_NAME[production.options.dialect]
     pieces = production.pieces
     blocks = [Block(piece, piece.name, "BASE") for piece in pieces.pieces]
     files = {
@@ -61,8 +62,8 @@ def write_archive(files: dict[str, str], dialect: Dialect, folder: Path, name: s
     paths = []
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file, text in [*files.items(), ("README.txt", _note(dialect))]:
-            archive.writestr(zipfile.ZipInfo(file, STAMP), text.encode("ascii"), zipfile.ZIP_DEFLATED)
+        for file, text in [*files.items(), ("README.txt", _readme_text(dialect))]:
+            archive.writestr(zipfile.ZipInfo(file, ARCHIVE_FILE_TIMESTAMP), text.encode("ascii"), zipfile.ZIP_DEFLATED)
     for file, text in files.items():
         path = folder / file
         path.write_bytes(text.encode("ascii"))
@@ -72,7 +73,7 @@ def write_archive(files: dict[str, str], dialect: Dialect, folder: Path, name: s
     return [*paths, path]
 
 
-def _note(dialect: Dialect) -> str:
+def _readme_text(dialect: Dialect) -> str:
     unit = "inches" if dialect.is_inch else "millimetres"
     lines = [
         f"Dialect: {dialect.name}. Units: {unit}. Cut line: layer 1, sew line: layer {dialect.sew_layer}.",
@@ -88,16 +89,16 @@ def dxf_text(pieces: PieceSet, blocks: Iterable[Block], dialect: Dialect, rules:
     """Return the DXF file of some pieces (R12, ASCII): a block and an insertion of it each, and the style's texts."""
     out: list[str] = []
     listed = list(blocks)
-    _put(out, (0, "SECTION"), (2, "HEADER"))
+    _append_groups(out, (0, "SECTION"), (2, "HEADER"))
     if dialect.acad:
-        _put(out, (9, "$ACADVER"), (1, dialect.acad))
-    _put(out, (0, "ENDSEC"), (0, "SECTION"), (2, "BLOCKS"))
+        _append_groups(out, (9, "$ACADVER"), (1, dialect.acad))
+    _append_groups(out, (0, "ENDSEC"), (0, "SECTION"), (2, "BLOCKS"))
     for block in listed:
-        _put(out, (0, "BLOCK"), (8, "0"), (2, block.name), (70, "0"), (10, "0.0"), (20, "0.0"), (30, "0.0"))
-        _put(out, (3, block.name))
+        _append_groups(out, (0, "BLOCK"), (8, "0"), (2, block.name), (70, "0"), (10, "0.0"), (20, "0.0"), (30, "0.0"))
+        _append_groups(out, (3, block.name))
         _draw(out, block, pieces, dialect, (rules or {}).get(block.piece.name, []))
-        _put(out, (0, "ENDBLK"), (8, "0"))
-    _put(out, (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
+        _append_groups(out, (0, "ENDBLK"), (8, "0"))
+    _append_groups(out, (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
     sample = listed[0].size if listed else ""
     style = {
         "STYLE NAME": keep_ascii(pieces.name)[:20], "CREATION DATE": "", "CREATION TIME": "", "AUTHOR": AUTHOR,
@@ -109,8 +110,8 @@ def dxf_text(pieces: PieceSet, blocks: Iterable[Block], dialect: Dialect, rules:
     for n, (key, value) in enumerate(style.items()):
         _text(out, 1, f"{key}: {value}", (0.0, -0.02 * (n + 1)), dialect)
     for block in listed:
-        _put(out, (0, "INSERT"), (8, "1"), (2, block.name), (10, "0.0"), (20, "0.0"), (30, "0.0"))
-    _put(out, (0, "ENDSEC"), (0, "EOF"))
+        _append_groups(out, (0, "INSERT"), (8, "1"), (2, block.name), (10, "0.0"), (20, "0.0"), (30, "0.0"))
+    _append_groups(out, (0, "ENDSEC"), (0, "EOF"))
     return "".join(out)
 
 
@@ -131,7 +132,7 @@ def rule_text(dialect: Dialect, sizes: tuple[str, ...], rules: list[np.ndarray],
     ]  # fmt: skip
     for number, moves in enumerate(rules, 1):
         lines.append(f"RULE: DELTA {number}")
-        turned = _turn(moves, dialect)
+        turned = _to_dialect_axes(moves, dialect)
         pairs = [f"{_number(x, dialect)}{dialect.separator}{_number(y, dialect)}" for x, y in turned]
         lines += ["  ".join(pairs[k : k + 4]) for k in range(0, len(pairs), 4)]
     return "\r\n".join([*lines, "END"]) + "\r\n"
@@ -159,9 +160,9 @@ def _draw(
         if dialect.notch_is_line:
             _line(out, layer, np.array([notch.point, notch.point + notch.depth * notch.inward]), dialect)
             continue
-        angle = np.degrees(np.arctan2(*_turn(notch.inward[None], dialect)[0][::-1])) % 360.0
+        angle = np.degrees(np.arctan2(*_to_dialect_axes(notch.inward[None], dialect)[0][::-1])) % 360.0
         _point(out, layer, notch.point, dialect, notch.depth)
-        _put(out, (39, _number(NOTCH_WIDTH, dialect)), (50, f"{angle:.4f}"))
+        _append_groups(out, (39, _number(NOTCH_WIDTH, dialect)), (50, f"{angle:.4f}"))
     if piece.fold is not None:
         number = piece.fold
         _line(out, 6, piece.net.points[[number, (number + 1) % len(piece.net.points)]], dialect)
@@ -169,7 +170,7 @@ def _draw(
     for line in piece.darts:
         _polyline(out, 8, line, dialect, closed=False)
     for drill in piece.drills:
-        _point(out, 13, drill, dialect, DRILL)
+        _point(out, 13, drill, dialect, DRILL_HOLE_DIAMETER)
     middle = piece.grain.mean(axis=0)
     texts = {
         dialect.name_key: piece.name,
@@ -192,38 +193,38 @@ def _sew_points(out: list[str], net: Panel, dialect: Dialect) -> None:
 
 
 def _outline(out: list[str], layer: int, points: np.ndarray, dialect: Dialect) -> None:
-    closed = dialect.closing == Closing.FLAG
+    closed = dialect.closing == OutlineClosing.FLAG
     _polyline(out, layer, points if closed else np.concatenate([points, points[:1]]), dialect, closed)
 
 
 def _polyline(out: list[str], layer: int, points: np.ndarray, dialect: Dialect, closed: bool) -> None:
-    _put(out, (0, "POLYLINE"), (8, layer), (66, 1), (70, int(closed)))
-    for x, y in _turn(points, dialect):
-        _put(out, (0, "VERTEX"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
-    _put(out, (0, "SEQEND"))
+    _append_groups(out, (0, "POLYLINE"), (8, layer), (66, 1), (70, int(closed)))
+    for x, y in _to_dialect_axes(points, dialect):
+        _append_groups(out, (0, "VERTEX"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
+    _append_groups(out, (0, "SEQEND"))
 
 
 def _line(out: list[str], layer: int, ends: np.ndarray, dialect: Dialect) -> None:
-    (ax, ay), (bx, by) = _turn(ends, dialect)
-    _put(
+    (ax, ay), (bx, by) = _to_dialect_axes(ends, dialect)
+    _append_groups(
         out, (0, "LINE"), (8, layer), (10, _number(ax, dialect)), (20, _number(ay, dialect)), (30, _number(0, dialect))
     )
-    _put(out, (11, _number(bx, dialect)), (21, _number(by, dialect)), (31, _number(0, dialect)))
+    _append_groups(out, (11, _number(bx, dialect)), (21, _number(by, dialect)), (31, _number(0, dialect)))
 
 
 def _point(out: list[str], layer: int, point: np.ndarray, dialect: Dialect, height: float = 0.0) -> None:
-    ((x, y),) = _turn(point[None], dialect)
-    _put(out, (0, "POINT"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
-    _put(out, (30, _number(height, dialect)))
+    ((x, y),) = _to_dialect_axes(point[None], dialect)
+    _append_groups(out, (0, "POINT"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
+    _append_groups(out, (30, _number(height, dialect)))
 
 
 def _text(out: list[str], layer: int, text: str, place: tuple[float, float], dialect: Dialect) -> None:
-    ((x, y),) = _turn(np.array([place]), dialect)
-    _put(out, (0, "TEXT"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
-    _put(out, (40, _number(0.005, dialect)), (1, text))
+    ((x, y),) = _to_dialect_axes(np.array([place]), dialect)
+    _append_groups(out, (0, "TEXT"), (8, layer), (10, _number(x, dialect)), (20, _number(y, dialect)))
+    _append_groups(out, (40, _number(0.005, dialect)), (1, text))
 
 
-def _turn(points: np.ndarray, dialect: Dialect) -> np.ndarray:
+def _to_dialect_axes(points: np.ndarray, dialect: Dialect) -> np.ndarray:
     """Return points by the axes of the dialect: the warp, our +y, along y or x."""
     return points @ np.array([[0.0, -1.0], [1.0, 0.0]]) if dialect.grain_along_x else np.asarray(points)
 
@@ -234,5 +235,5 @@ def _number(metres: float, dialect: Dialect) -> str:
     return value.removeprefix("-") if float(value) == 0.0 else value
 
 
-def _put(out: list[str], *pairs: tuple[int, object]) -> None:
+def _append_groups(out: list[str], *pairs: tuple[int, object]) -> None:
     out += [f"{code:>3}\r\n{value}\r\n" for code, value in pairs]

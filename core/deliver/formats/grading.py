@@ -11,14 +11,15 @@ from ...garment import BodyMeasures, Pattern, TemplateUnknown, draft_template, m
 from .errors import SizesBad
 from .options import ExportOptions, SizeLine
 
-SHOULDER = 1.0 / 16.0
-"""Growth of half the shoulders by that of the bust: 2.5 mm for a step of 4 cm."""
+SHOULDER_GROWTH_RATIO = 1.0 / 16.0
+"""Ratio of the growth of half the shoulders' width to that of the bust: 2.5 mm for a step of 4 cm."""
 
-NECK = 1.0 / 40.0
-"""Growth of half the neck's width by that of the bust: 1 mm for a step of 4 cm."""
+NECK_GROWTH_RATIO = 1.0 / 40.0
+"""Ratio of the growth of half the neck's width to that of the bust: 1 mm for a step of 4 cm."""
 
-LONGEST = 8
-"""Longest name of a size: with the name of a piece it is a block's name, and those of R12 have 31 letters."""
+MAX_SIZE_NAME_LENGTH = 8
+"""Largest length of a size's name [letters]. With the name of a piece it is a block's name, and block names of R12 have
+31 letters."""
 
 HEIGHTS = ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch_height")
 
@@ -62,7 +63,7 @@ def grade_sizes(
         steps = range(options.first, options.last + 1)
         grown = [step_measures(base, step * options.step / 100.0) for step in steps]
         wanted = list(zip(_name_steps(grown, options), grown, strict=True))
-    named = [(_fold_name(name), measures) for name, measures in wanted]
+    named = [(_normalise_size_name(name), measures) for name, measures in wanted]
     if not any(measures == base for _, measures in named):
         named.append(("BASE", base))
     if len({name for name, _ in named}) < len(named) or not all(name for name, _ in named):
@@ -80,8 +81,8 @@ def step_measures(base: BodyMeasures, growth: float) -> BodyMeasures:
         bust=base.bust + growth,
         waist=base.waist + growth,
         hip=base.hip + growth,
-        shoulder_half_width=base.shoulder_half_width + SHOULDER * growth,
-        neck_half_width=base.neck_half_width + NECK * growth,
+        shoulder_half_width=base.shoulder_half_width + SHOULDER_GROWTH_RATIO * growth,
+        neck_half_width=base.neck_half_width + NECK_GROWTH_RATIO * growth,
     )
 
 
@@ -102,8 +103,8 @@ def _name_steps(grown: list[BodyMeasures], options: ExportOptions) -> list[str]:
     return [f"{'M' if step < 0 else 'P'}{abs(step)}" for step in range(options.first, options.last + 1)]
 
 
-def _fold_name(name: str) -> str:
-    return re.sub(r"[^A-Z0-9]", "", name.upper())[:LONGEST]
+def _normalise_size_name(name: str) -> str:
+    return re.sub(r"[^A-Z0-9]", "", name.upper())[:MAX_SIZE_NAME_LENGTH]
 
 
 def _grade(pattern: Pattern, template: str, base: BodyMeasures, other: BodyMeasures) -> tuple[Pattern, bool, bool]:

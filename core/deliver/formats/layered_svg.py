@@ -11,12 +11,12 @@ import numpy as np
 from ...garment.pieces import Piece, PieceSet
 from ...garment.svg_path import edge_path
 from .drawing import Layer, Line, Text, keep_ascii
-from .sheet import Sheet, arrange
+from .sheet import Sheet, arrange_pieces
 
 if TYPE_CHECKING:
     from .production import Production
 
-WIDTH = 1.4
+PIECES_SVG_SHEET_WIDTH = 1.4
 """Width of the sheet [m]."""
 
 STYLE = """
@@ -39,7 +39,7 @@ def write(production: Production, folder: Path) -> list[Path]:
 
 def pieces_svg(pieces: PieceSet) -> str:
     """Return the SVG text of a garment's pieces; 1 user unit is 1 mm, ids are LAYER.PIECE."""
-    sheet = arrange(pieces, WIDTH)
+    sheet = arrange_pieces(pieces, PIECES_SVG_SHEET_WIDTH)
     width, height = (1e3 * float(value) for value in sheet.size)
     layers = "\n".join(_layer(sheet, layer, height) for layer in Layer)
     size = f'width="{width:.3f}mm" height="{height:.3f}mm" viewBox="0 0 {width:.3f} {height:.3f}"'

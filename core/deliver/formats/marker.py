@@ -16,7 +16,7 @@ from .papers import find_paper
 if TYPE_CHECKING:
     from .production import Production
 
-TEXT = 20.0
+MARKER_TEXT_SIZE_MM = 20.0
 """Height of letters [mm]."""
 
 
@@ -46,7 +46,9 @@ def marker_svg(lay: Lay, name: str) -> str:
         points = " L ".join(f"{x:.3f} {y:.3f}" for x, y in places)
         x, y = (places.min(axis=0) + places.max(axis=0)) / 2.0
         parts.append(f'<path class="cut" d="M {points} Z"/>')
-        parts.append(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{TEXT:g}">{escape(keep_ascii(copy.name))}</text>')
+        parts.append(
+            f'<text x="{x:.1f}" y="{y:.1f}" font-size="{MARKER_TEXT_SIZE_MM:g}">{escape(keep_ascii(copy.name))}</text>'
+        )
     style = "path { fill: none; stroke: #000; stroke-width: 0.5; } .cloth { stroke: #888; } "
     style += "text { font-family: sans-serif; text-anchor: middle; }"
     size = f'width="{width:.3f}mm" height="{height:.3f}mm" viewBox="0 0 {width:.3f} {height:.3f}"'

@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...garment import save_pattern
-from ...garment.pieces import Piece, PieceSet, lay_out, make_pieces
-from .dialects import BY_NAME
+from ...garment.pieces import Piece, PieceSet, make_pieces, pack_on_shelves
+from .dialects import DIALECTS_BY_NAME
 from .drawing import draw_lines, keep_ascii, list_texts, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
 from .grading import Size, grade_sizes
-from .papers import ROLL, find_paper
+from .papers import PLOTTER_ROLL_WIDTH_MM, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
 
 if TYPE_CHECKING:
     from .production import Production
 
-GAP = 0.02
+SIZE_NEST_GAP = 0.02
 """Free space between nests [m]."""
 
-MARGIN = 10.0
-"""Border of the page, and height of a line of its legend [mm]."""
+NEST_PAGE_MARGIN_MM = 10.0
+"""Width of the border of the page, and height of a line of its legend [mm]."""
 
 DASHES = ("[]", "[6 2]", "[3 1.5]", "[1.5 1]", "[8 2 1 2]", "[4 1 1 1 1 1]", "[2 2]")
 """Dashes of the sizes [mm], in turn; the base is drawn whole and thick."""
 
-APPROXIMATE = (
+SCALED_SIZES_WARNING = (
     "the pattern is no shipped template's, so nobody knows its draft: sizes are scaled by girths, which is approximate"
 )
 """What is said of sizes without a draft."""
@@ -52,8 +52,8 @@ def write(production: Production, folder: Path) -> list[Path]:
     files = [save_pattern(size.pattern, folder / f"pattern_{size.name}.json") for size in sizes]
     paper = find_paper(production.options.paper)
     nest = folder / "nest.pdf"
-    nest.write_bytes(nest_pdf(sizes, pieces, paper.width if paper.is_roll else ROLL))
-    dialect = BY_NAME[production.options.dialect]
+    nest.write_bytes(nest_pdf(sizes, pieces, paper.width if paper.is_roll else PLOTTER_ROLL_WIDTH_MM))
+    dialect = DIALECTS_BY_NAME[production.options.dialect]
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     blocks = [
         Block(piece, f"{piece.name}_{size.name}", size.name)
@@ -89,7 +89,7 @@ def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rul
     numbers: dict[bytes, int] = {}
     rules: Rules = {}
     for n, piece in enumerate(pieces[base].pieces):
-        turns = [find_turns(one.pieces[n]) for one in pieces]
+        turns = [find_turn_points(one.pieces[n]) for one in pieces]
         if any(len(points) != len(turns[base]) for points in turns):
             continue
         found = []
@@ -104,7 +104,7 @@ def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rul
     return moves, rules
 
 
-def find_turns(piece: Piece) -> np.ndarray:
+def find_turn_points(piece: Piece) -> np.ndarray:
     """Return what rules move: corners of the cut line, notches and control points of the sew line [m], shape [n, 2]."""
     notches = np.array([notch.point for notch in piece.notches]).reshape(-1, 2)
     return np.concatenate([piece.cut.points[piece.cut.corner], notches, piece.net.points])
@@ -116,10 +116,10 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
     count = len(pieces[base].pieces)
     low = np.array([np.min([one.pieces[n].cut.points.min(axis=0) for one in pieces], axis=0) for n in range(count)])
     high = np.array([np.max([one.pieces[n].cut.points.max(axis=0) for one in pieces], axis=0) for n in range(count)])
-    room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * MARGIN / 1e3)
-    corners = lay_out(high - low, GAP, room - 2.0 * MARGIN / 1e3, stacked=True)
-    legend = MARGIN * (len(sizes) + 3)
-    shifts = 1e3 * (corners - low) + [MARGIN, MARGIN + legend]
+    room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * NEST_PAGE_MARGIN_MM / 1e3)
+    corners = pack_on_shelves(high - low, SIZE_NEST_GAP, room - 2.0 * NEST_PAGE_MARGIN_MM / 1e3, stacked=True)
+    legend = NEST_PAGE_MARGIN_MM * (len(sizes) + 3)
+    shifts = 1e3 * (corners - low) + [NEST_PAGE_MARGIN_MM, NEST_PAGE_MARGIN_MM + legend]
     parts = ["0 G 0 g 1 J 1 j\n"]
     for n in range(count):
         for k, one in enumerate(pieces):
@@ -131,16 +131,21 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
         for text in place_texts(own, list_texts(pieces[base], n)):
             x, y = 1e3 * text.centre + shifts[n]
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
-    parts.append(show_text(MARGIN, legend, 6.0, f"{keep_ascii(pieces[base].name)}: sizes", True))
+    parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_ascii(pieces[base].name)}: sizes", True))
     if not all(size.is_drafted for size in sizes):
-        parts.append(show_text(MARGIN + 90.0, legend, 4.0, APPROXIMATE))
+        parts.append(show_text(NEST_PAGE_MARGIN_MM + 90.0, legend, 4.0, SCALED_SIZES_WARNING))
     for k, size in enumerate(sizes):
-        y = legend - MARGIN * (k + 1)
+        y = legend - NEST_PAGE_MARGIN_MM * (k + 1)
         measures = size.measures
         girths = f"bust {100 * measures.bust:.0f} waist {100 * measures.waist:.0f} hip {100 * measures.hip:.0f}"
-        parts.append(f"{_pen(k, base)} {MARGIN:.1f} {y + 1.2:.1f} m {MARGIN + 30:.1f} {y + 1.2:.1f} l S\n")
-        parts.append(show_text(MARGIN + 34.0, y, 4.0, f"{size.name}   {girths}{'   base' if size.is_base else ''}"))
-    height = 1e3 * float((corners + high - low)[:, 1].max()) + 2.0 * MARGIN + legend
+        parts.append(
+            f"{_pen(k, base)} {NEST_PAGE_MARGIN_MM:.1f} {y + 1.2:.1f} m "
+            f"{NEST_PAGE_MARGIN_MM + 30:.1f} {y + 1.2:.1f} l S\n"
+        )
+        parts.append(
+            show_text(NEST_PAGE_MARGIN_MM + 34.0, y, 4.0, f"{size.name}   {girths}{'   base' if size.is_base else ''}")
+        )
+    height = 1e3 * float((corners + high - low)[:, 1].max()) + 2.0 * NEST_PAGE_MARGIN_MM + legend
     return pdf_bytes([Page(1e3 * room, height, "".join(parts))], f"{pieces[base].name} sizes")
 
 

@@ -12,12 +12,12 @@ from .errors import FormatUnknown, SizesBad
 from .papers import find_paper
 from .registry import DIALECTS, FORMATS
 
-MOST_SIZES = 40
-"""Most sizes of one export."""
+MAX_SIZE_COUNT = 40
+"""Largest number of sizes in one export."""
 
-LONGEST_SIZE_NAME = 40
-"""Most letters of a size's name as a table has it; a block of a DXF file has 31 with the piece's name, and no stored
-file's hash, which has 64, can be a name."""
+MAX_TABLE_NAME_LENGTH = 40
+"""Largest length of a size's name as a table has it [letters]. A block of a DXF file has 31 with the piece's name, and
+no stored file's hash, which has 64, can be a name."""
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,14 @@ class ExportOptions:
         read_allowances(self.allowance)
         if not 0.5 <= self.step <= 20.0:
             raise SizesBad(f"sizes are 0.5 to 20 cm apart, not {self.step:g}.")
-        if not (self.first <= 0 <= self.last and self.last - self.first < MOST_SIZES):
-            raise SizesBad(f"steps from {self.first} to {self.last} do not hold 0, or are over {MOST_SIZES}.")
-        if len(self.sizes) > MOST_SIZES or len({line.name for line in self.sizes}) < len(self.sizes):
-            raise SizesBad(f"a table holds at most {MOST_SIZES} sizes, each of another name.")
-        if any(len(line.name) > LONGEST_SIZE_NAME for line in self.sizes):
-            raise SizesBad(f"a size's name has at most {LONGEST_SIZE_NAME} letters; name sizes as S, M, L or 38, 40.")
+        if not (self.first <= 0 <= self.last and self.last - self.first < MAX_SIZE_COUNT):
+            raise SizesBad(f"steps from {self.first} to {self.last} do not hold 0, or are over {MAX_SIZE_COUNT}.")
+        if len(self.sizes) > MAX_SIZE_COUNT or len({line.name for line in self.sizes}) < len(self.sizes):
+            raise SizesBad(f"a table holds at most {MAX_SIZE_COUNT} sizes, each of another name.")
+        if any(len(line.name) > MAX_TABLE_NAME_LENGTH for line in self.sizes):
+            raise SizesBad(
+                f"a size's name has at most {MAX_TABLE_NAME_LENGTH} letters; name sizes as S, M, L or 38, 40."
+            )
         girths = [value for line in self.sizes for value in (line.bust, line.waist, line.hip) if value is not None]
         heights = [line.height for line in self.sizes if line.height is not None]
         if not all(math.isfinite(value) and 20.0 <= value <= 300.0 for value in (*girths, *heights)):

@@ -11,11 +11,11 @@ from .errors import FormatUnknown, SheetTooSmall
 PAPERS = {"a4": (210.0, 297.0), "letter": (215.9, 279.4), "a3": (297.0, 420.0), "a0": (841.0, 1189.0)}
 """Width and height [mm]."""
 
-ROLL = 914.0
+PLOTTER_ROLL_WIDTH_MM = 914.0
 """Usual width of a plotter's roll [mm]: 36 in."""
 
-NARROWEST, WIDEST = 200.0, 5000.0
-"""Widths of rolls that are taken [mm]."""
+MIN_ROLL_WIDTH_MM, MAX_ROLL_WIDTH_MM = 200.0, 5000.0
+"""Least and greatest width of a roll that is accepted [mm]."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def find_paper(name: str) -> Paper:
     if not roll:
         known = ", ".join((*PAPERS, "roll", "roll:WIDTH in mm"))
         raise FormatUnknown(f"'{keep_printable(name[:40])}' is no paper; there are {known}.")
-    width = float(roll[1]) if roll[1] else ROLL
-    if not NARROWEST <= width <= WIDEST:
-        raise SheetTooSmall(f"a roll is {NARROWEST:.0f} to {WIDEST:.0f} mm wide, not {width:g}.")
+    width = float(roll[1]) if roll[1] else PLOTTER_ROLL_WIDTH_MM
+    if not MIN_ROLL_WIDTH_MM <= width <= MAX_ROLL_WIDTH_MM:
+        raise SheetTooSmall(f"a roll is {MIN_ROLL_WIDTH_MM:.0f} to {MAX_ROLL_WIDTH_MM:.0f} mm wide, not {width:g}.")
     return Paper(lower, width, 0.0)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import zlib
 from dataclasses import dataclass
 
-POINT = 25.4 / 72.0
-"""A point [mm]."""
+MM_PER_POINT = 25.4 / 72.0
+"""Length of a typographic point, 1/72 inch [mm]."""
 
-LONGEST = 14400.0
-"""Longest side of a page in its own units (PDF 1.7, annex C); a longer page has larger units."""
+MAX_PAGE_SIDE_UNITS = 14400.0
+"""Longest side of a page in the page's own units (PDF 1.7, annex C). A longer page has larger units."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,12 @@ def pdf_bytes(pages: list[Page], title: str, drawing: str = "") -> bytes:
         _stream(drawing, f"/Type /XObject /Subtype /Form /BBox {box} /Resources << /Font << /F 3 0 R /B 4 0 R >> >>"),
     ]
     for n, page in enumerate(pages):
-        unit = max(1.0, page.width / POINT / LONGEST, page.height / POINT / LONGEST)
-        size = f"{page.width / POINT / unit:.4f} {page.height / POINT / unit:.4f}"
+        unit = max(
+            1.0, page.width / MM_PER_POINT / MAX_PAGE_SIDE_UNITS, page.height / MM_PER_POINT / MAX_PAGE_SIDE_UNITS
+        )
+        size = f"{page.width / MM_PER_POINT / unit:.4f} {page.height / MM_PER_POINT / unit:.4f}"
         units = f" /UserUnit {unit:.6f}" if unit > 1.0 else ""
-        scale = 1.0 / POINT / unit
+        scale = 1.0 / MM_PER_POINT / unit
         objects.append(
             f"<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {size}]{units} /Resources {resources} "
             f"/Contents {8 + 2 * n} 0 R >>".encode()

@@ -13,8 +13,8 @@ import numpy as np
 from ...garment import BodyMeasures, save_pattern
 from ...garment.pieces import PieceSet, Style, make_pieces
 from ...recover.drape import measure_wearer
-from ...reuse.wear import Worn
-from ...run.hooks import SILENT, Hooks
+from ...reuse.wear import WornGarment
+from ...run.hooks import SILENT_HOOKS, Hooks
 from .options import ExportOptions
 from .registry import FORMATS
 
@@ -34,11 +34,11 @@ class Production:
         hooks: Progress and cancellation, for writers that compute long.
     """
 
-    worn: Worn
+    worn: WornGarment
     options: ExportOptions
     files: Path
     scan: Path | None = None
-    hooks: Hooks = SILENT
+    hooks: Hooks = SILENT_HOOKS
 
     @cached_property
     def measures(self) -> BodyMeasures:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...garment.pieces import PieceSet, lay_out
+from ...garment.pieces import PieceSet, pack_on_shelves
 from .drawing import Line, Text, draw_lines, list_texts, place_texts
 
-GAP = 0.01
+SHEET_PIECE_GAP = 0.01
 """Free space between pieces [m], and around them."""
 
 
@@ -36,14 +36,14 @@ class Sheet:
         return [piece.cut.points + shift for piece, shift in zip(self.pieces.pieces, self.shifts, strict=True)]
 
 
-def widest(pieces: PieceSet) -> float:
+def min_sheet_width(pieces: PieceSet) -> float:
     """Return the width that a sheet needs at least [m]."""
-    return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.pieces) + 2.0 * GAP
+    return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.pieces) + 2.0 * SHEET_PIECE_GAP
 
 
-def arrange(pieces: PieceSet, width: float) -> Sheet:
+def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
     """Return the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece."""
-    shifts, size = place_boxes(pieces, width)
+    shifts, size = pack_pieces(pieces, width)
     lines = tuple(
         tuple(replace(line, points=line.points + shift) for line in draw_lines(piece))
         for piece, shift in zip(pieces.pieces, shifts, strict=True)
@@ -55,9 +55,14 @@ def arrange(pieces: PieceSet, width: float) -> Sheet:
     return Sheet(pieces, shifts, size, lines, texts)
 
 
-def place_boxes(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]:
+def pack_pieces(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]:
     """Return what moves each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m], shape [2]."""
     low = np.array([piece.cut.points.min(axis=0) for piece in pieces.pieces])
     sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.pieces]) - low
-    corners = lay_out(sizes, GAP, max(width, widest(pieces)) - 2.0 * GAP, stacked=True) + GAP
-    return corners - low, (corners + sizes).max(axis=0) + GAP
+    corners = (
+        pack_on_shelves(
+            sizes, SHEET_PIECE_GAP, max(width, min_sheet_width(pieces)) - 2.0 * SHEET_PIECE_GAP, stacked=True
+        )
+        + SHEET_PIECE_GAP
+    )
+    return corners - low, (corners + sizes).max(axis=0) + SHEET_PIECE_GAP

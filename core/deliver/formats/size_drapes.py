@@ -6,16 +6,16 @@ from dataclasses import replace
 
 from ...body import resize_body
 from ...garment import BodyMeasures, mesh_pattern
-from ...reuse.wear import Dressed, Worn, dress_body
+from ...reuse.wear import DressedGarment, WornGarment, dress_body
 from ...run.clock import Clock
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from .grading import Size
 
-POSE = "A"
+SIZE_POSE = "A"
 """Pose of the bodies: how somebody stands who tries a size on."""
 
 
-def drape_size(worn: Worn, size: Size, base: BodyMeasures, hooks: Hooks = SILENT) -> Dressed:
+def drape_size(worn: WornGarment, size: Size, base: BodyMeasures, hooks: Hooks = SILENT_HOOKS) -> DressedGarment:
     """Dress a body by a size's measures in that size; the body has the wearer's figure otherwise.
 
     Args:
@@ -30,6 +30,6 @@ def drape_size(worn: Worn, size: Size, base: BodyMeasures, hooks: Hooks = SILENT
     """
     names = {"chest": "bust", "waist": "waist", "hip": "hip"}
     growth = {place: getattr(size.measures, name) - getattr(base, name) for place, name in names.items()}
-    body = resize_body(worn.body, growth, size.measures.nape_height / base.nape_height, POSE)
+    body = resize_body(worn.body, growth, size.measures.nape_height / base.nape_height, SIZE_POSE)
     garment = mesh_pattern(size.pattern, len(worn.garment.nodes))
     return dress_body(replace(worn, garment=garment), body, None, Clock(hooks))

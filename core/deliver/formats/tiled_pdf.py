@@ -7,28 +7,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment import contains
+from ...garment import points_in_polygon
 from ...garment.pieces import PieceSet
 from .cover import cover_content, legend_content
 from .drawing import Layer, keep_ascii
 from .papers import Paper, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
-from .sheet import Sheet, arrange, place_boxes, widest
+from .sheet import Sheet, arrange_pieces, min_sheet_width, pack_pieces
 from .tiling import Tile, Tiling
 
 if TYPE_CHECKING:
     from .production import Production
 
-MARGIN = 10.0
-"""Border of a sheet that no printer needs to reach [mm]."""
+TILE_MARGIN_MM = 10.0
+"""Width of a sheet's border that no printer needs to reach [mm]."""
 
-OVERLAP = 10.0
+TILE_OVERLAP_MM = 10.0
 """Width of the strip that two neighbouring sheets share [mm]."""
 
-DIAMOND = 6.0
+DIAMOND_HALF_DIAGONAL_MM = 6.0
 """Half diagonal of the marks by which sheets are aligned [mm]."""
 
-LEGEND = 80.0
+ROLL_LEGEND_HEIGHT_MM = 80.0
 """Height of the strip with test squares and list on a roll [mm]."""
 
 PENS = {
@@ -53,33 +53,33 @@ def pieces_pdf(pieces: PieceSet, paper: Paper) -> bytes:
     """Return the PDF file of a garment's pieces."""
     title = keep_ascii(pieces.name)
     if paper.is_roll:
-        sheet = arrange(pieces, (paper.width - 2 * MARGIN) / 1e3)
+        sheet = arrange_pieces(pieces, (paper.width - 2 * TILE_MARGIN_MM) / 1e3)
         return pdf_bytes([roll_page(sheet, paper.width)], title, draw_sheet(sheet))
-    sheet, tiling = tile(pieces, paper)
+    sheet, tiling = tile_pieces(pieces, paper)
     pages = [Page(paper.width, paper.height, cover_content(sheet, tiling))]
     pages += [_page(sheet, tiling, number) for number in range(len(tiling.tiles))]
     return pdf_bytes(pages, title, draw_sheet(sheet))
 
 
-def tile(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
+def tile_pieces(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
     """Return the pieces arranged so that few sheets of paper show them, and those sheets; empty ones are left out."""
-    window = (paper.width - 2 * MARGIN, paper.height - 2 * MARGIN)
-    step = (window[0] - OVERLAP, window[1] - OVERLAP)
-    least = int(np.ceil((widest(pieces) * 1e3 - OVERLAP) / step[0]))
+    window = (paper.width - 2 * TILE_MARGIN_MM, paper.height - 2 * TILE_MARGIN_MM)
+    step = (window[0] - TILE_OVERLAP_MM, window[1] - TILE_OVERLAP_MM)
+    least = int(np.ceil((min_sheet_width(pieces) * 1e3 - TILE_OVERLAP_MM) / step[0]))
     found = []
     for columns in range(max(least, 1), max(least, 1) + 5):
-        width = (columns * step[0] + OVERLAP) / 1e3
-        shifts, size = place_boxes(pieces, width)
+        width = (columns * step[0] + TILE_OVERLAP_MM) / 1e3
+        shifts, size = pack_pieces(pieces, width)
         outlines = [piece.cut.points + shift for piece, shift in zip(pieces.pieces, shifts, strict=True)]
         tiles = _find_tiles(outlines, size, step)
         found.append((len(tiles), columns, width, tiles))
     _, _, width, tiles = min(found, key=lambda one: one[:2])
-    return arrange(pieces, width), Tiling(paper, window, step, tiles)
+    return arrange_pieces(pieces, width), Tiling(paper, window, step, tiles)
 
 
 def _find_tiles(outlines: list[np.ndarray], size: np.ndarray, step: tuple[float, float]) -> tuple[Tile, ...]:
     """Return the tiles that show a part of a piece, row by row from the top."""
-    counts = np.maximum(np.ceil((size * 1e3 - OVERLAP) / step).astype(int), 1)
+    counts = np.maximum(np.ceil((size * 1e3 - TILE_OVERLAP_MM) / step).astype(int), 1)
     shown = np.zeros((counts[1], counts[0]), dtype=bool)
     for outline in outlines:
         ends = np.roll(outline, -1, axis=0)
@@ -91,7 +91,7 @@ def _find_tiles(outlines: list[np.ndarray], size: np.ndarray, step: tuple[float,
         shown[row, column] = True
         rows, columns = np.indices(shown.shape)
         middles = np.stack([(columns + 0.5) * step[0], size[1] * 1e3 - (rows + 0.5) * step[1]], axis=-1).reshape(-1, 2)
-        shown |= contains(outline, middles / 1e3).reshape(shown.shape)
+        shown |= points_in_polygon(outline, middles / 1e3).reshape(shown.shape)
     return tuple(Tile(int(row), int(column)) for row, column in np.argwhere(shown))
 
 
@@ -114,9 +114,11 @@ def _path(points: np.ndarray, closed: bool) -> str:
 
 def roll_page(sheet: Sheet, width: float) -> Page:
     """Return one page that shows a whole sheet above its legend, on a roll of a width [mm]."""
-    content = f"q 1 0 0 1 {MARGIN:.3f} {MARGIN + LEGEND:.3f} cm /Drawing Do Q\n"
-    height = float(sheet.size[1]) * 1e3 + 2 * MARGIN + LEGEND
-    return Page(width, height, content + legend_content(sheet, MARGIN, MARGIN, width - 2 * MARGIN))
+    content = f"q 1 0 0 1 {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM + ROLL_LEGEND_HEIGHT_MM:.3f} cm /Drawing Do Q\n"
+    height = float(sheet.size[1]) * 1e3 + 2 * TILE_MARGIN_MM + ROLL_LEGEND_HEIGHT_MM
+    return Page(
+        width, height, content + legend_content(sheet, TILE_MARGIN_MM, TILE_MARGIN_MM, width - 2 * TILE_MARGIN_MM)
+    )
 
 
 def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
@@ -125,18 +127,18 @@ def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
     (wide, tall), (across, down) = tiling.window, tiling.step
     left, top = here.column * across, float(sheet.size[1]) * 1e3 - here.row * down
     parts = [
-        f"q {MARGIN:.3f} {MARGIN:.3f} {wide:.3f} {tall:.3f} re W n\n",
-        f"q 1 0 0 1 {MARGIN - left:.3f} {MARGIN + tall - top:.3f} cm /Drawing Do Q\n",
-        _seams(tiling, here),
+        f"q {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re W n\n",
+        f"q 1 0 0 1 {TILE_MARGIN_MM - left:.3f} {TILE_MARGIN_MM + tall - top:.3f} cm /Drawing Do Q\n",
+        _draw_overlaps(tiling, here),
         "Q\n",
-        f"0.6 G 0.15 w [] 0 d {MARGIN:.3f} {MARGIN:.3f} {wide:.3f} {tall:.3f} re S 0 G\n",
-        show_text(MARGIN, 4.5, 3.5, f"{here.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
-        show_text(MARGIN + 45.0, 4.5, 3.0, f"{keep_ascii(sheet.pieces.name)}, print at 100 %, no fit to page"),
+        f"0.6 G 0.15 w [] 0 d {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re S 0 G\n",
+        show_text(TILE_MARGIN_MM, 4.5, 3.5, f"{here.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
+        show_text(TILE_MARGIN_MM + 45.0, 4.5, 3.0, f"{keep_ascii(sheet.pieces.name)}, print at 100 %, no fit to page"),
     ]
     return Page(tiling.paper.width, tiling.paper.height, "".join(parts))
 
 
-def _seams(tiling: Tiling, here: Tile) -> str:
+def _draw_overlaps(tiling: Tiling, here: Tile) -> str:
     """Return the strips shared with neighbours as light lines, and the halves of diamonds that meet on them."""
     (wide, tall), (across, down) = tiling.window, tiling.step
     parts = []
@@ -145,15 +147,22 @@ def _seams(tiling: Tiling, here: Tile) -> str:
         if other not in tiling.tiles:
             continue
         if dc:
-            x = MARGIN + (across if dc > 0 else 0.0)
-            y = MARGIN + tall - down / 2
-            ends = (x, MARGIN, x, MARGIN + tall)
+            x = TILE_MARGIN_MM + (across if dc > 0 else 0.0)
+            y = TILE_MARGIN_MM + tall - down / 2
+            ends = (x, TILE_MARGIN_MM, x, TILE_MARGIN_MM + tall)
         else:
-            x = MARGIN + across / 2
-            y = MARGIN + tall - (down if dr > 0 else 0.0)
-            ends = (MARGIN, y, MARGIN + wide, y)
+            x = TILE_MARGIN_MM + across / 2
+            y = TILE_MARGIN_MM + tall - (down if dr > 0 else 0.0)
+            ends = (TILE_MARGIN_MM, y, TILE_MARGIN_MM + wide, y)
         label = Tile(min(here.row, other.row), min(here.column, other.column)).name.lower()
-        diamond = np.array([[x - DIAMOND, y], [x, y + DIAMOND], [x + DIAMOND, y], [x, y - DIAMOND]])
+        diamond = np.array(
+            [
+                [x - DIAMOND_HALF_DIAGONAL_MM, y],
+                [x, y + DIAMOND_HALF_DIAGONAL_MM],
+                [x + DIAMOND_HALF_DIAGONAL_MM, y],
+                [x, y - DIAMOND_HALF_DIAGONAL_MM],
+            ]
+        )
         parts.append("0.7 G 0.15 w [2 2] 0 d {:.3f} {:.3f} m {:.3f} {:.3f} l S\n".format(*ends))
         parts.append(f"0.3 G 0.2 w [] 0 d {_path(diamond, True)}\n")
         for dx, dy in ((-1, 0), (1, 0)) if dc else ((0, 1), (0, -1)):

@@ -17,11 +17,13 @@ from .texels import Texels, find_texels
 TEXELS_MM = (0.5, 1.0, 2.0)
 """Sizes of a texel that are made [mm]; a scan's own colours are seldom finer than 1 mm."""
 
-GUTTER = 8
-"""Ground around each panel that takes its colours [texel]: down to a mip map of an eighth nothing else shines in."""
+GUTTER_WIDTH_TEXELS = 8
+"""Width of the ground around each panel that takes the panel's colours [texels]. Down to a mip map of an eighth of the
+size no other colour is mixed in."""
 
-BESIDE = 2.0
-"""Ground beside the border that shows the scan itself [texel]: what bilinear reading at the border touches."""
+BORDER_MARGIN_TEXELS = 2.0
+"""Width of the ground beside the border that shows the scan itself [texels]: what bilinear sampling at the border
+reads."""
 
 
 class TexelBad(BadInput):
@@ -82,7 +84,7 @@ def bake_texture(
         texel: Width of a texel [m]; divides `side`.
     """
     size = round(side / texel)
-    texels = find_texels(flat, garment.uv_faces, size, BESIDE)
+    texels = find_texels(flat, garment.uv_faces, size, BORDER_MARGIN_TEXELS)
     colours, seen = _look_up(garment, nodes, scan, texels)
     image, known = np.zeros((size, size, 3)), np.zeros((size, size), dtype=bool)
     cloth = np.zeros((size, size), dtype=bool)
@@ -114,11 +116,11 @@ def _fill_panels(
         left, right = own[:, 0].min() * size, own[:, 0].max() * size
         top, low = (1.0 - own[:, 1].max()) * size, (1.0 - own[:, 1].min()) * size
         box = (
-            slice(max(int(top) - GUTTER, 0), min(int(np.ceil(low)) + GUTTER, size)),
-            slice(max(int(left) - GUTTER, 0), min(int(np.ceil(right)) + GUTTER, size)),
+            slice(max(int(top) - GUTTER_WIDTH_TEXELS, 0), min(int(np.ceil(low)) + GUTTER_WIDTH_TEXELS, size)),
+            slice(max(int(left) - GUTTER_WIDTH_TEXELS, 0), min(int(np.ceil(right)) + GUTTER_WIDTH_TEXELS, size)),
         )
         filled = fill_gaps(image[box], known[box]) if known[box].any() else np.full(image[box].shape, 128.0)
-        filled, near = spread_border(filled, cloth[box] | known[box], GUTTER)
+        filled, near = spread_border(filled, cloth[box] | known[box], GUTTER_WIDTH_TEXELS)
         part = found[box]
         part[near] = np.clip(np.round(filled[near]), 0, 255).astype(np.uint8)
     return found

@@ -8,21 +8,22 @@ from scipy.spatial import cKDTree
 from ...geometry import HalfEdges
 from ...scan.coloured import ColouredScan
 
-BESIDE_CUT = 0.015
-"""Distance from the cut up to which a surface may be another part's [m]; on the shipped example all that was, was."""
+CUT_MARGIN_WIDTH = 0.015
+"""Largest distance from the cut at which a surface may be another part's [m]. On the shipped example all foreign
+surface was that near."""
 
-NEIGHBOURS = 8
-"""Vertices further in whose mean colour is what a vertex near the cut is compared with."""
+INNER_NEIGHBOUR_COUNT = 8
+"""Number of vertices further in whose mean colour a vertex near the cut is compared with."""
 
-UNLIKE = 3.0
-"""Difference from the cloth further in, by what cloth usually differs there, from which a vertex is another part's: of
-normal noise in three channels one vertex in 4000 is."""
+COLOUR_OUTLIER_RATIO = 3.0
+"""Smallest ratio of a vertex's colour difference from the cloth further in to the usual difference there at which the
+vertex is another part's. Of normal noise in three channels one vertex in 4000 exceeds it."""
 
 
-def find_beyond(scan: ColouredScan) -> np.ndarray:
+def find_foreign_vertices(scan: ColouredScan) -> np.ndarray:
     """Return which vertices of a garment that was cut out of a person show skin, or the inside of the cloth.
 
-    A vertex near the cut is compared with the mean of the nearest ones beyond `BESIDE_CUT`; how much such a mean
+    A vertex near the cut is compared with the mean of the nearest ones beyond `CUT_MARGIN_WIDTH`; how much such a mean
     usually differs from a vertex is measured one width further in. A trim that is narrower than that and of another
     colour is taken for another part.
 
@@ -38,19 +39,21 @@ def find_beyond(scan: ColouredScan) -> np.ndarray:
         return found
     colours = scan.colours.astype(np.float64)
     distance = cKDTree(scan.vertices[border]).query(scan.vertices)[0]
-    near = np.flatnonzero(distance < BESIDE_CUT)
-    further = np.flatnonzero((distance >= BESIDE_CUT) & (distance < 2.0 * BESIDE_CUT))
-    inside = np.flatnonzero(distance >= 2.0 * BESIDE_CUT)
-    if len(inside) < NEIGHBOURS or not len(further):
+    near = np.flatnonzero(distance < CUT_MARGIN_WIDTH)
+    further = np.flatnonzero((distance >= CUT_MARGIN_WIDTH) & (distance < 2.0 * CUT_MARGIN_WIDTH))
+    inside = np.flatnonzero(distance >= 2.0 * CUT_MARGIN_WIDTH)
+    if len(inside) < INNER_NEIGHBOUR_COUNT or not len(further):
         return found
-    usual = np.median(_differ(scan.vertices, colours, further, inside))
-    own = _differ(scan.vertices, colours, near, np.concatenate([further, inside]))
-    found[near[own > max(UNLIKE * float(usual), 1.0)]] = True  # colours are whole numbers
+    usual = np.median(_colour_differences(scan.vertices, colours, further, inside))
+    own = _colour_differences(scan.vertices, colours, near, np.concatenate([further, inside]))
+    found[near[own > max(COLOUR_OUTLIER_RATIO * float(usual), 1.0)]] = True  # colours are whole numbers
     return found
 
 
-def _differ(vertices: np.ndarray, colours: np.ndarray, chosen: np.ndarray, others: np.ndarray) -> np.ndarray:
+def _colour_differences(
+    vertices: np.ndarray, colours: np.ndarray, chosen: np.ndarray, others: np.ndarray
+) -> np.ndarray:
     """Return how far the colours of some vertices are from the mean of the nearest others', shape [n]."""
-    count = min(NEIGHBOURS, len(others))
+    count = min(INNER_NEIGHBOUR_COUNT, len(others))
     nearest = cKDTree(vertices[others]).query(vertices[chosen], k=np.arange(1, count + 1))[1]
     return np.asarray(np.linalg.norm(colours[chosen] - colours[others][nearest].mean(axis=1), axis=1))

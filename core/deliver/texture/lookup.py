@@ -6,27 +6,29 @@ import numpy as np
 
 from ...geometry import TriangleSurface, vertex_normals
 from ...scan.coloured import ColouredScan
-from .beyond import find_beyond
+from .beyond import find_foreign_vertices
 
-REACH = 0.01
-"""Largest distance between the garment and the scan's surface that it shows [m]."""
+MAX_COLOUR_LOOKUP_DISTANCE = 0.01
+"""Largest distance between the garment and the surface of the scan whose colour it takes [m]."""
 
-AGREE = 0.2
-"""Least cosine between the garment's normal and the scan's: a face that is seen so flatly is another fold's."""
+MIN_LOOKUP_NORMAL_COSINE = 0.2
+"""Least cosine of the angle between the garment's normal and the scan's. A face at a larger angle is another fold's."""
 
-OVER_RIM = 2e-3
-"""How far over the scan's rim a place may lie and still take the rim's colour [m]; beyond is a hole of the scan."""
+MAX_RIM_OVERHANG = 2e-3
+"""Largest distance of a place over the scan's rim at which it still takes the rim's colour [m]; beyond is a hole of the
+scan."""
 
-UNSEEN = (128, 128, 128)
-"""Colour of a vertex that the scan does not show: as `bake_texture` gives a panel that it does not show at all."""
+UNSEEN_COLOUR = (128, 128, 128)
+"""Colour of a vertex that the scan does not show, RGB in 0..255: the one that `bake_texture` gives a panel that the
+scan does not show at all."""
 
 
 def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the colour that a scan shows at each place, and whether it shows one.
 
-    That is the colour of the nearest place of the scan, if it is within `REACH` and faces the same way. Where the
-    first is another fold's, the nearest face that faces the same way is looked for. Of a scan that was cut out of a
-    person's, what shows skin or the inside of the cloth beside the cut is left out.
+    That is the colour of the nearest place of the scan, if it is within `MAX_COLOUR_LOOKUP_DISTANCE` and faces the same
+    way. Where the first is another fold's, the nearest face that faces the same way is looked for. Of a scan that was
+    cut out of a person's, what shows skin or the inside of the cloth beside the cut is left out.
 
     Args:
         scan: The scan, coloured.
@@ -36,20 +38,22 @@ def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) 
     Returns:
         RGB in 0..255, shape [n, 3], and whether the scan shows the place, shape [n].
     """
-    beyond = find_beyond(scan)[scan.faces].any(axis=1) if scan.is_cut else np.zeros(len(scan.faces), dtype=bool)
+    beyond = (
+        find_foreign_vertices(scan)[scan.faces].any(axis=1) if scan.is_cut else np.zeros(len(scan.faces), dtype=bool)
+    )
     own = np.flatnonzero(scan.is_coloured)
     surface = TriangleSurface(scan.vertices, scan.faces[own])
     found = surface.closest(points)
     face, place, distance = found.face.copy(), found.barycentric.copy(), found.distance.copy()
     away = points - found.foot
     cosine = np.einsum("nd,nd->n", facing, surface.face_normals[face])
-    sign = _outward(surface)
-    lost = np.flatnonzero((distance <= 2.0 * REACH) & (sign * cosine < AGREE))
+    sign = _orientation_sign(surface)
+    lost = np.flatnonzero((distance <= 2.0 * MAX_COLOUR_LOOKUP_DISTANCE) & (sign * cosine < MIN_LOOKUP_NORMAL_COSINE))
     for axis in range(3):
         for side in (1.0, -1.0):
             mine = lost[np.argmax(np.abs(facing[lost]), axis=1) == axis]
             mine = mine[np.sign(facing[mine, axis]) == side]
-            alike = np.flatnonzero(sign * side * surface.face_normals[:, axis] > AGREE)
+            alike = np.flatnonzero(sign * side * surface.face_normals[:, axis] > MIN_LOOKUP_NORMAL_COSINE)
             if len(mine) and len(alike):
                 again = TriangleSurface(surface.vertices, surface.faces[alike]).closest(points[mine])
                 face[mine], place[mine], distance[mine] = alike[again.face], again.barycentric, again.distance
@@ -57,13 +61,14 @@ def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) 
     normal = surface.face_normals[face]
     cosine = sign * np.einsum("nd,nd->n", facing, normal)
     aside = np.linalg.norm(away - np.einsum("nd,nd->n", away, normal)[:, None] * normal, axis=1)
-    hole = surface.border_faces[face] & (aside > OVER_RIM)
-    shown = (distance <= REACH) & (cosine >= AGREE) & ~hole & ~beyond[own[face]]
+    hole = surface.border_faces[face] & (aside > MAX_RIM_OVERHANG)
+    shown = (distance <= MAX_COLOUR_LOOKUP_DISTANCE) & (cosine >= MIN_LOOKUP_NORMAL_COSINE) & ~hole & ~beyond[own[face]]
     return scan.colours_at(own[face], place), shown
 
 
 def colour_vertices(vertices: np.ndarray, faces: np.ndarray, scan: ColouredScan) -> np.ndarray:
-    """Return the colour that a scan shows at each vertex of a mesh on it, RGB bytes; `UNSEEN` where it shows none.
+    """Return the colour that a scan shows at each vertex of a mesh on it, RGB bytes; `UNSEEN_COLOUR` where it shows
+    none.
 
     Args:
         vertices: Positions on the scan [m], shape [n, 3].
@@ -72,10 +77,10 @@ def colour_vertices(vertices: np.ndarray, faces: np.ndarray, scan: ColouredScan)
     """
     colours, shown = look_up_colours(scan, vertices, vertex_normals(vertices, faces))
     rounded = np.clip(np.round(colours), 0, 255).astype(np.uint8)
-    return np.where(shown[:, None], rounded, np.array(UNSEEN, np.uint8))
+    return np.where(shown[:, None], rounded, np.array(UNSEEN_COLOUR, np.uint8))
 
 
-def _outward(surface: TriangleSurface) -> float:
+def _orientation_sign(surface: TriangleSurface) -> float:
     """Return 1.0 where faces look away from the middle of what they go around, -1.0 where they look towards it."""
     centres = surface.vertices[surface.faces].mean(axis=1)
     middle = np.average(centres, axis=0, weights=surface.face_areas)

@@ -8,11 +8,12 @@ import numpy as np
 
 from ...geometry import HalfEdges
 
-CANDIDATES = 4_000_000
-"""Pairs of texel and face looked at together: 0.5 GB of numbers at most."""
+TEXEL_CHUNK_SIZE = 4_000_000
+"""Number of pairs of texel and face that are tested together: 0.5 GB of numbers at most."""
 
-OUTSIDE = 1e-9
-"""Barycentric coordinate down to which a texel lies in a face: one on an edge belongs to one of both, never to none."""
+TEXEL_BARYCENTRIC_TOLERANCE = 1e-9
+"""Largest negative barycentric coordinate, without its sign, at which a texel still lies in a face. A texel on an edge
+belongs to one of both faces, never to none."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,8 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
     corners = place[faces]
     low, high = np.ceil(corners.min(axis=1) - 1e-9), np.floor(corners.max(axis=1) + 1e-9)
     for boxes, cell in _cells(low, high, size):
-        weights = _weights(corners[boxes], cell)
-        held = (weights >= -OUTSIDE).all(axis=1)
+        weights = _barycentric_coordinates(corners[boxes], cell)
+        held = (weights >= -TEXEL_BARYCENTRIC_TOLERANCE).all(axis=1)
         owner[cell[held, 1].astype(np.int64) * size + cell[held, 0].astype(np.int64)] = boxes[held]
     inside = owner >= 0
     near = np.full(size * size, np.inf)
@@ -73,7 +74,7 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
         owner[index[order]] = border[boxes[order]] // 3
     found = np.flatnonzero(owner >= 0)
     row, column = found // size, found % size
-    weights = _weights(corners[owner[found]], np.stack([column, row], axis=1).astype(np.float64))
+    weights = _barycentric_coordinates(corners[owner[found]], np.stack([column, row], axis=1).astype(np.float64))
     return Texels(row, column, owner[found], weights, inside[found])
 
 
@@ -82,7 +83,7 @@ def _cells(low: np.ndarray, high: np.ndarray, size: int):  # type: ignore[no-unt
     low, high = np.clip(low, 0, size - 1), np.clip(high, 0, size - 1)
     width = (high - low + 1).astype(np.int64)
     counts = np.where((width > 0).all(axis=1), width.prod(axis=1), 0)
-    part = np.cumsum(counts) // CANDIDATES
+    part = np.cumsum(counts) // TEXEL_CHUNK_SIZE
     for number in np.unique(part):
         boxes = np.flatnonzero(part == number)
         index = np.repeat(boxes, counts[boxes])
@@ -92,7 +93,7 @@ def _cells(low: np.ndarray, high: np.ndarray, size: int):  # type: ignore[no-unt
         yield index, low[index] + np.stack([step % wide, step // wide], axis=1)
 
 
-def _weights(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
+def _barycentric_coordinates(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Return barycentric coordinates of points, shape [n, 2], each in a triangle of its own, shape [n, 3, 2]."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     whole = _cross(b - a, c - a)

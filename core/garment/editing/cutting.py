@@ -10,19 +10,19 @@ import numpy as np
 from ..curves import chord, edge_points, panel_area, place_on_chord, split_edge
 from ..errors import Place
 from ..pattern import Edge, EdgeRef, Panel, Pattern, Seam
-from .dividing import NEAR_END, divide, forget_edges
+from .dividing import MIN_SPLIT_SHARE, divide, forget_edges
 from .errors import EditBad
 from .partners import find_panel
 
-SAMPLES = 64
-"""Parts of a curve between which a crossing is looked for."""
+CROSSING_SAMPLE_COUNT = 64
+"""Number of equal parts of an edge; a crossing is looked for within each of them."""
 
-ON_LINE = 1e-9
+CUT_LINE_TOLERANCE = 1e-9
 """Distance from the line [m] that counts as none: a corner on it lies to either side by rounding, another one on
 another processor."""
 
-HALVINGS = 50
-"""Halvings of a part until the crossing is known to rounding."""
+CROSSING_BISECTION_ITERATIONS = 50
+"""Number of bisections of a part of an edge: the crossing is then known to rounding."""
 
 
 def cut_panel(pattern: Pattern, panel: str, line: np.ndarray) -> Pattern:
@@ -66,7 +66,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
 
     def side(points: np.ndarray) -> np.ndarray:
         found = np.asarray((points - line[0]) @ normal)
-        return np.where(np.abs(found) < ON_LINE, 0.0, found)
+        return np.where(np.abs(found) < CUT_LINE_TOLERANCE, 0.0, found)
 
     def is_between(point: np.ndarray) -> bool:
         return -1e-6 <= float((point - line[0]) @ along) / size <= size + 1e-6
@@ -74,8 +74,8 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     cuts: list[tuple[int, float]] = []
     corners: set[int] = set()
     for number in range(len(panel.edges)):
-        fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
-        values = side(edge_points(panel, number, SAMPLES))
+        fractions = np.linspace(0.0, 1.0, CROSSING_SAMPLE_COUNT + 1)
+        values = side(edge_points(panel, number, CROSSING_SAMPLE_COUNT))
         for k in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) <= 0.0):
             if values[k] == values[k + 1] == 0.0:
                 continue
@@ -83,9 +83,9 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
             point = _point_at(panel, number, at)
             if not is_between(point):
                 continue
-            if at < NEAR_END or at > 1.0 - NEAR_END:
+            if at < MIN_SPLIT_SHARE or at > 1.0 - MIN_SPLIT_SHARE:
                 corners.add((number + round(at)) % len(panel.points))
-            elif not any(edge == number and abs(at - known) < NEAR_END for edge, known in cuts):
+            elif not any(edge == number and abs(at - known) < MIN_SPLIT_SHARE for edge, known in cuts):
                 cuts.append((number, at))
     return cuts, sorted(corners)
 
@@ -93,7 +93,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
 def _refine(panel: Panel, edge: int, side: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> float:
     """Return the fraction of an edge's length at which it crosses, between two others."""
     below = float(side(_point_at(panel, edge, low)))
-    for _ in range(HALVINGS):
+    for _ in range(CROSSING_BISECTION_ITERATIONS):
         half = (low + high) / 2.0
         value = float(side(_point_at(panel, edge, half)))
         if below * value <= 0.0:

@@ -8,13 +8,13 @@ import numpy as np
 
 from ..pattern import Edge, EdgeRef, Pattern, Seam
 from .dividing import divide, forget_edges
-from .partners import find_sewn
+from .partners import find_sewn_partners
 
-FLAT = 1e-3
-"""Two edges of one line that are sewn to each other are a pleat, and no dart: its fold is within this of its mouth [m].
-"""
+MIN_FOUND_DART_LENGTH = 1e-3
+"""Least length of a dart from its mouth to its apex [m]. Two edges of one line that are sewn to each other are a pleat,
+and no dart: its fold is within this of its mouth."""
 
-LABEL = "dart"
+DART_LABEL = "dart"
 """Of both edges of a dart that is cut into a panel."""
 
 
@@ -58,7 +58,11 @@ def find_darts(pattern: Pattern) -> tuple[Dart, ...]:
         for one, other in ((seam.a, seam.b), (seam.b, seam.a)):
             count = len(pattern.panel(one.panel).points)
             dart = Dart(one.panel, one.edge)
-            if one.panel == other.panel and other.edge == (one.edge + 1) % count and dart.length(pattern) > FLAT:
+            if (
+                one.panel == other.panel
+                and other.edge == (one.edge + 1) % count
+                and dart.length(pattern) > MIN_FOUND_DART_LENGTH
+            ):
                 found.append(dart)
     order = [panel.name for panel in pattern.panels]
     return tuple(sorted(found, key=lambda dart: (order.index(dart.panel), dart.first)))
@@ -79,7 +83,7 @@ def insert_dart(pattern: Pattern, edge: EdgeRef, at: float, apex: np.ndarray) ->
     """
     number = edge.edge
     if at > 0.0:
-        partner = find_sewn(pattern).get(edge)
+        partner = find_sewn_partners(pattern).get(edge)
         number += 2 if partner is not None and partner.panel == edge.panel and partner.edge < edge.edge else 1
         pattern = divide(pattern, {edge: at})
     panels = []
@@ -89,7 +93,7 @@ def insert_dart(pattern: Pattern, edge: EdgeRef, at: float, apex: np.ndarray) ->
             continue
         mouth = panel.points[number]
         points = np.concatenate([panel.points[: number + 1], [apex, mouth], panel.points[number + 1 :]])
-        sides = (Edge("line", label=LABEL), Edge("line", label=LABEL))
+        sides = (Edge("line", label=DART_LABEL), Edge("line", label=DART_LABEL))
         edges = (*panel.edges[:number], *sides, *panel.edges[number:])
         notches = tuple((i + 2 if i >= number else i, share) for i, share in panel.notches)
         panels.append(replace(panel, points=points, edges=edges, notches=notches))

@@ -11,13 +11,13 @@ from ..curves import chord, edge_length, place_on_chord, relative_to_chord, spli
 from ..errors import Place
 from ..pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from .errors import EditBad
-from .partners import Corner, check_number, find_panel, find_sewn, mirror_corners, mirror_edges
+from .partners import Corner, check_number, find_panel, find_sewn_partners, mirror_corners, mirror_edges
 
-NEAR_END = 1e-3
+MIN_SPLIT_SHARE = 1e-3
 """Share of an edge's length from its ends where it is not cut: a piece of less than 1 mm of a metre is no edge."""
 
-SAME = 1e-7
-"""Distance [m] up to which two edges count as parts of one curve."""
+MERGED_CURVE_TOLERANCE = 1e-7
+"""Largest distance [m] up to which two edges count as parts of one curve."""
 
 
 def split_edges(pattern: Pattern, panel: str, edge: int, at: float, keep_symmetry: bool = True) -> Pattern:
@@ -36,8 +36,10 @@ def split_edges(pattern: Pattern, panel: str, edge: int, at: float, keep_symmetr
         EditBad: where there is no such edge, or the cut is at its end.
     """
     check_number(find_panel(pattern, panel), edge)
-    if not NEAR_END <= at <= 1.0 - NEAR_END:
-        raise EditBad(f"an edge is split at a fraction from {NEAR_END} to {1 - NEAR_END}.", Place(panel, edge=edge))
+    if not MIN_SPLIT_SHARE <= at <= 1.0 - MIN_SPLIT_SHARE:
+        raise EditBad(
+            f"an edge is split at a fraction from {MIN_SPLIT_SHARE} to {1 - MIN_SPLIT_SHARE}.", Place(panel, edge=edge)
+        )
     cuts = {EdgeRef(panel, edge): at}
     if keep_symmetry:
         cuts |= dict.fromkeys(mirror_edges(pattern).get(EdgeRef(panel, edge), set()), 1.0 - at)
@@ -46,7 +48,7 @@ def split_edges(pattern: Pattern, panel: str, edge: int, at: float, keep_symmetr
 
 def divide(pattern: Pattern, cuts: Mapping[EdgeRef, float]) -> Pattern:
     """Return a pattern with some edges cut in two at fractions of their lengths, and with them those sewn to them."""
-    sewn = find_sewn(pattern)
+    sewn = find_sewn_partners(pattern)
     cuts = {sewn[ref]: 1.0 - at for ref, at in cuts.items() if ref in sewn} | dict(cuts)
     numbers: dict[EdgeRef, list[int]] = {}
     panels = []
@@ -123,7 +125,7 @@ def _find_partner(pattern: Pattern, name: str, vertex: int) -> Corner | None:
     Raises:
         EditBad: where a seam or an opening ends at the point.
     """
-    panel, sewn = pattern.panel(name), find_sewn(pattern)
+    panel, sewn = pattern.panel(name), find_sewn_partners(pattern)
     count, place = len(panel.points), Place(name, vertex=vertex)
     if count <= 3:
         raise EditBad(f"panel '{name}' has {count} vertices; it keeps three.", place)
@@ -179,14 +181,16 @@ def _join_edges(panel: Panel, first: int) -> Edge:
     label = one.label if one.label == other.label else ""
     length = edge_length(panel, first) + edge_length(panel, second)
     along = float(np.linalg.norm(end - start))
-    if along < SAME:
+    if along < MERGED_CURVE_TOLERANCE:
         place = Place(panel.name, vertex=second)
         raise EditBad(f"without vertex {second} an edge of panel '{panel.name}' would have no length.", place)
     drawn = Edge("line", label=label, contour=one.contour)
     if length <= along * (1.0 + 1e-12):
         return drawn
     for whole in _whole_curves(one, other, (start, middle, end)):
-        if abs(unit_length(whole) * along - length) < SAME and _is_cut_there(whole, one, middle, (start, end)):
+        if abs(unit_length(whole) * along - length) < MERGED_CURVE_TOLERANCE and _is_cut_there(
+            whole, one, middle, (start, end)
+        ):
             return replace(whole, label=label, contour=one.contour)
     return replace(_fit_cubic(one, other, (start, middle, end), length / along), label=label, contour=one.contour)
 
@@ -220,7 +224,7 @@ def _is_cut_there(whole: Edge, one: Edge, middle: np.ndarray, ends: tuple[np.nda
     size = float(np.linalg.norm(end - start))
     share = unit_length(one) * float(np.linalg.norm(middle - start)) / (unit_length(whole) * size)
     cut = place_on_chord(split_edge(whole, min(max(share, 1e-9), 1.0 - 1e-9))[0][None], start, end)[0]
-    return bool(np.linalg.norm(cut - middle) < SAME)
+    return bool(np.linalg.norm(cut - middle) < MERGED_CURVE_TOLERANCE)
 
 
 def _fit_cubic(one: Edge, other: Edge, points: tuple[np.ndarray, np.ndarray, np.ndarray], length: float) -> Edge:

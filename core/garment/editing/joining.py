@@ -8,14 +8,15 @@ import numpy as np
 
 from ..curves import chord, edge_length
 from ..errors import Place
-from ..laying import lay_along
+from ..laying import align_chords
 from ..pattern import EdgeRef, Panel, Pattern
 from .cutting import reorder
 from .dividing import forget_edges
 from .errors import EditBad
 
-FITS = 1e-3
-"""Difference of a seam's sides [m] up to which panels are joined along it: the width of a chalk line."""
+PANEL_JOIN_TOLERANCE = 1e-3
+"""Largest difference between the lengths of a seam's sides [m] up to which panels are joined along it: the width of a
+chalk line."""
 
 
 def join_panels(pattern: Pattern, seam: int) -> Pattern:
@@ -38,7 +39,7 @@ def join_panels(pattern: Pattern, seam: int) -> Pattern:
     one, other = pattern.panel(found.a.panel), pattern.panel(found.b.panel)
     places = [Place(ref.panel, edge=ref.edge) for ref in (found.a, found.b)]
     _check_seam(pattern, seam, places)
-    moved = _lay_beside(one, found.a.edge, other, found.b.edge)
+    moved = _align_to_seam(one, found.a.edge, other, found.b.edge)
     counts = len(one.points), len(other.points)
     ours = [(found.a.edge + 1 + k) % counts[0] for k in range(counts[0] - 1)]
     theirs = [(found.b.edge + 1 + k) % counts[1] for k in range(counts[1] - 1)]
@@ -73,7 +74,7 @@ def _check_seam(pattern: Pattern, number: int, places: list[Place]) -> None:
     if any(panel.edges[edge].kind != "line" for panel, edge in sides):
         raise EditBad(f"seam {number} is curved; straighten it first.", *places, seam=number)
     lengths = [edge_length(panel, edge) for panel, edge in sides]
-    if abs(lengths[0] - lengths[1]) > FITS:
+    if abs(lengths[0] - lengths[1]) > PANEL_JOIN_TOLERANCE:
         message = f"the sides of seam {number} differ by {1e3 * abs(lengths[0] - lengths[1]):.1f} mm; make them equal."
         raise EditBad(message, *places, seam=number)
     names = {seam.a.panel, seam.b.panel}
@@ -83,7 +84,7 @@ def _check_seam(pattern: Pattern, number: int, places: list[Place]) -> None:
         raise EditBad(f"the panels of seam {number} are sewn along {others} too; they stay two.", *places, seam=number)
 
 
-def _lay_beside(one: Panel, edge: int, other: Panel, facing: int) -> np.ndarray:
+def _align_to_seam(one: Panel, edge: int, other: Panel, facing: int) -> np.ndarray:
     """Return another panel's control points [m] where it lies beside a panel, seam on seam, shape [n, 2]."""
-    motion = lay_along(np.stack(chord(other, facing))[::-1], np.stack(chord(one, edge)))
+    motion = align_chords(np.stack(chord(other, facing))[::-1], np.stack(chord(one, edge)))
     return motion.apply(other.points)

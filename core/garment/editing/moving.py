@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ..pattern import EdgeRef, Pattern
-from .partners import Corner, check_number, find_panel, find_sewn, mirror_corners, sew_equal
+from .partners import Corner, check_number, find_panel, find_sewn_partners, mirror_corners, restore_seam_lengths
 
 
 def move_points(
@@ -44,7 +44,7 @@ def move_points(
     places = pattern.points.copy()
     for (name, number), way in moves.items():
         places[pattern.first_points[name] + number] += way
-    return sew_equal(pattern.with_points(places), pattern, fixed, keep_symmetry, keep_seams)
+    return restore_seam_lengths(pattern.with_points(places), pattern, fixed, keep_symmetry, keep_seams)
 
 
 def _mirror_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
@@ -61,7 +61,7 @@ def _mirror_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Cor
 
 def _sewn_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
     """Return the moves along their seams of the points that moved ones are sewn to."""
-    sewn, found = find_sewn(pattern), {}
+    sewn, found = find_sewn_partners(pattern), {}
     for (name, number), way in moves.items():
         count = len(pattern.panel(name).points)
         for edge, is_start in (((number - 1) % count, False), (number, True)):

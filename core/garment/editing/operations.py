@@ -24,16 +24,16 @@ from .moving import move_points
 from .partners import check_number, find_panel
 from .reshaping import sharpen_corner, smooth_corner, straighten_edges
 
-MOST = 1000
-"""Operations of one list: an hour of a pattern maker's work is some hundreds."""
+MAX_EDIT_OPERATIONS = 1000
+"""Largest number of operations in one list: an hour of a pattern maker's work is some hundreds."""
 
-FURTHEST_MM = 10_000.0
+MAX_POINT_MOVE_MM = 10_000.0
 """The furthest that a point is moved [mm]."""
 
-MOST_EDGES = 100_000
+MAX_OPERATION_NUMBER = 100_000
 """Bound of a number in an operation; what a panel has is checked by the operation."""
 
-Given = Mapping[str, Any]
+OperationFields = Mapping[str, Any]
 
 
 def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
@@ -48,8 +48,8 @@ def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
         EditBad: where one is unknown or cannot be done; the message begins with its number.
         PatternFault: where one has a value of a wrong type.
     """
-    if len(operations) > MOST:
-        raise EditBad(f"{len(operations)} operations; at most {MOST} are done at once.")
+    if len(operations) > MAX_EDIT_OPERATIONS:
+        raise EditBad(f"{len(operations)} operations; at most {MAX_EDIT_OPERATIONS} are done at once.")
     for number, given in enumerate(operations):
         where = f"operation {number}"
         one = get_object(given, where)
@@ -89,32 +89,32 @@ def edit_file(source: str, operations: str) -> dict[str, Any]:
     return {"pattern": document} | examine_pattern(document)
 
 
-def _corner(pattern: Pattern, given: Given) -> tuple[str, int]:
+def _corner(pattern: Pattern, given: OperationFields) -> tuple[str, int]:
     panel = find_panel(pattern, get_text(given["panel"], "panel"))
-    number = get_index(given["vertex"], MOST_EDGES, "vertex")
+    number = get_index(given["vertex"], MAX_OPERATION_NUMBER, "vertex")
     check_number(panel, number)
     return panel.name, number
 
 
-def _turned(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.ndarray:
+def _to_panel_axes(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.ndarray:
     """Return lengths in mm in the axes of a panel's file as metres in ours."""
     side = -1.0 if find_panel(pattern, panel).mirrored else 1.0
-    found = np.array(get_vector(vectors, 2, name, FURTHEST_MM)) / 1e3
+    found = np.array(get_vector(vectors, 2, name, MAX_POINT_MOVE_MM)) / 1e3
     return found * np.array([side, 1.0])
 
 
-def _move(pattern: Pattern, given: Given) -> Pattern:
+def _move(pattern: Pattern, given: OperationFields) -> Pattern:
     corners = [_corner(pattern, get_object(one, "point")) for one in get_list(given["points"], "points")]
     names = {name for name, _ in corners}
     if len({pattern.panel(name).mirrored for name in names}) > 1:
         raise EditBad("panels that the file draws from different sides are moved one after the other.")
     if not corners:
         return pattern
-    way = _turned(pattern, corners[0][0], given["by_mm"], "by_mm")
-    return move_points(pattern, corners, way, *_kept(given))
+    way = _to_panel_axes(pattern, corners[0][0], given["by_mm"], "by_mm")
+    return move_points(pattern, corners, way, *_read_keep_flags(given))
 
 
-def _kept(given: Given) -> tuple[bool, bool]:
+def _read_keep_flags(given: OperationFields) -> tuple[bool, bool]:
     """Return whether mirror images follow, and whether the seams stay equal; both unless they are switched off."""
     found = []
     for name in ("keep_symmetry", "keep_seams"):
@@ -125,48 +125,50 @@ def _kept(given: Given) -> tuple[bool, bool]:
     return found[0], found[1]
 
 
-def _straighten(pattern: Pattern, given: Given) -> Pattern:
+def _straighten(pattern: Pattern, given: OperationFields) -> Pattern:
     panel = get_text(given["panel"], "panel")
-    first, last = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
-    return straighten_edges(pattern, panel, first, last, *_kept(given))
+    first, last = (get_index(given[name], MAX_OPERATION_NUMBER, name) for name in ("from", "to"))
+    return straighten_edges(pattern, panel, first, last, *_read_keep_flags(given))
 
 
-def _smooth(pattern: Pattern, given: Given) -> Pattern:
-    return smooth_corner(pattern, *_corner(pattern, given), *_kept(given))
+def _smooth(pattern: Pattern, given: OperationFields) -> Pattern:
+    return smooth_corner(pattern, *_corner(pattern, given), *_read_keep_flags(given))
 
 
-def _sharpen(pattern: Pattern, given: Given) -> Pattern:
-    return sharpen_corner(pattern, *_corner(pattern, given), *_kept(given))
+def _sharpen(pattern: Pattern, given: OperationFields) -> Pattern:
+    return sharpen_corner(pattern, *_corner(pattern, given), *_read_keep_flags(given))
 
 
-def _split(pattern: Pattern, given: Given) -> Pattern:
-    panel, edge = get_text(given["panel"], "panel"), get_index(given["edge"], MOST_EDGES, "edge")
-    return split_edges(pattern, panel, edge, get_number(given.get("at", 0.5), "at", 0.0, 1.0), _kept(given)[0])
+def _split(pattern: Pattern, given: OperationFields) -> Pattern:
+    panel, edge = get_text(given["panel"], "panel"), get_index(given["edge"], MAX_OPERATION_NUMBER, "edge")
+    return split_edges(
+        pattern, panel, edge, get_number(given.get("at", 0.5), "at", 0.0, 1.0), _read_keep_flags(given)[0]
+    )
 
 
-def _merge(pattern: Pattern, given: Given) -> Pattern:
-    return merge_edges(pattern, *_corner(pattern, given), _kept(given)[0])
+def _merge(pattern: Pattern, given: OperationFields) -> Pattern:
+    return merge_edges(pattern, *_corner(pattern, given), _read_keep_flags(given)[0])
 
 
-def _cut(pattern: Pattern, given: Given) -> Pattern:
+def _cut(pattern: Pattern, given: OperationFields) -> Pattern:
     panel = get_text(given["panel"], "panel")
     ends = get_list(given["line_mm"], "line_mm")
     if len(ends) != 2:
         raise EditBad("line_mm has two points.", Place(panel))
-    return cut_panel(pattern, panel, np.array([_turned(pattern, panel, end, "line_mm") for end in ends]))
+    return cut_panel(pattern, panel, np.array([_to_panel_axes(pattern, panel, end, "line_mm") for end in ends]))
 
 
-def _join(pattern: Pattern, given: Given) -> Pattern:
-    return join_panels(pattern, get_index(given["seam"], MOST_EDGES, "seam"))
+def _join(pattern: Pattern, given: OperationFields) -> Pattern:
+    return join_panels(pattern, get_index(given["seam"], MAX_OPERATION_NUMBER, "seam"))
 
 
-def _equalise(pattern: Pattern, given: Given) -> Pattern:
+def _equalise(pattern: Pattern, given: OperationFields) -> Pattern:
     fixed = [_corner(pattern, get_object(one, "fixed")) for one in get_list(given.get("fixed", []), "fixed")]
     return equalise_seams(pattern, fixed=fixed)
 
 
 KEEP = ("keep_symmetry", "keep_seams")
-OPERATIONS: dict[str, tuple[tuple[str, ...], Callable[[Pattern, Given], Pattern]]] = {
+OPERATIONS: dict[str, tuple[tuple[str, ...], Callable[[Pattern, OperationFields], Pattern]]] = {
     "move": (("points", "by_mm", *KEEP), _move),
     "straighten": (("panel", "from", "to", *KEEP), _straighten),
     "smooth": (("panel", "vertex", *KEEP), _smooth),

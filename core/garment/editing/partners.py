@@ -40,7 +40,7 @@ def check_number(panel: Panel, number: int) -> None:
         raise EditBad(message, Place(panel.name))
 
 
-def find_sewn(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
+def find_sewn_partners(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
     """Return the edge that each sewn edge is sewn to."""
     return {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
 
@@ -70,7 +70,9 @@ def mirror_edges(pattern: Pattern) -> dict[EdgeRef, set[EdgeRef]]:
     return found
 
 
-def sew_equal(edited: Pattern, before: Pattern, fixed: set[Corner], keep_symmetry: bool, keep_seams: bool) -> Pattern:
+def restore_seam_lengths(
+    edited: Pattern, before: Pattern, fixed: set[Corner], keep_symmetry: bool, keep_seams: bool
+) -> Pattern:
     """Return an edited pattern with the sides of its seams made equal, where that is asked for.
 
     Args:

@@ -10,14 +10,22 @@ import numpy as np
 from ..curves import chord, relative_to_chord
 from ..pattern import Edge, EdgeRef, Panel, Pattern
 from .errors import EditBad
-from .partners import Corner, check_number, find_panel, find_sewn, mirror_corners, mirror_edges, sew_equal
+from .partners import (
+    Corner,
+    check_number,
+    find_panel,
+    find_sewn_partners,
+    mirror_corners,
+    mirror_edges,
+    restore_seam_lengths,
+)
 
-STRAIGHT = 1e-9
-"""A handle nearer than this to its chord (in chords) lies on it."""
+STRAIGHT_HANDLE_TOLERANCE = 1e-9
+"""Distance of a handle from its chord [chords] below which it lies on the chord."""
 
-THIRD = 1.0 / 3.0
-"""Share of its chord at which the handle of a smooth corner stands: a cubic whose handles lie so on its chord is run at
-a steady pace, so that nothing but the direction changes."""
+SMOOTH_HANDLE_SHARE = 1.0 / 3.0
+"""Share of its chord at which the handle of a smooth corner lies. A cubic whose handles lie so on its chord has uniform
+speed, so that nothing but the direction changes."""
 
 
 def straighten_edges(
@@ -51,10 +59,10 @@ def straighten_edges(
         images = mirror_edges(pattern)
         chosen |= {image for ref in chosen for image in images.get(ref, set())}
     if keep_seams:
-        sewn = find_sewn(pattern)
+        sewn = find_sewn_partners(pattern)
         chosen |= {sewn[ref] for ref in chosen if ref in sewn and _is_same_curve(pattern, ref, sewn[ref])}
     edges = {ref: replace(_edge(pattern, ref), kind="line", handles=np.zeros((0, 2))) for ref in chosen}
-    return sew_equal(_with_edges(pattern, edges), pattern, set(), keep_symmetry, keep_seams)
+    return restore_seam_lengths(_with_edges(pattern, edges), pattern, set(), keep_symmetry, keep_seams)
 
 
 def smooth_corner(
@@ -106,7 +114,7 @@ def _reshape(pattern: Pattern, corner: Corner, keep_symmetry: bool, keep_seams: 
     edited = pattern
     for name, number in sorted(corners):
         edited = _turn_handles(edited, edited.panel(name), number, is_smooth)
-    return sew_equal(edited, pattern, set(), keep_symmetry, keep_seams)
+    return restore_seam_lengths(edited, pattern, set(), keep_symmetry, keep_seams)
 
 
 def _turn_handles(pattern: Pattern, panel: Panel, vertex: int, is_smooth: bool) -> Pattern:
@@ -123,11 +131,11 @@ def _turn_handles(pattern: Pattern, panel: Panel, vertex: int, is_smooth: bool) 
         handles = _as_cubic(panel.edges[edge])
         at = 1 if sign < 0 else 0
         if is_smooth:
-            handle = here + sign * line / size * THIRD * float(np.linalg.norm(end - start))
+            handle = here + sign * line / size * SMOOTH_HANDLE_SHARE * float(np.linalg.norm(end - start))
             handles[at] = relative_to_chord(handle[None], start, end)[0]
         else:
-            handles[at] = [1.0 - THIRD, 0.0] if at else [THIRD, 0.0]
-        edges[EdgeRef(panel.name, edge)] = _drawn(panel.edges[edge], handles)
+            handles[at] = [1.0 - SMOOTH_HANDLE_SHARE, 0.0] if at else [SMOOTH_HANDLE_SHARE, 0.0]
+        edges[EdgeRef(panel.name, edge)] = _edge_from_handles(panel.edges[edge], handles)
     return _with_edges(pattern, edges)
 
 
@@ -141,16 +149,20 @@ def _as_cubic(edge: Edge) -> np.ndarray:
     if edge.kind == "arc":
         height = float(edge.handles[0, 1])
         half = 2.0 * np.arctan2(height, 0.5)  # half of the arc's turn, signed as the height
-        reach = 4.0 / 3.0 * np.tan(half / 2.0) / (2.0 * np.sin(half)) if abs(half) > STRAIGHT else THIRD
+        reach = (
+            4.0 / 3.0 * np.tan(half / 2.0) / (2.0 * np.sin(half))
+            if abs(half) > STRAIGHT_HANDLE_TOLERANCE
+            else SMOOTH_HANDLE_SHARE
+        )
         return np.array(
             [[reach * np.cos(half), reach * np.sin(half)], [1.0 - reach * np.cos(half), reach * np.sin(half)]]
         )
-    return np.array([[THIRD, 0.0], [1.0 - THIRD, 0.0]])
+    return np.array([[SMOOTH_HANDLE_SHARE, 0.0], [1.0 - SMOOTH_HANDLE_SHARE, 0.0]])
 
 
-def _drawn(edge: Edge, handles: np.ndarray) -> Edge:
+def _edge_from_handles(edge: Edge, handles: np.ndarray) -> Edge:
     """Return an edge with handles; a line where they lie on its chord."""
-    if np.all(np.abs(handles[:, 1]) < STRAIGHT):
+    if np.all(np.abs(handles[:, 1]) < STRAIGHT_HANDLE_TOLERANCE):
         return replace(edge, kind="line", handles=np.zeros((0, 2)))
     return replace(edge, kind="cubic", handles=handles)
 

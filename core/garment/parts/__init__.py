@@ -22,8 +22,8 @@ from .cut import (
     differing_parts,
     parse_parts,
 )
-from .draft import draft_cut, half_neck
-from .necklines import Throat, corner_turn, neckline_points
+from .draft import draft_cut, half_neck_width
+from .necklines import NecklineCut, corner_turn, neckline_points
 from .shipped_cuts import CUTS
 from .sleeves import SLEEVES
 
@@ -38,6 +38,7 @@ __all__ = [
     "Gores",
     "Legs",
     "Neckline",
+    "NecklineCut",
     "PartUnknown",
     "PartsConflict",
     "Shaping",
@@ -45,14 +46,13 @@ __all__ = [
     "Sleeve",
     "SleeveHead",
     "SleevePieces",
-    "Throat",
     "Waist",
     "Waistband",
     "Yoke",
     "corner_turn",
     "differing_parts",
     "draft_cut",
-    "half_neck",
+    "half_neck_width",
     "neckline_points",
     "parse_parts",
 ]

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..outline import Outline, Point, Stroke, length, place_panel, unfold_closed
+from ..outline import Outline, Point, Stroke, labelled_length, place_panel, unfold_closed
 from ..pattern import Panel
 from .cut import Cut, Neckline, PartsConflict, SleeveHead
 
-STAND = 0.035
+COLLAR_STAND_WIDTH = 0.035
 """Width of a collar stand [m]: what fits below the jaw."""
 
 
@@ -40,12 +40,12 @@ def collar_stand(neck: Point, necklines: tuple[tuple[Stroke, ...], tuple[Stroke,
     """
     panels = []
     for face, line in zip(("front", "back"), necklines, strict=True):
-        half = length(Outline(neck, line), "collar")
+        half = labelled_length(Outline(neck, line), "collar")
         y = neck[1]
         strokes = (
             Stroke((half, y), label=f"collar.{face}.left"),
-            Stroke((half, y + STAND), label="collarside.left"),
-            Stroke((0.0, y + STAND), contour="neck"),
+            Stroke((half, y + COLLAR_STAND_WIDTH), label="collarside.left"),
+            Stroke((0.0, y + COLLAR_STAND_WIDTH), contour="neck"),
         )
         panels.append(place_panel(f"collar_{face}", unfold_closed(Outline((0.0, y), strokes)), height, label="collar"))
     return panels

@@ -245,7 +245,7 @@ class Cut:
         chosen: dict[str, Any] = {part: _choice(part, word) for part, word in parts.items()}
         dropped: dict[str, Any] = {}
         for part, choice in chosen.items():
-            dropped |= _DROPPED.get(part, {}) if choice != getattr(self, part) else {}
+            dropped |= _RESET_FIELDS.get(part, {}) if choice != getattr(self, part) else {}
         return replace(self, **{**dropped, **chosen})
 
     def has_place_for(self, part: str) -> bool:
@@ -284,7 +284,7 @@ PARTS: dict[str, type[StrEnum]] = {
 }
 """The parts of a cut by name, each with its choices."""
 
-_DROPPED: dict[str, dict[str, Any]] = {
+_RESET_FIELDS: dict[str, dict[str, Any]] = {
     "neckline": {"neck_depth": None},
     "back_neckline": {"back_depth": None},
     "skirt": {"gores": Gores.SIX, "sweep": None},

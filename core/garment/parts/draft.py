@@ -26,7 +26,7 @@ from .cut import (
     Yoke,
 )
 from .legs import draw_legs, draw_suit, draw_suit_legs
-from .skirts import SWEEP, draw_skirt
+from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
 
 
@@ -82,12 +82,12 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         panels = draw_suit(cut, m) if in_one else draw_top(cut, m)
     if cut.waist is Waist.SEAM:
         kind, draw = ("skirt", draw_skirt) if cut.legs is Legs.NONE else ("leg", draw_suit_legs)
-        panels += [_below(panel, kind) for panel in draw(cut, m)]
+        panels += [_rename_lower_part(panel, kind) for panel in draw(cut, m)]
     pattern = sew_by_label(name or category, category, panels)
     return _divide(pattern, cut) if category == "skirt" else pattern
 
 
-def _below(panel: Panel, kind: str) -> Panel:
+def _rename_lower_part(panel: Panel, kind: str) -> Panel:
     """Name a skirt's or a leg's panel and seams apart from the bodice's that it is sewn to."""
     edges = tuple(
         replace(edge, label=f"{kind}.{edge.label}") if edge.label and not edge.label.startswith("waist.") else edge
@@ -96,14 +96,14 @@ def _below(panel: Panel, kind: str) -> Panel:
     return replace(panel, name=f"{kind}_{panel.name}", label=kind, edges=edges)
 
 
-def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:
+def half_neck_width(cut: Cut, measures: BodyMeasures | None = None) -> float:
     """Return the distance of a bodice's side neck points from the middle plane [m]."""
     return draw_shoulder(cut, measures or BodyMeasures()).neck[0]
 
 
 def _divide(pattern: Pattern, cut: Cut) -> Pattern:
     """Return waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
-    if cut.waistband is Waistband.BAND or cut.skirt in SWEEP or cut.has_equal_gores:
+    if cut.waistband is Waistband.BAND or cut.skirt in CIRCLE_SKIRT_ANGLES or cut.has_equal_gores:
         return pattern
     if cut.panels == 4:
         return divide_edges(pattern, {"hem"}, 2)

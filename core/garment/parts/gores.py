@@ -8,13 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..measures import BodyMeasures
-from ..outline import PLACEMENT_DEPTH, Outline, Point, Stroke, other_side, place_panel, smooth, walk_back
+from ..outline import (
+    PLACEMENT_DEPTH,
+    Outline,
+    Point,
+    Stroke,
+    draw_monotone_spline,
+    place_panel,
+    reverse_strokes,
+    swap_side_label,
+)
 from ..pattern import Panel
 from .cut import Cut
 from .upper_edge import UpperEdge
 
-LENGTH = 0.54
-"""Length of a gored skirt from waist to hem [m]: an A-line one's."""
+GORED_SKIRT_LENGTH = 0.54
+"""Length of a gored skirt from waist to hem [m]: that of an A-line skirt."""
 
 HIP_EASE = 0.05
 """Ease of its girth at the hip [m]: an A-line one's."""
@@ -44,11 +53,13 @@ class Gore:
         slope, top = math.tan(sweep / count / 2), 2 * quarter / count
         hip_line = m.hip_height - m.waist_height
         hip = max(top - slope * hip_line, (m.hip + HIP_EASE) / count / 2)
-        return cls(count, ((hip + slope * (LENGTH + hip_line), -LENGTH), (hip, hip_line), (top, 0.0)))
+        return cls(
+            count, ((hip + slope * (GORED_SKIRT_LENGTH + hip_line), -GORED_SKIRT_LENGTH), (hip, hip_line), (top, 0.0))
+        )
 
     def draw_side(self, label: str, sign: float = 1.0) -> list[Stroke]:
         """Draw the side at the left (sign 1) or the right (-1), upwards; its edges are numbered in the label."""
-        return smooth([(sign * x, y) for x, y in self.side], [label.format(i) for i in range(2)])
+        return draw_monotone_spline([(sign * x, y) for x, y in self.side], [label.format(i) for i in range(2)])
 
 
 def draw_gores(edge: UpperEdge, gore: Gore) -> list[Panel]:
@@ -77,7 +88,7 @@ def _draw(edge: UpperEdge, gore: Gore, number: int, face: str, offset: float) ->
     after, before = (_label_seam(gore.count, face, offset + step) for step in (next_one, -next_one))
     (hem, low), (top, _) = gore.side[0], gore.side[-1]
     start, hem_line = (-hem, low), Stroke((hem, low), contour="hem")
-    down = walk_back(Outline(start, tuple(gore.draw_side(before, -1.0))))
+    down = reverse_strokes(Outline(start, tuple(gore.draw_side(before, -1.0))))
     strokes = (hem_line, *gore.draw_side(after), *_draw_top(edge, face, offset, top), *down)
     drawn = place_panel("gore", Outline(start, strokes), edge.height)
     angle = (number + 0.5) * 2.0 * math.pi / gore.count - math.pi / 2
@@ -95,8 +106,8 @@ def _draw_top(edge: UpperEdge, face: str, offset: float, top: float) -> list[Str
     labels = edge.labels(face)
     own = labels[int(abs(offset))]
     if offset:
-        return [Stroke((-top, 0.0), label=own if offset > 0.0 else other_side(own))]
-    first, second = (own, other_side(own)) if face == "front" else (other_side(own), own)
+        return [Stroke((-top, 0.0), label=own if offset > 0.0 else swap_side_label(own))]
+    first, second = (own, swap_side_label(own)) if face == "front" else (swap_side_label(own), own)
     return [Stroke((0.0, 0.0), label=first), Stroke((-top, 0.0), label=second)]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..curves import edge_length
 from ..measures import BodyMeasures
-from ..outline import Outline, Point, Stroke, length, mirror, place_panel, smooth, to_point
+from ..outline import Outline, Point, Stroke, draw_monotone_spline, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
 from .collars import collar_stand
 from .cut import Collar, Cut, Legs, PartsConflict, Waistband
@@ -23,16 +23,16 @@ from .tops import FACES, Shoulder, draw_shoulder
 CREASE_FROM_MIDDLE = 0.12
 """Where each leg's crease line stands at first [m]: outside the ankles, so that no panel reaches over the middle."""
 
-_EASED = ("inseam.0", "outseam.1", "outseam.2")
+_EASED_SEAMS = ("inseam.0", "outseam.1", "outseam.2")
 """Seams of the trousers whose back is fitted to the front."""
 
-KNEE = 0.47 / 0.79
+KNEE_HEIGHT_SHARE = 0.47 / 0.79
 """Height of the knee above the feet as a share of the crotch's height: on the body of the drafts 47 cm."""
 
-ANKLE = 0.08
+LEG_HEM_HEIGHT = 0.08
 """Height above the feet of a long leg's hem [m]: clear of the floor, however long the leg."""
 
-ROUND_LEG = {
+LEG_GIRTHS = {
     Legs.STRAIGHT: (0.45, 0.40),
     Legs.TAPERED: (0.42, 0.33),
     Legs.FLARED: (0.42, 0.54),
@@ -50,7 +50,7 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
     Allowances: they sit 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
     1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
     below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee and hem of
-    `ROUND_LEG`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. The back fork is lowered and
+    `LEG_GIRTHS`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. The back fork is lowered and
     the back's side corners moved until inseams and outseams are equal.
     """
     from scipy.optimize import root  # a mere reader of templates does not pay for it
@@ -59,8 +59,8 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
     if cut.legs is Legs.SHORT:
         ends = ((m.crotch_height - 0.205, 0.1475),)
     else:
-        knee, hem = ROUND_LEG[cut.legs]
-        ends = ((KNEE * m.crotch_height, knee / 4), (ANKLE, hem / 4))
+        knee, hem = LEG_GIRTHS[cut.legs]
+        ends = ((KNEE_HEIGHT_SHARE * m.crotch_height, knee / 4), (LEG_HEM_HEIGHT, hem / 4))
     base = m.waist_height
     crotch = m.crotch_height - 0.015 - base
     top = -0.06
@@ -76,9 +76,9 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
 
     def excess(moves: np.ndarray) -> np.ndarray:
         drawn = back(*moves)
-        return np.array([length(drawn, name) - length(front, name) for name in _EASED])
+        return np.array([labelled_length(drawn, name) - labelled_length(front, name) for name in _EASED_SEAMS])
 
-    solved = root(excess, np.zeros(len(_EASED)), tol=1e-9)
+    solved = root(excess, np.zeros(len(_EASED_SEAMS)), tol=1e-9)
     panels = []
     for side, outline in (("front", front), ("back", back(*solved.x))):
         crease = (
@@ -94,7 +94,7 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
             across = CREASE_FROM_MIDDLE - crease if leg == "left" else crease - CREASE_FROM_MIDDLE
             panels.append(place_panel(f"{side}_{leg}", drawn, base, label="leg", across=across))
     if cut.waistband is Waistband.BAND:
-        panels = [_hold(panel) for panel in panels]
+        panels = [_sew_to_waistband(panel) for panel in panels]
         for side in FACES:
             waist = next(panel for panel in panels if panel.name == f"{side}_left")
             held = next(i for i, edge in enumerate(waist.edges) if edge.label.startswith("band"))
@@ -102,7 +102,7 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
     return panels
 
 
-def _hold(panel: Panel) -> Panel:
+def _sew_to_waistband(panel: Panel) -> Panel:
     """Return a leg's panel with its waist sewn to a band."""
     face, leg = panel.name.split("_")
     edges = tuple(
@@ -140,13 +140,13 @@ def _leg(
     strokes = [
         Stroke(seat, label="crotch.0"),
         Stroke(tip, ((0.0, hip + 0.62 * (crotch - hip)), (-0.45 * fork, tip[1] + 0.002)), label="crotch.1"),
-        Stroke(first, _slack(tip, first, 0.10, 0.30), label="inseam.0.left"),
+        Stroke(first, _inseam_handles(tip, first, 0.10, 0.30), label="inseam.0.left"),
     ]
     strokes += [Stroke((crease - half, y), label=f"inseam.{i}.left") for i, (y, half) in enumerate(cuts[1:], start=1)]
     strokes.append(Stroke((crease + cuts[-1][1], cuts[-1][0]), contour="leg.left"))
     strokes += [Stroke((crease + half, y), label="outseam.0.left") for y, half in cuts[-2::-1]]
     thigh = [(crease + cuts[0][1], cuts[0][0]), (side, hip + lift[0]), (slant + waist, top + lift[1])]
-    strokes += smooth(thigh, ["outseam.1.left", "outseam.2.left"])
+    strokes += draw_monotone_spline(thigh, ["outseam.1.left", "outseam.2.left"])
     strokes.append(Stroke(centre, contour="waist"))
     return Outline(centre, tuple(strokes))
 
@@ -179,15 +179,15 @@ def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Pan
 
     if cut.legs is Legs.SHORT:
         raise PartsConflict("short legs are not cut with a bodice; choose straight, tapered, flared or wide.")
-    knee, hem = (own - usual for own, usual in zip(ROUND_LEG[cut.legs], ROUND_LEG[Legs.STRAIGHT], strict=True))
+    knee, hem = (own - usual for own, usual in zip(LEG_GIRTHS[cut.legs], LEG_GIRTHS[Legs.STRAIGHT], strict=True))
     wider = (knee / 8, hem / 8)
     front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, above, wider)
-    wanted = length(front, "inseam.0")
+    wanted = labelled_length(front, "inseam.0")
 
     def back(drop: float) -> Outline:
         return _half_suit(m, 1, m.hip / 8 - 0.025, drop, above, wider)
 
-    drop = brentq(lambda moved: length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
+    drop = brentq(lambda moved: labelled_length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
     panels = []
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
@@ -206,7 +206,7 @@ def _half_suit(
     base, side = m.nape_height, FACES[face]
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
     fork_tip = (-fork, crotch - fork_drop)
-    knee, ankle = KNEE * m.crotch_height - base, ANKLE - base
+    knee, ankle = KNEE_HEIGHT_SHARE * m.crotch_height - base, LEG_HEM_HEIGHT - base
     sides = [
         (0.245 + wider[1], ankle),
         (0.25 + wider[0], knee),
@@ -227,16 +227,16 @@ def _half_suit(
             ((0.0, hip + 0.62 * (crotch - hip)), (-0.45 * fork, fork_tip[1] + 0.002)),
             label=f"crotch.{side}",
         ),
-        Stroke(inner, _slack(fork_tip, inner, 0.10, 0.30), label="inseam.0.left"),
+        Stroke(inner, _inseam_handles(fork_tip, inner, 0.10, 0.30), label="inseam.0.left"),
         Stroke((0.035 - wider[1], ankle), label="inseam.1.left"),
         Stroke(sides[0], contour="leg.left"),
-        *smooth(sides, [f"side.{i}.left" for i in range(len(sides) - 1)]),
+        *draw_monotone_spline(sides, [f"side.{i}.left" for i in range(len(sides) - 1)]),
         *upper,
     )
     return Outline(upper[-1].end, strokes)
 
 
-def _slack(start: Point, end: Point, at_start: float, at_end: float) -> tuple[Point, ...]:
+def _inseam_handles(start: Point, end: Point, at_start: float, at_end: float) -> tuple[Point, ...]:
     """Return handles of an inseam that leaves the fork flat and arrives along the leg's line."""
     a, b = np.array(start), np.array(end)
     gap = b - a

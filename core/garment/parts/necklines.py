@@ -42,7 +42,7 @@ SQUARE_SLANT = 0.1
 
 
 @dataclass(frozen=True)
-class Throat:
+class NecklineCut:
     """Describe how a neckline is cut at one face of a garment.
 
     Attributes:
@@ -56,12 +56,12 @@ class Throat:
     bow: float = 0.0
 
     @classmethod
-    def at_front(cls, kind: Neckline, depth: float | None = None) -> Throat:
+    def at_front(cls, kind: Neckline, depth: float | None = None) -> NecklineCut:
         """Return a front neckline, of its usual depth where none is given."""
         return cls(kind, FRONT_DEPTH[kind] if depth is None else depth)
 
     @classmethod
-    def at_back(cls, kind: Neckline, depth: float | None = None) -> Throat:
+    def at_back(cls, kind: Neckline, depth: float | None = None) -> NecklineCut:
         """Return a back neckline, of its usual depth where none is given."""
         return cls(kind, BACK_DEPTH[kind] if depth is None else depth)
 
@@ -79,12 +79,12 @@ def side_neck(kinds: tuple[Neckline, Neckline], neck: Point, tip: Point) -> Poin
     return (neck[0] + BOAT_SHARE * (tip[0] - neck[0]), neck[1] + BOAT_SHARE * (tip[1] - neck[1]))
 
 
-def draw_neckline(throat: Throat, neck: Point) -> list[Stroke]:
+def draw_neckline(throat: NecklineCut, neck: Point) -> list[Stroke]:
     """Draw half a neckline from the side neck point to the middle, x = 0."""
     low = neck[1] - throat.depth
     middle = (0.0, low)
     if throat.kind is Neckline.V:
-        return [Stroke(middle, _bowed(neck, middle, throat.bow), contour="neck")]
+        return [Stroke(middle, _parabola_handles(neck, middle, throat.bow), contour="neck")]
     if throat.kind is Neckline.SQUARE:
         corner = ((1.0 - SQUARE_SLANT) * neck[0], low)
         return [Stroke(corner, contour="neck"), Stroke(middle, contour="neck")]
@@ -92,7 +92,7 @@ def draw_neckline(throat: Throat, neck: Point) -> list[Stroke]:
     return [Stroke(middle, handles, contour="neck")]
 
 
-def _bowed(start: Point, end: Point, bow: float) -> tuple[Point, Point]:
+def _parabola_handles(start: Point, end: Point, bow: float) -> tuple[Point, Point]:
     """Return the handles of a cubic that is a parabola of height `bow` chords over its chord; a line if that is 0."""
     (x, y), (u, v) = start, end
     along, left = (u - x, v - y), (-(v - y), u - x)
@@ -103,7 +103,7 @@ def _bowed(start: Point, end: Point, bow: float) -> tuple[Point, Point]:
     return (first, second)
 
 
-def neckline_points(throat: Throat, half_width: float, segments: int = 32) -> np.ndarray:
+def neckline_points(throat: NecklineCut, half_width: float, segments: int = 32) -> np.ndarray:
     """Return points of half a neckline, from (half_width, 0) to (0, -depth), uniform on each stroke [m]."""
     here: Point = (half_width, 0.0)
     lines = []
@@ -113,7 +113,7 @@ def neckline_points(throat: Throat, half_width: float, segments: int = 32) -> np
     return np.concatenate(lines)
 
 
-def corner_turn(throat: Throat, half_width: float) -> float:
+def corner_turn(throat: NecklineCut, half_width: float) -> float:
     """Return by how much a whole neckline turns at its middle [rad]: 0 where it is level there, positive in a V."""
     ends = neckline_points(throat, half_width)[-2:]
     across, down = np.abs(ends[1] - ends[0])

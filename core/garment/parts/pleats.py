@@ -10,16 +10,16 @@ from __future__ import annotations
 from ..outline import Outline, Stroke, place_panel, unfold
 from ..pattern import Panel
 
-PLEATS = 3
-"""Pleats in each quarter of the skirt: 7 to 8 cm of cloth show between two of them at the hip bones."""
+QUARTER_PLEAT_COUNT = 3
+"""Number of pleats in each quarter of the skirt: 7 to 8 cm of cloth show between two of them at the hip bones."""
 
-DEPTH = 0.03
+PLEAT_DEPTH = 0.03
 """Depth of a pleat [m]: two of these are folded away, less than the 7 cm that show, so that folds do not overlap."""
 
-HEM = 0.45
+PLEATED_PART_LENGTH = 0.45
 """Length of the pleated part [m]: as long below its yoke as a gathered skirt is."""
 
-SEAM = "hipyoke"
+HIP_YOKE_SEAM = "hipyoke"
 """What the seam between yoke and pleats is called."""
 
 
@@ -29,8 +29,8 @@ def shown_widths(quarter: float) -> tuple[float, ...]:
     Args:
         quarter: Length of a quarter of the yoke's lower edge [m].
     """
-    whole = quarter / PLEATS
-    return (whole / 2, *([whole] * (PLEATS - 1)), whole / 2)
+    whole = quarter / QUARTER_PLEAT_COUNT
+    return (whole / 2, *([whole] * (QUARTER_PLEAT_COUNT - 1)), whole / 2)
 
 
 def yoke_strokes(face: str, quarter: float, height: float) -> tuple[Stroke, ...]:
@@ -44,7 +44,7 @@ def yoke_strokes(face: str, quarter: float, height: float) -> tuple[Stroke, ...]
     strokes, at = [], 0.0
     for number, width in enumerate(shown_widths(quarter)):
         at += width
-        strokes.append(Stroke((at, height), label=f"{SEAM}.{face}.{number}.left"))
+        strokes.append(Stroke((at, height), label=f"{HIP_YOKE_SEAM}.{face}.{number}.left"))
     return tuple(strokes)
 
 
@@ -57,15 +57,15 @@ def draw_pleats(quarter: float, height: float) -> list[Panel]:
     """
     panels = []
     for face in ("front", "back"):
-        wide = quarter + 2 * DEPTH * PLEATS
+        wide = quarter + 2 * PLEAT_DEPTH * QUARTER_PLEAT_COUNT
         strokes, at = [Stroke((wide, 0.0), label="side.left")], wide
         widths = shown_widths(quarter)
-        for number in range(PLEATS, -1, -1):
+        for number in range(QUARTER_PLEAT_COUNT, -1, -1):
             at -= widths[number]
             end = 0.0 if number == 0 else at
-            strokes.append(Stroke((end, 0.0), label=f"{SEAM}.{face}.{number}.left"))
+            strokes.append(Stroke((end, 0.0), label=f"{HIP_YOKE_SEAM}.{face}.{number}.left"))
             for _ in range(2 if number else 0):
-                at -= DEPTH
+                at -= PLEAT_DEPTH
                 strokes.append(Stroke((at, 0.0), label=f"pleat.{face}.{number}.left"))
-        panels.append(place_panel(face, unfold(Outline((wide, -HEM), tuple(strokes)), "hem"), height))
+        panels.append(place_panel(face, unfold(Outline((wide, -PLEATED_PART_LENGTH), tuple(strokes)), "hem"), height))
     return panels

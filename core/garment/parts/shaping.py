@@ -11,13 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
-from ..outline import Outline, Stroke, cut_stroke, mirror, smooth, unfold, unfold_closed, walk_back
+from ..outline import Outline, Stroke, cut_stroke, draw_monotone_spline, mirror, reverse_strokes, unfold, unfold_closed
 from .cut import Cut, PartsConflict, Shaping, Skirt
 
 MIDDLE_SHARE = 0.46
 """Share of a quarter of the waist between the middle and its dart, in bodice and skirt: they meet at a waist seam."""
 
-SIDES = ("", ".side", ".side2")
+PIECE_LABEL_SUFFIXES = ("", ".side", ".side2")
 """What the labels of the pieces of a quarter of the waist have between face and side, from the middle."""
 
 DART_SHARE = 0.6
@@ -30,8 +30,8 @@ APEX_BELOW = (0.045, 0.01)
 """How far below the underarm point darts end in front and behind [m]: 2.5 cm short of the bust point, and at the
 shoulder blade."""
 
-GODET = 0.05
-"""By how much each princess seam of a dress is wider at the hem than at the hip [m]."""
+PRINCESS_SEAM_FLARE = 0.05
+"""Flare of each princess seam of a dress [m]: it is wider by this at the hem than at the hip."""
 
 
 def share_waist(cut: Cut) -> tuple[float, ...]:
@@ -50,7 +50,7 @@ def share_waist(cut: Cut) -> tuple[float, ...]:
 
 def label_pieces(name: str, face: str, count: int) -> list[str]:
     """Return what the pieces of the left half of a face's seam are called, from the middle to the side."""
-    return [f"{name}.{face}{part}.left" for part in SIDES[:count]]
+    return [f"{name}.{face}{part}.left" for part in PIECE_LABEL_SUFFIXES[:count]]
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,8 @@ def draw_princess(
     """Draw the middle panel and both side panels of a front or back.
 
     The gap between both edges of a princess seam is the dart's intake at the waist, none at the apex, and at the hip;
-    towards the hem the panels overlap by `GODET`. Both edges mirror each other below the apex, so they are equal in
-    length, and are one curve above it.
+    towards the hem the panels overlap by `PRINCESS_SEAM_FLARE`. Both edges mirror each other below the apex, so they
+    are equal in length, and are one curve above it.
 
     Args:
         face: `front` or `back`.
@@ -129,11 +129,13 @@ def draw_princess(
         raise PartsConflict("a princess seam begins at the shoulder seam; choose another sleeve_head or shaping=darts.")
     seam = f"princess.{face}"
     heights = [stroke.end[1] for stroke in side[:-1]]
-    gaps = {0: -GODET if len(heights) > 2 else 0.0, len(heights) - 1: line.dart}
+    gaps = {0: -PRINCESS_SEAM_FLARE if len(heights) > 2 else 0.0, len(heights) - 1: line.dart}
     spine = [(gaps.get(i, 0.0) / 2, y) for i, y in enumerate(heights)] + [(0.0, apex)]
     labels = [f"{seam}.{i}.left" for i in range(len(heights))]
     bows = [
-        smooth([(line.centre + sign * gap, y) for gap, y in [*spine, (0.0, apex + 0.1)]], [*labels, "beyond"])[:-1]
+        draw_monotone_spline(
+            [(line.centre + sign * gap, y) for gap, y in [*spine, (0.0, apex + 0.1)]], [*labels, "beyond"]
+        )[:-1]
         for sign in (-1.0, 1.0)
     ]
     start = upper[shoulder - 1].end
@@ -144,7 +146,7 @@ def draw_princess(
     low = heights[0]
     centre_start = (line.centre - spine[0][0], low)
     middle = (*bows[0], climb, inner, *upper[shoulder + 1 :])
-    back_down = walk_back(Outline((line.centre + spine[0][0], low), (*bows[1], climb)))
+    back_down = reverse_strokes(Outline((line.centre + spine[0][0], low), (*bows[1], climb)))
     around = (*side[1:], *upper[:shoulder], outer, *back_down)
     corner = side[0].end
     if sewn:

@@ -18,13 +18,13 @@ from ..outline import (
     Point,
     Stroke,
     arc_handles,
-    length,
+    draw_monotone_spline,
+    labelled_length,
     mirror,
     place_panel,
-    smooth,
+    reverse_strokes,
     unfold,
     unfold_closed,
-    walk_back,
 )
 from ..pattern import Panel
 from .cut import Bodice, Cut, Gores, PartsConflict, Shaping, Skirt, Waistband, Yoke
@@ -33,21 +33,22 @@ from .pleats import draw_pleats, yoke_strokes
 from .shaping import Waistline, share_waist
 from .upper_edge import UpperEdge
 
-BAND = 0.04
-"""Width of a waistband [m]: as stiff as two layers of cloth, and it still follows the waist."""
+WAISTBAND_WIDTH = 0.04
+"""Width of a waistband [m]: it is as stiff as two layers of cloth, and still follows the waist."""
 
-SWEEP = {Skirt.HALF_CIRCLE: math.pi, Skirt.FULL_CIRCLE: 2 * math.pi}
+CIRCLE_SKIRT_ANGLES = {Skirt.HALF_CIRCLE: math.pi, Skirt.FULL_CIRCLE: 2 * math.pi}
 """The whole angle of a circle skirt [rad]."""
 
 CIRCLE_LENGTH = 0.50
 """Length of a circle skirt from waist to hem [m]: to above the knee."""
 
 
-GATHERS = 1.5
-"""Width of a gathered skirt's upper edge by that of what it is gathered into: a medium fullness."""
+SKIRT_GATHER_RATIO = 1.5
+"""Ratio of the width of a gathered skirt's upper edge to the width of what it is gathered into: a medium fullness."""
 
-TIERS = (0.16, 0.18, 0.20)
-"""Heights of a tiered skirt's rectangles [m]: each is longer than the one above, as eyes expect of what hangs lower."""
+SKIRT_TIER_HEIGHTS = (0.16, 0.18, 0.20)
+"""Heights of a tiered skirt's rectangles from the top [m]: each is longer than the one above, as the eye expects of
+what hangs lower."""
 
 YOKE_DEPTH = 0.11
 """Height of a hip yoke [m]: to the hip bones, above the widest place."""
@@ -58,7 +59,7 @@ YOKE_REACH = 0.62
 DART_DEPTH = {"front": 0.09, "back": 0.13}
 """Length of a skirt's darts [m]: the belly lies higher than the seat."""
 
-DARTED = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
+DARTED_SKIRTS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
 """Skirts that darts shape; others are wider below the waist than any body."""
 
 
@@ -80,8 +81,8 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
         low = waist + YOKE_REACH * ((m.hip + 0.04) / 4 - waist)
         panels = [_hip_yoke(face, edge, low, cut.skirt) for face in ("front", "back")] + panels
         edge = UpperEdge("hipyoke", low, edge.height - YOKE_DEPTH)
-    if cut.skirt in SWEEP:
-        return _circle(SWEEP[cut.skirt], edge) + panels
+    if cut.skirt in CIRCLE_SKIRT_ANGLES:
+        return _circle(CIRCLE_SKIRT_ANGLES[cut.skirt], edge) + panels
     if cut.skirt is Skirt.TIERED:
         return _tiers(edge) + panels
     if cut.skirt is Skirt.PLEATED:
@@ -100,7 +101,7 @@ def _check(cut: Cut) -> None:
         raise PartsConflict("gores are a gored skirt's; choose skirt=gored.")
     if cut.panels not in (2, 4):
         raise PartsConflict(f"a skirt of {cut.panels} panels is not drafted; choose 2 or 4.")
-    if cut.skirt in (*SWEEP, Skirt.TIERED, Skirt.PLEATED) and cut.panels != 2:
+    if cut.skirt in (*CIRCLE_SKIRT_ANGLES, Skirt.TIERED, Skirt.PLEATED) and cut.panels != 2:
         raise PartsConflict(f"a {cut.skirt} skirt is drafted of 2 panels.")
     if cut.skirt in (Skirt.GATHERED, Skirt.TIERED) and not sewn and cut.yoke is not Yoke.HIP:
         raise PartsConflict(
@@ -108,7 +109,7 @@ def _check(cut: Cut) -> None:
         )
     if cut.skirt is Skirt.PLEATED and cut.yoke is not Yoke.HIP:
         raise PartsConflict("a pleated skirt is drafted on a yoke; add yoke=hip.")
-    if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED, Skirt.GORED):
+    if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED_SKIRTS, Skirt.GORED):
         raise PartsConflict(f"a {cut.skirt} skirt has no yoke; choose a gathered, tiered, pleated or circle one.")
     if cut.bodice is Bodice.NONE and cut.yoke.faces:
         raise PartsConflict(f"a yoke={cut.yoke} is a bodice's; choose yoke=hip.")
@@ -121,7 +122,7 @@ def _check(cut: Cut) -> None:
         return
     if cut.shaping is Shaping.PRINCESS:
         raise PartsConflict("princess seams begin at the shoulders; of a skirt choose skirt=gored, or shaping=darts.")
-    if cut.shaping is Shaping.DARTS and cut.skirt not in DARTED:
+    if cut.shaping is Shaping.DARTS and cut.skirt not in DARTED_SKIRTS:
         raise PartsConflict(f"a {cut.skirt} skirt has nothing for darts to take in.")
 
 
@@ -153,7 +154,7 @@ def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
 
 def _rectangle(edge: UpperEdge, m: BodyMeasures) -> list[Point]:
     """Return the side of a gathered skirt: a rectangle of one and a half times what it is gathered into."""
-    wide = GATHERS * edge.quarter
+    wide = SKIRT_GATHER_RATIO * edge.quarter
     return [(wide, -0.54), (wide, min(m.hip_height - edge.height, -0.1)), (wide, 0.0)]
 
 
@@ -161,7 +162,7 @@ def _waist_line(edge: UpperEdge, line: Waistline, dip: float, rise: float, face:
     """Draw half a waist from the side to the middle: sewn and straight, open and dipping there, or darted."""
     if line.dart:
         apex = -DART_DEPTH[face]
-        across = walk_back(Outline((0.0, 0.0), line.strokes(face, 0.0, apex)))
+        across = reverse_strokes(Outline((0.0, 0.0), line.strokes(face, 0.0, apex)))
         return [_rename(stroke, edge) for stroke in across]
     if edge.name:
         return edge.strokes(face, (line.half, 0.0), Stroke((0.0, 0.0)))
@@ -180,7 +181,7 @@ def _rename(stroke: Stroke, edge: UpperEdge) -> Stroke:
 
 def _own_darts(edge: UpperEdge, cut: Cut, hip: float) -> Waistline:
     """Return a skirt's waist: with darts of its own where it is shaped by them."""
-    if cut.shaping is Shaping.DARTS and cut.skirt in DARTED:
+    if cut.shaping is Shaping.DARTS and cut.skirt in DARTED_SKIRTS:
         own = Waistline.of(cut, edge.quarter + (hip - edge.quarter) / 2, edge.quarter)
         return replace(own, dart=min(own.dart, 0.03))
     return Waistline(edge.quarter, 0.0, 0.0)
@@ -199,7 +200,7 @@ def _two_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     dip = 0.015 if cut.skirt is Skirt.A_LINE else 0.0
     panels = []
     for face in ("front", "back"):
-        strokes = smooth(points, ["side.0.left", "side.1.left"])
+        strokes = draw_monotone_spline(points, ["side.0.left", "side.1.left"])
         strokes += _waist_line(edge, line, 0.012, 0.002, face)
         panels.append(place_panel(face, unfold(Outline(points[0], tuple(strokes)), "hem", dip=dip), edge.height))
     return panels
@@ -218,7 +219,7 @@ def _four_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
         outline = Outline(
             (wide, low),
             (
-                *smooth(points, ["side.0.left", "side.1.left"]),
+                *draw_monotone_spline(points, ["side.0.left", "side.1.left"]),
                 *_waist_line(edge, line, 0.010, 0.001, face),
                 Stroke((0.0, hip_line), label=f"centre.{face}.0"),
                 Stroke(centre, label=f"centre.{face}.1"),
@@ -251,8 +252,8 @@ def _six_gores(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     panels = []
     for face in ("front", "back"):
         seam = [f"gore.{face}.0.left", f"gore.{face}.1.left"]
-        inner = smooth([(line.centre - gap, y) for gap, y in gaps], seam)
-        outer = smooth([(line.centre + gap, y) for gap, y in gaps], seam)
+        inner = draw_monotone_spline([(line.centre - gap, y) for gap, y in gaps], seam)
+        outer = draw_monotone_spline([(line.centre + gap, y) for gap, y in gaps], seam)
         top = _waist_line(edge, line, 0.0, 0.0, face)  # side, both sides of the dart, middle
         start, end = (line.centre - gaps[0][0], low), (line.centre + gaps[0][0], low)
         middle = Outline(start, (*inner, top[-1]))
@@ -260,9 +261,9 @@ def _six_gores(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
             end,
             (
                 Stroke(sides[0], contour="hem"),
-                *smooth(sides, ["side.0.left", "side.1.left"]),
+                *draw_monotone_spline(sides, ["side.0.left", "side.1.left"]),
                 top[0],
-                *walk_back(Outline(end, tuple(outer))),
+                *reverse_strokes(Outline(end, tuple(outer))),
             ),
         )
         panels.append(place_panel(face, unfold(middle, "hem", dip=0.008), edge.height))
@@ -272,12 +273,12 @@ def _six_gores(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 def _tiers(edge: UpperEdge) -> list[Panel]:
-    """Draw front and back of each tier: rectangles, each gathered by `GATHERS` into the one above."""
+    """Draw front and back of each tier: rectangles, each gathered by `SKIRT_GATHER_RATIO` into the one above."""
     panels, above = [], edge
-    for number, high in enumerate(TIERS):
-        wide = GATHERS * above.quarter
+    for number, high in enumerate(SKIRT_TIER_HEIGHTS):
+        wide = SKIRT_GATHER_RATIO * above.quarter
         for face in ("front", "back"):
-            last = number == len(TIERS) - 1
+            last = number == len(SKIRT_TIER_HEIGHTS) - 1
             bottom = (
                 Stroke((wide, -high), contour="hem")
                 if last
@@ -333,19 +334,19 @@ def _circle(sweep: float, edge: UpperEdge) -> list[Panel]:
 def _cubic_arc(angle: float) -> float:
     """Return the length of the cubic that stands for an arc of radius 1; what is sewn to it has just this length."""
     start, end = (0.0, 0.0), (math.sin(angle), 1.0 - math.cos(angle))
-    return length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
+    return labelled_length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
 def draw_band(face: str, half: float, height: float, shares: tuple[float, ...] = (1.0,)) -> Panel:
     """Draw half a waistband, `half` to each side of the middle [m]; its seam is cut at the centre, darts and gores."""
     edge = UpperEdge("band", half, height, shares)
     down = edge.strokes(face, (half, 0.0), Stroke((0.0, 0.0)))
-    out = Outline((0.0, 0.0), walk_back(Outline((half, 0.0), tuple(down))))
+    out = Outline((0.0, 0.0), reverse_strokes(Outline((half, 0.0), tuple(down))))
     strokes = (
         *mirror(out).strokes,
         *out.strokes,
-        Stroke((half, BAND), label="bandside.left"),
-        Stroke((-half, BAND), contour="waist"),
+        Stroke((half, WAISTBAND_WIDTH), label="bandside.left"),
+        Stroke((-half, WAISTBAND_WIDTH), contour="waist"),
         Stroke((-half, 0.0), label="bandside.right"),
     )
     return place_panel(f"band_{face}", Outline((-half, 0.0), strokes), height, label="band")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..outline import Outline, Point, Stroke, length, mirror, place_panel, to_point
+from ..outline import Outline, Point, Stroke, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
 from .cut import PartsConflict, Sleeve
 
@@ -23,8 +23,8 @@ CAP_HEIGHT = 1.0 / 3.0
 CAP_EASE = 0.04
 """By how much a set-in cap is longer than its armhole: 2 cm of a shirt's or dress's 45, less than a jacket's 3."""
 
-CUFF = 0.06
-"""Width of a cuff [m]: a shirt's."""
+SLEEVE_CUFF_WIDTH = 0.06
+"""Width of a cuff [m]: that of a shirt."""
 
 CUFF_FULLNESS = 1.25
 """Width of a sleeve by that of the cuff that it is gathered into: 6 cm of pleats in a shirt's."""
@@ -94,7 +94,7 @@ class SleeveEnd:
         if not self.banded:
             low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
             return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
-        end = self.cut.length - CUFF
+        end = self.cut.length - SLEEVE_CUFF_WIDTH
         low, top = self.at(end, CUFF_FULLNESS * self.cut.cuff_half), self.at(end, 0.0)
         return Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
 
@@ -102,7 +102,7 @@ class SleeveEnd:
         """Place the left half sleeve, its mirror image, and the halves of both cuffs."""
         panels = self._place(name, outline, height)
         if self.banded:
-            end, wide = self.cut.length - CUFF, self.cut.cuff_half
+            end, wide = self.cut.length - SLEEVE_CUFF_WIDTH, self.cut.cuff_half
             start = self.at(end, 0.0)
             strokes = (
                 Stroke(self.at(end, wide), label=f"cuffseam.{self.side}.left"),
@@ -202,14 +202,14 @@ def set_in_caps(end: SleeveEnd, armholes: tuple[float, float]) -> tuple[Stroke, 
     from scipy.optimize import brentq  # a mere reader of templates does not pay for it
 
     high = CAP_HEIGHT * sum(armholes)
-    if end.cut.length - (CUFF if end.banded else 0.0) < high + 0.02:
+    if end.cut.length - (SLEEVE_CUFF_WIDTH if end.banded else 0.0) < high + 0.02:
         raise PartsConflict("this sleeve ends above the underarm, within a set-in cap; choose sleeve_head=flat.")
 
     def cap(wide: float, bow: float) -> Stroke:
         return Stroke(end.at(high, wide), (end.at(0.0, bow * wide), end.at(high, (1.0 - bow) * wide)), label="cap")
 
     def excess(stroke: Stroke, armhole: float) -> float:
-        return length(Outline(end.top, (stroke,)), "cap") - (1.0 + CAP_EASE) * armhole
+        return labelled_length(Outline(end.top, (stroke,)), "cap") - (1.0 + CAP_EASE) * armhole
 
     full = max(armholes)
     wide = brentq(lambda w: excess(cap(w, FULL_CAP), full), 0.02, 2 * full, xtol=1e-12)

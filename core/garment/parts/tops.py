@@ -14,12 +14,12 @@ from ..outline import (
     Point,
     Stroke,
     cut_stroke,
-    length,
+    draw_monotone_spline,
+    labelled_length,
     place_panel,
-    smooth,
+    reverse_strokes,
     unfold,
     unfold_closed,
-    walk_back,
 )
 from ..pattern import Panel
 from .collars import collar_stand, sew_collar
@@ -37,8 +37,8 @@ from .cut import (
     SleevePieces,
     Waist,
 )
-from .necklines import Throat, draw_neckline, side_neck
-from .shaping import APEX_BELOW, GODET, Waistline, draw_princess
+from .necklines import NecklineCut, draw_neckline, side_neck
+from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
 from .yokes import cut_yoke, divide_armhole
@@ -100,15 +100,15 @@ class Shoulder:
             return []
         panels = []
         ends = [SleeveEnd(self.tip, SLEEVES[cut.sleeve], side, cut.cuff is Cuff.BAND) for side in FACES]
-        caps: list[tuple[Stroke, ...]] = [walk_back(Outline(self.under, armhole)) for armhole in self.armholes]
+        caps: list[tuple[Stroke, ...]] = [reverse_strokes(Outline(self.under, armhole)) for armhole in self.armholes]
         if self.head is SleeveHead.SET_IN:
-            front, back = (length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
+            front, back = (labelled_length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
             own = set_in_caps(ends[0], (front, back))
-            caps = [_named(cap, armhole, self) for cap, armhole in zip(own, caps, strict=True)]
+            caps = [_label_cap(cap, armhole, self) for cap, armhole in zip(own, caps, strict=True)]
         for face, end in enumerate(ends):
             if self.head is SleeveHead.RAGLAN:
                 neck, line = self._raglan(face)
-                upper = (neck[0], *walk_back(Outline(self.under, (line,))))
+                upper = (neck[0], *reverse_strokes(Outline(self.under, (line,))))
                 panels += raglan_sleeves(end, self.neck, upper, height)
             elif cut.sleeve_pieces is SleevePieces.TWO:
                 panels += two_piece_sleeves(end, caps[face], height)
@@ -125,12 +125,12 @@ class Shoulder:
         return (*neck, *others), Stroke(neck[0].end, handles, f"scye.{FACES[face]}.left", notch=0.45)
 
 
-def _named(cap: Stroke, armhole: tuple[Stroke, ...], shoulder: Shoulder) -> tuple[Stroke, ...]:
+def _label_cap(cap: Stroke, armhole: tuple[Stroke, ...], shoulder: Shoulder) -> tuple[Stroke, ...]:
     """Return a set-in cap with the labels and notches of the armhole that it is sewn to, divided as it is."""
     if len(armhole) == 1:
         return (replace(cap, label=armhole[0].label, notch=armhole[0].notch),)
-    upper = length(Outline(shoulder.tip, armhole), armhole[0].label)
-    whole = length(Outline(shoulder.tip, armhole), "scye")
+    upper = labelled_length(Outline(shoulder.tip, armhole), armhole[0].label)
+    whole = labelled_length(Outline(shoulder.tip, armhole), "scye")
     return cut_stroke(shoulder.tip, cap, upper / whole, (armhole[0].label, armhole[1].label))
 
 
@@ -165,15 +165,15 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         hollows, rise = (0.058, 0.050), (0.016, 0.09)
     under = ((m.bust + ease) / 4, m.armpit_height - drop - m.nape_height)
     throats = (
-        Throat.at_front(cut.neckline, cut.neck_depth),
-        Throat.at_back(cut.back_neckline, cut.back_depth),
+        NecklineCut.at_front(cut.neckline, cut.neck_depth),
+        NecklineCut.at_back(cut.back_neckline, cut.back_depth),
     )
     neck = side_neck((cut.neckline, cut.back_neckline), neck, tip)
     armholes: list[tuple[Stroke, ...]] = []
     for side, hollow in zip(FACES, hollows, strict=True):
         scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - rise[0], tip[1] - rise[1]))
         if cut.bodice is Bodice.HALTER:
-            scye = _diagonal(under, tip)
+            scye = _halter_armhole_handles(under, tip)
         if sleeved:
             armholes.append((Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45),))
         else:
@@ -192,7 +192,7 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
 
-def _diagonal(under: Point, tip: Point) -> tuple[Point, Point]:
+def _halter_armhole_handles(under: Point, tip: Point) -> tuple[Point, Point]:
     """Return the handles of a halter's armhole, which runs across to the neck and is hollowed by a tenth of its way."""
     (u, v), (x, y) = under, tip
     return (u - 0.40 * (u - x), v + 0.15 * (y - v)), (x + 0.15 * (u - x), y - 0.40 * (y - v))
@@ -220,8 +220,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         if cut.shaping is Shaping.PRINCESS:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
         else:
-            outlines = [(name, _whole(cut, name, line, side, upper, apex))]
-        panels += [place_panel(part, outline, m.nape_height, across=_inward(part)) for part, outline in outlines]
+            outlines = [(name, _draw_single_panel(cut, name, line, side, upper, apex))]
+        panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
     if cut.collar is Collar.STAND:
         panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut, m.nape_height)
@@ -230,7 +230,9 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
 
 
-def _whole(cut: Cut, face: str, line: Waistline, side: list[Stroke], upper: list[Stroke], apex: float) -> Outline:
+def _draw_single_panel(
+    cut: Cut, face: str, line: Waistline, side: list[Stroke], upper: list[Stroke], apex: float
+) -> Outline:
     """Draw a front or back in one piece, with darts where it has them."""
     if cut.waist is Waist.SEAM:
         waist = line.strokes(face, side[0].end[1], apex)
@@ -251,12 +253,12 @@ def _draw_strapless(cut: Cut, m: BodyMeasures) -> list[Panel]:
     if cut.shaping is Shaping.PRINCESS:
         raise PartsConflict("a princess seam begins at the shoulder seam; choose another bodice or shaping=darts.")
     return [
-        place_panel(name, _whole(cut, name, line, side, upper, under[1] - APEX_BELOW[face]), m.nape_height)
+        place_panel(name, _draw_single_panel(cut, name, line, side, upper, under[1] - APEX_BELOW[face]), m.nape_height)
         for face, name in enumerate(FACES)
     ]
 
 
-def _inward(part: str) -> float:
+def _inward_shift(part: str) -> float:
     """Return how far a side panel is placed towards the middle [m]: beyond a shoulder only sleeves are looked for."""
     return 0.0 if "_side_" not in part else -PLACED_INWARD if part.endswith("left") else PLACED_INWARD
 
@@ -301,6 +303,6 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list
     if cut.shaping is Shaping.PRINCESS:
         sides[-1] = (line.half, m.waist_height)
         if len(sides) > 2:
-            sides[0] = (sides[0][0] - GODET / 2, sides[0][1])
+            sides[0] = (sides[0][0] - PRINCESS_SEAM_FLARE / 2, sides[0][1])
     points = [*((x, y - m.nape_height) for x, y in sides), under]
-    return [Stroke(points[0]), *smooth(points, [f"side.{i}.left" for i in range(len(points) - 1)])]
+    return [Stroke(points[0]), *draw_monotone_spline(points, [f"side.{i}.left" for i in range(len(points) - 1)])]

@@ -11,12 +11,13 @@ YOKE_SHARE = 0.6
 """Share of an armhole below its yoke: 8 to 9 cm below the shoulder, as shirts have it behind and western shirts in
 front."""
 
-LEAST_APART = 0.02
+MIN_YOKE_NECK_DISTANCE = 0.02
 """Least height between a yoke's seam and the lowest point of its neckline [m]: what is left between them has to be wide
 enough to be sewn."""
 
-SEGMENTS = 256
-"""Pieces of a stroke among which the one that crosses a height is sought; within it the place is interpolated."""
+STROKE_SEGMENT_COUNT = 256
+"""Number of pieces of a stroke among which the one that crosses a height is sought; within it the place is
+interpolated."""
 
 
 def divide_armhole(
@@ -24,7 +25,8 @@ def divide_armhole(
 ) -> tuple[Stroke, Stroke]:
     """Return an armhole cut where the yoke of a front or back meets it.
 
-    Where the neckline would end within `LEAST_APART` of the yoke's seam, the seam is moved down to be so far below it.
+    Where the neckline would end within `MIN_YOKE_NECK_DISTANCE` of the yoke's seam, the seam is moved down to be so far
+    below it.
 
     Args:
         cut: The garment's.
@@ -42,9 +44,9 @@ def divide_armhole(
         raise PartsConflict("a bodice's yoke is not drafted across princess seams or above legs; choose yoke=none.")
     labels = ("", "") if armhole.contour else (f"scye.{face}.left", f"scye.{face}.yoke.left")
     divided, deep = cut_stroke(under, armhole, YOKE_SHARE, labels), neckline[-1].end[1]
-    if abs(deep - divided[0].end[1]) >= LEAST_APART:
+    if abs(deep - divided[0].end[1]) >= MIN_YOKE_NECK_DISTANCE:
         return divided
-    return cut_stroke(under, armhole, _share_at(under, armhole, deep - LEAST_APART), labels)
+    return cut_stroke(under, armhole, _share_at(under, armhole, deep - MIN_YOKE_NECK_DISTANCE), labels)
 
 
 def cut_yoke(face: str, upper: list[Stroke]) -> tuple[list[Stroke], list[tuple[str, Outline]]]:
@@ -86,6 +88,6 @@ def _divide(strokes: list[Stroke], height: float) -> tuple[list[Stroke], list[St
 
 def _share_at(start: Point, stroke: Stroke, height: float) -> float:
     """Return the share of its length at which a stroke first crosses a height [m]."""
-    over = stroke_points(start, stroke, SEGMENTS)[:, 1] - height  # uniform in arc length
+    over = stroke_points(start, stroke, STROKE_SEGMENT_COUNT)[:, 1] - height  # uniform in arc length
     after = int(np.argmax(over * over[0] <= 0.0))
-    return float(after - over[after] / (over[after] - over[after - 1])) / SEGMENTS
+    return float(after - over[after] / (over[after] - over[after - 1])) / STROKE_SEGMENT_COUNT

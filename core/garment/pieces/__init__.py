@@ -1,15 +1,15 @@
 """Production pieces: from a pattern of net panels to what is cut out of cloth."""
 
-from .allowance import WIDTHS, Allowances, read_allowances
+from .allowance import DEFAULT_ALLOWANCES, Allowances, read_allowances
 from .errors import AllowanceBad, PieceBad
-from .flatten import TOLERANCE, flatten_edge, flatten_outline
+from .flatten import FLATTENING_TOLERANCE, flatten_edge, flatten_outline
 from .layout import CLOTH_WIDTH, Copy, Lay, lay_on_cloth
 from .make import PieceSettings, Style, make_pieces
 from .nesting import nest_on_cloth
 from .numbers import CutNumbers, PieceNumbers, describe_pieces, measure_pieces
 from .piece import (
-    SEWN,
-    TURNED,
+    SEWN_EDGE_USES,
+    TURNED_UP_EDGE_USES,
     CutLine,
     EdgeUse,
     Notch,
@@ -21,14 +21,14 @@ from .piece import (
     PieceSide,
     SeamWalk,
 )
-from .shelves import lay_out
+from .shelves import pack_on_shelves
 
 __all__ = [
     "CLOTH_WIDTH",
-    "SEWN",
-    "TOLERANCE",
-    "TURNED",
-    "WIDTHS",
+    "DEFAULT_ALLOWANCES",
+    "FLATTENING_TOLERANCE",
+    "SEWN_EDGE_USES",
+    "TURNED_UP_EDGE_USES",
     "AllowanceBad",
     "Allowances",
     "Copy",
@@ -52,9 +52,9 @@ __all__ = [
     "flatten_edge",
     "flatten_outline",
     "lay_on_cloth",
-    "lay_out",
     "make_pieces",
     "measure_pieces",
     "nest_on_cloth",
+    "pack_on_shelves",
     "read_allowances",
 ]

@@ -14,7 +14,7 @@ from ...run.text import read_json
 from .errors import AllowanceBad
 from .piece import EdgeUse
 
-WIDTHS = MappingProxyType({
+DEFAULT_ALLOWANCES = MappingProxyType({
     EdgeUse.SEAM: 0.010, EdgeUse.GATHERED: 0.010, EdgeUse.DART: 0.0, EdgeUse.NECK: 0.010, EdgeUse.ARMHOLE: 0.010,
     EdgeUse.CUFF: 0.025, EdgeUse.HEM: 0.025, EdgeUse.LEG: 0.040, EdgeUse.WAIST: 0.030, EdgeUse.OPEN: 0.010,
     EdgeUse.FOLD: 0.0,
@@ -22,10 +22,10 @@ WIDTHS = MappingProxyType({
 """Usual widths of industry [m]: seams and what is faced or bound 1 cm, hems of sleeves and tops 2.5 cm, of trousers
 4 cm, a waist with room for elastic 3 cm."""
 
-WIDEST = 0.15
-"""A wider allowance [m] is a slip of the unit: the deepest usual hem has 10 cm."""
+MAX_SEAM_ALLOWANCE = 0.15
+"""Largest width of a seam allowance [m]; a wider one is a mistake in the unit. The deepest usual hem has 10 cm."""
 
-FREE = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
+ADJUSTABLE_EDGE_USES = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
 """Edges whose width may be chosen."""
 
 
@@ -33,13 +33,13 @@ FREE = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
 class Allowances:
     """Describe the width of the seam allowance of every kind of edge [m]."""
 
-    widths: Mapping[EdgeUse, float] = field(default_factory=lambda: WIDTHS)
+    widths: Mapping[EdgeUse, float] = field(default_factory=lambda: DEFAULT_ALLOWANCES)
 
     def describe(self) -> str:
         """Return the widths in millimetres as `--allowance` takes them; `none` where all are 0."""
         if not any(self.widths.values()):
             return "none"
-        return ",".join(f"{use}={1e3 * self.widths[use]:g}" for use in FREE)
+        return ",".join(f"{use}={1e3 * self.widths[use]:g}" for use in ADJUSTABLE_EDGE_USES)
 
 
 def read_allowances(text: str) -> Allowances:
@@ -55,10 +55,10 @@ def read_allowances(text: str) -> Allowances:
     stripped = text.strip()
     if stripped == "none":
         return Allowances(MappingProxyType(dict.fromkeys(EdgeUse, 0.0)))
-    widths = dict(WIDTHS)
+    widths = dict(DEFAULT_ALLOWANCES)
     for name, value in _pairs(stripped):
-        if name not in FREE:
-            known = ", ".join(FREE)
+        if name not in ADJUSTABLE_EDGE_USES:
+            known = ", ".join(ADJUSTABLE_EDGE_USES)
             raise AllowanceBad(f"'{keep_printable(name[:40])}' is no edge with an allowance; there are {known}.")
         widths[EdgeUse(name)] = _metres(name, value)
     return Allowances(MappingProxyType(widths))
@@ -90,7 +90,9 @@ def _metres(name: str, value: str) -> float:
         width = float(value) / 1e3
     except ValueError:
         width = math.nan
-    if not 0.0 <= width <= WIDEST:
+    if not 0.0 <= width <= MAX_SEAM_ALLOWANCE:
         shown = keep_printable(value[:20])
-        raise AllowanceBad(f"the allowance {name}={shown} is none; give millimetres from 0 to {1e3 * WIDEST:.0f}.")
+        raise AllowanceBad(
+            f"the allowance {name}={shown} is none; give millimetres from 0 to {1e3 * MAX_SEAM_ALLOWANCE:.0f}."
+        )
     return width

@@ -7,16 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry import unit
-from .piece import TURNED, EdgeUse
+from .piece import TURNED_UP_EDGE_USES, EdgeUse
 
 MITRE_LIMIT = 3.0
 """A mitre longer than this many allowances is cut off: a corner sharper than about 40 degrees."""
 
-STRAIGHT = 1e-3
-"""Sides that turn by less [rad] run on straight: 0.1 mm on 10 cm."""
+MAX_STRAIGHT_TURN_ANGLE = 1e-3
+"""Turn between two sides below which they run on straight [rad]: 0.1 mm on 10 cm."""
 
-STEEPEST = np.cos(np.deg2rad(70.0))
-"""A side that leans further from the fold of a hem than this is not mirrored at it: the hem would end in a thorn."""
+MIN_FOLD_SIDE_COSINE = np.cos(np.deg2rad(70.0))
+"""Least cosine between a side and the normal of a hem's fold (70 degrees). A side that leans further is not mirrored at
+the fold: the hem would end in a narrow spike."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +91,14 @@ def join_corner(first: Side, second: Side, before: np.ndarray, after: np.ndarray
         before: Offset of the first, or what the corner at its beginning left of it [m], shape [n, 2].
         after: Offset of the second [m], shape [k, 2].
     """
-    if first.use in TURNED and second.use not in TURNED and second.width + first.width > 0.0:
+    if first.use in TURNED_UP_EDGE_USES and second.use not in TURNED_UP_EDGE_USES and second.width + first.width > 0.0:
         fold = Fold(second.sew[0], -first.last, -_right(first.last), first.width)
         mirrored = fold.mirror(after)
         if mirrored is not None:
             side, path = mirrored
             hem = _begin_at(before[::-1], fold.corner, fold.along, path[-1])[::-1]
             return Corner(hem, path[::-1], side, (path[0], fold.along))
-    if second.use in TURNED and first.use not in TURNED and second.width + first.width > 0.0:
+    if second.use in TURNED_UP_EDGE_USES and first.use not in TURNED_UP_EDGE_USES and second.width + first.width > 0.0:
         fold = Fold(first.sew[-1], second.first, -_right(second.first), second.width)
         mirrored = fold.mirror(before[::-1])
         if mirrored is not None:
@@ -111,7 +112,7 @@ def _mitre(first: Side, second: Side, before: np.ndarray, after: np.ndarray) -> 
     nothing = np.zeros((0, 2))
     p, a, b = first.sew[-1], first.last, second.first
     turn = float(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))
-    if abs(turn) < STRAIGHT:
+    if abs(turn) < MAX_STRAIGHT_TURN_ANGLE:
         return Corner(before, nothing, after)
     if turn < 0.0:
         return Corner(before, nothing, after)
@@ -159,7 +160,7 @@ class Fold:
             far.
         """
         lean = unit(side[1] - side[0])
-        if lean @ self.inward < STEEPEST:
+        if lean @ self.inward < MIN_FOLD_SIDE_COSINE:
             return None
         height = self.height(side)
         above = np.flatnonzero(height > 1e-9)
@@ -185,7 +186,7 @@ class Fold:
         over = np.flatnonzero(height >= self.depth)
         if not len(over):
             lean = unit(way[-1] - way[-2])
-            rise = max(float(lean @ self.inward), STEEPEST)
+            rise = max(float(lean @ self.inward), MIN_FOLD_SIDE_COSINE)
             return np.concatenate([way, (way[-1] + lean * (self.depth - height[-1]) / rise)[None]])
         k = int(over[0])
         if k == 0:

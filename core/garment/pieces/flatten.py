@@ -6,14 +6,14 @@ import numpy as np
 
 from .. import Panel, edge_length, edge_points
 
-TOLERANCE = 5e-5
+FLATTENING_TOLERANCE = 5e-5
 """Largest distance between a curve and its polygon [m]: a tenth of the width of a pencil line."""
 
-MOST = 512
-"""Most parts of one edge."""
+MAX_EDGE_SEGMENT_COUNT = 512
+"""Largest number of segments of one edge, whatever the tolerance asks for."""
 
 
-def flatten_edge(panel: Panel, edge: int, tolerance: float = TOLERANCE) -> np.ndarray:
+def flatten_edge(panel: Panel, edge: int, tolerance: float = FLATTENING_TOLERANCE) -> np.ndarray:
     """Return points along an edge, ends included, uniform in arc length [m], shape [n, 2].
 
     A chord of length h misses a curve of curvature k by k h^2 / 8; k is the largest turn between 64 samples.
@@ -26,10 +26,10 @@ def flatten_edge(panel: Panel, edge: int, tolerance: float = TOLERANCE) -> np.nd
     length = edge_length(panel, edge)
     curvature = 64.0 * turn / max(length, 1e-12)
     parts = int(np.ceil(length * np.sqrt(curvature / (8.0 * tolerance))))
-    return edge_points(panel, edge, min(max(parts, 1), MOST))
+    return edge_points(panel, edge, min(max(parts, 1), MAX_EDGE_SEGMENT_COUNT))
 
 
-def flatten_outline(panel: Panel, tolerance: float = TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
+def flatten_outline(panel: Panel, tolerance: float = FLATTENING_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
     """Return a panel's outline as a polygon [m], shape [n, 2], and of each of its sides the edge, shape [n]."""
     parts = [flatten_edge(panel, i, tolerance)[:-1] for i in range(len(panel.edges))]
     return np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(part) for part in parts])

@@ -11,10 +11,10 @@ from ..curves import place_on_chord
 from .pairing import MirroredGroup
 from .piece import CutLine, EdgeUse, Notch, Piece, PieceEdge
 
-UPRIGHT = np.deg2rad(0.5)
-"""Largest angle between the axis of a piece and its grainline: cloth is folded along the warp."""
+MAX_FOLD_AXIS_ANGLE = np.deg2rad(0.5)
+"""Largest angle between the axis of a piece and its grainline [rad]: cloth is folded along the warp."""
 
-ON_AXIS = 1e-7
+FOLD_AXIS_TOLERANCE = 1e-7
 """A point this near to the axis [m] lies on it."""
 
 
@@ -26,7 +26,7 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
         mirrored: What says that it is its own mirror image.
     """
     axis = mirrored.translation[0] / 2.0
-    if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * UPRIGHT) or mirrored.rotation[0, 0] > 0.0:
+    if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * MAX_FOLD_AXIS_ANGLE) or mirrored.rotation[0, 0] > 0.0:
         return None
     own = {edge.source: i for i, edge in enumerate(piece.edges)}
     twins = [own.get(ref, -1) for ref in mirrored.twins]
@@ -55,8 +55,8 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
         fold=len(chain),
         cut=cut,
         notches=tuple(_keep_notches(piece, numbers, refs, axis)),
-        darts=tuple(line for line in piece.darts if line[:, 0].min() > axis - ON_AXIS),
-        drills=piece.drills[piece.drills[:, 0] > axis - ON_AXIS],
+        darts=tuple(line for line in piece.darts if line[:, 0].min() > axis - FOLD_AXIS_TOLERANCE),
+        drills=piece.drills[piece.drills[:, 0] > axis - FOLD_AXIS_TOLERANCE],
         grain=grain,
     )
 
@@ -83,7 +83,7 @@ def _halve_edges(
 def _halve_cut(cut: CutLine, axis: float) -> CutLine | None:
     """Return the part of a cut line right of the axis, closed along it; None where it is not in one part."""
     x = cut.points[:, 0] - axis
-    inside = x > ON_AXIS
+    inside = x > FOLD_AXIS_TOLERANCE
     first = np.flatnonzero(inside & ~np.roll(inside, 1))
     if len(first) != 1:
         return None
@@ -107,7 +107,7 @@ def _keep_notches(
     """Return the notches right of the axis, by the new numbers of their edges."""
     found = []
     for notch in piece.notches:
-        if notch.point[0] <= axis + ON_AXIS or notch.edge not in numbers:
+        if notch.point[0] <= axis + FOLD_AXIS_TOLERANCE or notch.edge not in numbers:
             continue
         number = numbers[notch.edge]
         low, high = refs[number][1]

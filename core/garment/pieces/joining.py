@@ -12,16 +12,18 @@ from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
 from .piece import PanelPlace
 
-HALVES = ("sleeve", "cuff", "band", "wb", "collar")
+HALF_PANEL_WORDS = ("sleeve", "cuff", "band", "wb", "collar")
 """Parts of names and labels by which panels are known as halves of one piece, in our templates and in published
 datasets. A body's front and back share straight seams too, and are never one piece."""
 
-SAME = 1e-4
-"""Two sides of a seam that differ by less [m] lie upon each other once joined: scissors cut no better."""
+HALF_JOIN_TOLERANCE = 1e-4
+"""Difference between the two sides of a seam [m] up to which they lie upon each other once joined: scissors cut no
+better."""
 
-GRAIN = np.deg2rad(45.0)
-"""Halves whose grainlines differ by more once joined are not joined. A half sleeve's runs along the arm, its top seam
-at up to 20 degrees to that; the joined sleeve has its grainline in the middle, as a sleeve's is drawn."""
+MAX_JOINED_GRAIN_ANGLE = np.deg2rad(45.0)
+"""Largest angle between the grainlines of two halves, laid as joined, up to which they are joined [rad]. A half
+sleeve's runs along the arm, its top seam at up to 20 degrees to that; the joined sleeve has its grainline in the
+middle, as a sleeve's is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,10 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     """Return the panels of a pattern, those joined that are halves of one piece, each in the axes of its first panel.
 
     Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
-    the grainlines agree within `GRAIN`. Of several such seams the highest on the wearer is taken: the top of a sleeve,
-    not below it.
+    the grainlines agree within `MAX_JOINED_GRAIN_ANGLE`. Of several such seams the highest on the wearer is taken: the
+    top of a sleeve, not below it.
     """
-    groups = {panel.name: _alone(panel) for panel in pattern.panels}
+    groups = {panel.name: _single_panel_group(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
         if seam.gathered or not seam.reversed:
             continue
@@ -59,7 +61,7 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     return tuple(dict.fromkeys(groups.values()))
 
 
-def _alone(panel: Panel) -> Group:
+def _single_panel_group(panel: Panel) -> Group:
     sources = tuple(EdgeRef(panel.name, i) for i in range(len(panel.edges)))
     return Group(panel, sources, (PanelPlace(panel.name, np.eye(2), np.zeros(2)),))
 
@@ -67,7 +69,7 @@ def _alone(panel: Panel) -> Group:
 def _is_half(pattern: Pattern, ref: EdgeRef) -> bool:
     panel = pattern.panel(ref.panel)
     words = f"{panel.name} {panel.label}".lower()
-    return panel.edges[ref.edge].kind == "line" and any(word in words for word in HALVES)
+    return panel.edges[ref.edge].kind == "line" and any(word in words for word in HALF_PANEL_WORDS)
 
 
 def _height(pattern: Pattern, ref: EdgeRef) -> float:
@@ -83,12 +85,12 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
     start, end = a.points[i], a.points[(i + 1) % na]
     own_start, own_end = b.points[(j + 1) % nb], b.points[j]
     along, own = end - start, own_end - own_start
-    if abs(np.linalg.norm(along) - np.linalg.norm(own)) > SAME:
+    if abs(np.linalg.norm(along) - np.linalg.norm(own)) > HALF_JOIN_TOLERANCE:
         return None
     angle = np.arctan2(along[1], along[0]) - np.arctan2(own[1], own[0])
     turn = plane_rotation(angle)
     apart = (a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2
-    if abs(apart) > GRAIN:
+    if abs(apart) > MAX_JOINED_GRAIN_ANGLE:
         return None
     move = (start + end) / 2 - turn @ ((own_start + own_end) / 2)
     keep, others = [(i + 1 + k) % na for k in range(na)], [(j + 2 + k) % nb for k in range(nb - 2)]

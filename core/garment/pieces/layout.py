@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import polygon_area
 from .piece import Piece
-from .shelves import lay_out
+from .shelves import pack_on_shelves
 
 CLOTH_WIDTH = 1.40
 """The usual usable width of cloth [m]."""
@@ -16,7 +16,7 @@ CLOTH_WIDTH = 1.40
 CLOTH_GAP = 0.01
 """Free space between pieces on cloth [m]: room for the blade."""
 
-ON_FOLD = 1e-9
+FOLD_LINE_TOLERANCE = 1e-9
 """A point this near to the fold [m] lies on it: all were put there."""
 
 
@@ -66,7 +66,7 @@ def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
     sizes = np.array([np.ptp(copy.outline, axis=0) for copy in copies]).reshape(-1, 2)
     if not copies or sizes[:, 0].max() > width:
         return Lay(width, float("inf"), 0.0)
-    corners = lay_out(sizes, CLOTH_GAP, width, stacked=True)
+    corners = pack_on_shelves(sizes, CLOTH_GAP, width, stacked=True)
     laid = [
         Copy(copy.name, copy.outline - copy.outline.min(axis=0) + corner)
         for copy, corner in zip(copies, corners, strict=True)
@@ -88,7 +88,7 @@ def list_copies(pieces: tuple[Piece, ...]) -> list[Copy]:
 def _unfold(piece: Piece) -> np.ndarray:
     """Return the cut line of both halves of a folded piece."""
     half, axis = piece.cut.points, float(piece.cut.points[:, 0].min())
-    on = half[:, 0] < axis + ON_FOLD
+    on = half[:, 0] < axis + FOLD_LINE_TOLERANCE
     first = np.flatnonzero(on & ~np.roll(on, 1))  # the fold runs down on the left side of the right half
     half = np.roll(half, -int(first[0]) - int(on.sum()) + 1, axis=0)[: len(half) - int(on.sum()) + 2]
     return np.concatenate([half, (half[1:-1] * [-1.0, 1.0] + [2.0 * axis, 0.0])[::-1]])

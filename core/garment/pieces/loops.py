@@ -6,8 +6,8 @@ import numpy as np
 
 from .. import polygon_area
 
-ROUNDING = 1e-12
-"""Crossings nearer than this to the end of a side (as a fraction of it) are the corner itself."""
+CORNER_CROSSING_TOLERANCE = 1e-12
+"""Distance of a crossing from the end of a side [share of the side] below which it is the corner itself."""
 
 
 def remove_loops(points: np.ndarray, tags: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -58,7 +58,12 @@ def _find_crossings(points: np.ndarray) -> list[tuple[int, float, int, float]]:
         s = (apart[:, 0] * step[j, 1] - apart[:, 1] * step[j, 0]) / cross
         t = (apart[:, 0] * step[i, 1] - apart[:, 1] * step[i, 0]) / cross
     # A side owns its beginning, not its end, so that a crossing in a corner is found once.
-    hit = (s >= -ROUNDING) & (s < 1 - ROUNDING) & (t >= -ROUNDING) & (t < 1 - ROUNDING)
+    hit = (
+        (s >= -CORNER_CROSSING_TOLERANCE)
+        & (s < 1 - CORNER_CROSSING_TOLERANCE)
+        & (t >= -CORNER_CROSSING_TOLERANCE)
+        & (t < 1 - CORNER_CROSSING_TOLERANCE)
+    )
     return [(int(a), float(b), int(c), float(d)) for a, b, c, d in zip(i[hit], s[hit], j[hit], t[hit], strict=True)]
 
 

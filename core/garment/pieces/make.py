@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .. import EdgeRef, Panel, Pattern, contains
+from .. import EdgeRef, Panel, Pattern, points_in_polygon
 from .allowance import Allowances
 from .darts import dart_lines, find_darts
 from .flatten import flatten_edge, flatten_outline
@@ -27,7 +27,7 @@ CONTOURS = {
 }  # fmt: skip
 """What becomes of an open edge, by the contour that it lies on; others are open."""
 
-ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff", "collar")
+PIECE_ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff", "collar")
 """Words of labels and names by which pieces are sorted; what has none comes last."""
 
 
@@ -103,9 +103,9 @@ def _group(drawn: Group | MirroredGroup) -> Group:
 def _rank(pattern: Pattern, group: Group) -> tuple[int, str]:
     names = [place.panel for place in group.places]
     words = f"{group.net.label} {' '.join(names)}".lower()
-    by_label = next((i for i, word in enumerate(ORDER) if word in words), len(ORDER))
-    sleeve = any(word in words for word in ORDER[5:])
-    return (len(ORDER) + by_label if sleeve else by_label, " ".join(("0" if "front" in words else "1", *names)))
+    by_label = next((i for i, word in enumerate(PIECE_ORDER) if word in words), len(PIECE_ORDER))
+    sleeve = any(word in words for word in PIECE_ORDER[5:])
+    return (len(PIECE_ORDER) + by_label if sleeve else by_label, " ".join(("0" if "front" in words else "1", *names)))
 
 
 def _make_piece(
@@ -120,7 +120,7 @@ def _make_piece(
     twins: tuple[EdgeRef | None, ...] = (
         drawn.twins if isinstance(drawn, MirroredGroup) and pair else (None,) * len(group.sources)
     )
-    sewn = _sewn_within(pattern, group)
+    sewn = _find_inner_seams(pattern, group)
     darts = find_darts(group.net, sewn)
     inner = {k % len(group.sources) for first, last in darts for k in range(first, last + 1)}
     edges = tuple(
@@ -149,7 +149,7 @@ def _make_piece(
     return piece
 
 
-def _sewn_within(pattern: Pattern, group: Group) -> dict[int, int]:
+def _find_inner_seams(pattern: Pattern, group: Group) -> dict[int, int]:
     """Return for each edge of a group that is sewn to another one of it, that one."""
     found = {}
     for seam in pattern.seams:
@@ -192,7 +192,7 @@ def _draw_grain(net: Panel) -> np.ndarray:
     ys = np.linspace(low[1], high[1], 202)[1:-1]
     found = [(0.0, outline.mean(axis=0), outline.mean(axis=0))]
     for x in np.linspace(low[0], high[0], 21)[1:-1]:
-        inside = contains(outline, np.stack([np.full(200, x), ys], axis=1))
+        inside = points_in_polygon(outline, np.stack([np.full(200, x), ys], axis=1))
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
         found += [
             (float(ys[b - 1] - ys[a]), np.array([x, ys[a]]), np.array([x, ys[b - 1]])) for a, b in edges.reshape(-1, 2)

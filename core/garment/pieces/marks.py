@@ -11,8 +11,8 @@ from .piece import NotchPurpose
 GATHER_PARTS = (0.25, 0.5, 0.75)
 """Where a gathered seam is matched, so that the fullness is spread evenly."""
 
-SAME = 1e-6
-"""Fractions of an edge that differ by less are one notch."""
+NOTCH_FRACTION_TOLERANCE = 1e-6
+"""Difference between two places of notches [share of the edge's length] up to which they are one notch."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
         count = 2 if _is_of_back(pattern, seam.a.panel, seam.b.panel) else 1
         kept: list[Mark] = []
         for at, purpose in found:
-            if all(abs(at - mark.at) > SAME for mark in kept):
+            if all(abs(at - mark.at) > NOTCH_FRACTION_TOLERANCE for mark in kept):
                 kept.append(Mark(at, purpose, count))
         if kept:
             marks[seam.a] = tuple(sorted(kept, key=lambda mark: mark.at))

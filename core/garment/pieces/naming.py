@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from .joining import HALVES
+from .joining import HALF_PANEL_WORDS
 
-LONGEST = 20
-"""Longest name of a piece: what Gerber reads."""
+MAX_PIECE_NAME_LENGTH = 20
+"""Largest length of a piece's name [characters]: what Gerber reads."""
 
 SIDES = ("left", "right", "l", "r")
 
@@ -21,11 +21,11 @@ def name_pieces(members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
     """
     names: list[str] = []
     for panels, both in members:
-        base = _fold(_common(panels, both))[:LONGEST] or "PIECE"
+        base = _to_ascii_name(_common(panels, both))[:MAX_PIECE_NAME_LENGTH] or "PIECE"
         name, number = base, 2
         while name in names:
             tail = f"_{number}"
-            name, number = base[: LONGEST - len(tail)] + tail, number + 1
+            name, number = base[: MAX_PIECE_NAME_LENGTH - len(tail)] + tail, number + 1
         names.append(name)
     return names
 
@@ -38,12 +38,12 @@ def _common(panels: tuple[str, ...], both: bool) -> str:
         shared = [word for word in shared if word.lower() not in SIDES]
     if not shared or all(word.lower() in SIDES for word in shared):
         whole = " ".join(panels).lower()
-        known = [half for half in HALVES if half in whole] if len(panels) > 1 else []
+        known = [half for half in HALF_PANEL_WORDS if half in whole] if len(panels) > 1 else []
         shared = known[:1] or ([panels[0]] if not both else words[0][:1])
     return "_".join(shared)
 
 
-def _fold(name: str) -> str:
+def _to_ascii_name(name: str) -> str:
     """Return a name in upper case ASCII; accents are dropped, other letters become `_`."""
     plain = unicodedata.normalize("NFKD", name)
     plain = "".join(letter for letter in plain if not unicodedata.combining(letter))

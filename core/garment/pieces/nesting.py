@@ -10,10 +10,11 @@ from ...geometry import plane_rotation
 from .layout import CLOTH_GAP, CLOTH_WIDTH, Copy, Lay, lay_on_cloth, list_copies
 from .piece import Piece
 
-EXPLORE, COMPRESS = 2, 1
-"""Seconds of wall time of both phases of the search; three times as long shortened none of four shipped garments."""
+NESTING_EXPLORATION_TIME, NESTING_COMPRESSION_TIME = 2, 1
+"""Wall times of the search's exploration and of its compression [s]; three times as long shortened none of four shipped
+garments."""
 
-EITHER_WAY = (0.0, 180.0)
+GRAIN_TURNS_DEG = (0.0, 180.0)
 """Turns that keep the grainline [degrees]; cloth with a nap takes but the first."""
 
 
@@ -40,11 +41,13 @@ def nest_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
     # The library's strip grows along x, our cloth along y.
     copies = list_copies(pieces)
     turned = [np.stack([copy.outline[:, 1], -copy.outline[:, 0]], axis=1) for copy in copies]
-    items = [spyrrow.Item(str(n), [(x, y) for x, y in one.tolist()], 1, EITHER_WAY) for n, one in enumerate(turned)]
+    items = [
+        spyrrow.Item(str(n), [(x, y) for x, y in one.tolist()], 1, GRAIN_TURNS_DEG) for n, one in enumerate(turned)
+    ]
     settings = spyrrow.StripPackingConfig(
         total_computation_time=None,
-        exploration_time=EXPLORE,
-        compression_time=COMPRESS,
+        exploration_time=NESTING_EXPLORATION_TIME,
+        compression_time=NESTING_COMPRESSION_TIME,
         min_items_separation=CLOTH_GAP,
         num_workers=1,
         seed=0,

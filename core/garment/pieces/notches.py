@@ -10,24 +10,25 @@ from .. import Panel, edge_length, edge_points
 from .darts import Span
 from .marks import Mark
 from .offset import Offset
-from .piece import SEWN, CutLine, Notch, NotchPurpose, PieceEdge
+from .piece import SEWN_EDGE_USES, CutLine, Notch, NotchPurpose, PieceEdge
 
-DEPTH = 0.006
+NOTCH_DEPTH = 0.006
 """Depth of a notch where the allowance has room for it [m]: a quarter of an inch, as the notcher's punch cuts."""
 
 BARE_DEPTH = 0.003
 """Depth of a notch into a piece without an allowance [m]: it must vanish in the seam."""
 
-BETWEEN = 0.006
+DOUBLE_NOTCH_SPACING = 0.006
 """Distance of the two cuts of a double notch [m]."""
 
-CLEAR = 0.008
-"""A notch nearer to another [m], or to the end of its edge, is left out: the cloth between them would fray away."""
+MIN_NOTCH_SPACING = 0.008
+"""Least distance of a notch from another one, or from the end of its edge [m]. A nearer one is left out: the cloth
+between them would fray away."""
 
-RUNS_ON = np.deg2rad(45.0)
+MAX_RUN_TURN_ANGLE = np.deg2rad(45.0)
 """Two sewn edges that meet at a smaller turn are one run, and a notch marks where they meet; at more it is a corner."""
 
-ON_VERTEX = 3e-4
+NOTCH_VERTEX_TOLERANCE = 3e-4
 """A notch this near to a vertex of the cut line [m] stands on it."""
 
 
@@ -61,16 +62,18 @@ def place_notches(
     """
     count = len(edges)
     inner = {k % count for first, last in darts for k in range(first, last + 1)}
-    places = [place for i in range(count) if i not in inner for place in (_at_vertex(net, edges, i, inner),) if place]
+    places = [
+        place for i in range(count) if i not in inner for place in (_vertex_notch(net, edges, i, inner),) if place
+    ]
     for first, last in darts:
         ends = ((first - 1) % count, 1.0), ((last + 1) % count, 0.0)
         places += [_place(net, edge, at, Mark(at, NotchPurpose.DART, 1), 0.0) for edge, at in ends]
     for i in range(count):
         if i not in inner:
-            places += _along(net, i, marks[i])
+            places += _edge_notches(net, i, marks[i])
     cut, notches = offset.cut, []
     for place in places:
-        cut, found = _on_cut(cut, place, edges[place.edge].width)
+        cut, found = _project_on_cut_line(cut, place, edges[place.edge].width)
         notches += found
     for edge, point, along in offset.folds:
         cut, at = _insert(cut, point)
@@ -82,27 +85,27 @@ def place_notches(
     return cut, tuple(notches)
 
 
-def _at_vertex(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
+def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
     """Return the notch at the beginning of edge i where a sewn run goes on through it."""
     before = (i - 1) % len(edges)
-    if before in inner or edges[i].use not in SEWN or edges[before].use not in SEWN:
+    if before in inner or edges[i].use not in SEWN_EDGE_USES or edges[before].use not in SEWN_EDGE_USES:
         return None
     a, b = _tangent(net, before, 1.0), _tangent(net, i, 0.0)
-    if abs(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b)) > RUNS_ON:
+    if abs(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b)) > MAX_RUN_TURN_ANGLE:
         return None
     middle = a + b
     inward = np.array([-middle[1], middle[0]]) / np.linalg.norm(middle)
     return _Place(before, 1.0, NotchPurpose.JUNCTION, 1, net.points[i], inward)
 
 
-def _along(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:
+def _edge_notches(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:
     """Return the notches within an edge that stand clear of its ends and of each other."""
     length = edge_length(net, edge)
     taken = [0.0, length]
     found = []
     for mark in marks:
-        shifts = (-BETWEEN / 2, BETWEEN / 2) if mark.count == 2 else (0.0,)
-        if min(abs(mark.at * length - other) for other in taken) < CLEAR + BETWEEN / 2:
+        shifts = (-DOUBLE_NOTCH_SPACING / 2, DOUBLE_NOTCH_SPACING / 2) if mark.count == 2 else (0.0,)
+        if min(abs(mark.at * length - other) for other in taken) < MIN_NOTCH_SPACING + DOUBLE_NOTCH_SPACING / 2:
             continue
         taken.append(mark.at * length)
         found += [_place(net, edge, mark.at, mark, shift) for shift in shifts]
@@ -133,7 +136,7 @@ def _tangent(net: Panel, edge: int, at: float) -> np.ndarray:
     return np.asarray(along / np.linalg.norm(along))
 
 
-def _on_cut(cut: CutLine, place: _Place, width: float) -> tuple[CutLine, list[Notch]]:
+def _project_on_cut_line(cut: CutLine, place: _Place, width: float) -> tuple[CutLine, list[Notch]]:
     """Return the cut line with a vertex straight outside a sew point, and the notch there, if it is outside."""
     out = -place.inward
     step = np.roll(cut.points, -1, axis=0) - cut.points
@@ -149,19 +152,19 @@ def _on_cut(cut: CutLine, place: _Place, width: float) -> tuple[CutLine, list[No
     cut, at = _insert(cut, cut.points[side] + np.clip(share[side], 0.0, 1.0) * step[side])
     inward = place.sew - at
     size = float(np.linalg.norm(inward))
-    inward = inward / size if size > ON_VERTEX else place.inward
+    inward = inward / size if size > NOTCH_VERTEX_TOLERANCE else place.inward
     return cut, [Notch(place.edge, place.at, place.purpose, place.count, place.sew, at, inward, _depth(width))]
 
 
 def _depth(width: float) -> float:
-    return min(DEPTH, width / 2.0) if width > 0.0 else BARE_DEPTH
+    return min(NOTCH_DEPTH, width / 2.0) if width > 0.0 else BARE_DEPTH
 
 
 def _insert(cut: CutLine, point: np.ndarray) -> tuple[CutLine, np.ndarray]:
     """Return the cut line with a vertex at a point on it, and that vertex."""
     gap = np.linalg.norm(cut.points - point, axis=1)
     nearest = int(gap.argmin())
-    if gap[nearest] < ON_VERTEX:
+    if gap[nearest] < NOTCH_VERTEX_TOLERANCE:
         return cut, cut.points[nearest]
     step = np.roll(cut.points, -1, axis=0) - cut.points
     share = np.clip(((point - cut.points) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)

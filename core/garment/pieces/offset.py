@@ -14,8 +14,9 @@ from .flatten import flatten_edge, flatten_outline
 from .loops import remove_loops
 from .piece import CutLine, PieceEdge
 
-NEAR = 5e-6
-"""Vertices nearer than this [m] are one: half of what a file of hundredths of a millimetre tells apart."""
+CUT_VERTEX_MERGE_DISTANCE = 5e-6
+"""Distance up to which two vertices of a cut line are one [m]: half of the smallest difference in a file of hundredths
+of a millimetre."""
 
 Span = tuple[int, int]
 """First and last edge of a dart, counted on from the first past the number of edges."""
@@ -69,7 +70,7 @@ def _list_sides(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...
             first, last = inside[i]
             mouth = net.points[[first % count, (last + 1) % count]]
             before = edges[(first - 1) % count]
-            if np.linalg.norm(mouth[1] - mouth[0]) > NEAR:
+            if np.linalg.norm(mouth[1] - mouth[0]) > CUT_VERTEX_MERGE_DISTANCE:
                 sides.append(Side(i, mouth, before.width, before.use))
     return sides
 
@@ -91,7 +92,7 @@ def _close(sides: list[Side], lines: list[np.ndarray], between: list[np.ndarray]
 
 def _merge(points: np.ndarray, tags: np.ndarray, corner: np.ndarray) -> CutLine:
     """Return a closed line whose vertices stand apart; of vertices that are one, the last tells the side."""
-    keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > NEAR
+    keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > CUT_VERTEX_MERGE_DISTANCE
     if not keep.any():
         return CutLine(points, tags, corner)
     number = np.concatenate([[0], np.cumsum(keep)[:-1]]) % int(keep.sum())

@@ -11,11 +11,12 @@ from .. import EdgeRef, Pattern, edge_points, find_symmetry
 from .joining import Group
 from .piece import PanelPlace
 
-SAME = 1e-4
-"""A mirror image that misses by less [m] is cut as one with its other: scissors cut no better."""
+PIECE_MIRROR_TOLERANCE = 1e-4
+"""Largest distance between a mirror image and its counterpart up to which both are cut as one [m]: scissors cut no
+better."""
 
-SAMPLES = 16
-"""Parts of an edge at whose ends a mirror image is compared."""
+MIRROR_EDGE_SEGMENT_COUNT = 16
+"""Number of parts of an edge at whose ends a mirror image is compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | Mi
     """Return the groups that are cut, each with its mirrored copy where it has one; copies do not come again.
 
     The pattern's symmetry (`find_symmetry`) says what belongs together, and tolerates the noise of drafting; a piece is
-    drawn once for two only where its outline lies upon the other's within `SAME`.
+    drawn once for two only where its outline lies upon the other's within `PIECE_MIRROR_TOLERANCE`.
     """
     twins = find_twins(pattern)
     home = {place.panel: group for group in groups for place in group.places}
@@ -57,7 +58,7 @@ def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | Mi
         mirrored = None
         if len(homes) == 1 and None not in homes:
             refs = tuple(ref for ref in images if ref)
-            mirrored = _lay_upon(group, home[refs[0].panel], refs)
+            mirrored = _match_mirrored_group(group, home[refs[0].panel], refs)
         if mirrored is not None:
             copied |= homes
         found.append(mirrored or group)
@@ -76,17 +77,17 @@ def find_twins(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
     return twins
 
 
-def _lay_upon(group: Group, other: Group, twins: tuple[EdgeRef, ...]) -> MirroredGroup | None:
+def _match_mirrored_group(group: Group, other: Group, twins: tuple[EdgeRef, ...]) -> MirroredGroup | None:
     """Return the mirror image of one group laid upon another; None where it misses, or its edges come otherwise."""
     numbers = [other.sources.index(ref) if ref in other.sources else -1 for ref in twins]
     steps = {(a - b) % len(numbers) for a, b in zip(numbers, np.roll(numbers, -1), strict=True)}
     if len(numbers) != len(other.sources) or steps != {1} or -1 in numbers:
         return None
-    mine = np.concatenate([edge_points(group.net, i, SAMPLES) for i in range(len(numbers))])
-    its = np.concatenate([edge_points(other.net, number, SAMPLES)[::-1] for number in numbers])
+    mine = np.concatenate([edge_points(group.net, i, MIRROR_EDGE_SEGMENT_COUNT) for i in range(len(numbers))])
+    its = np.concatenate([edge_points(other.net, number, MIRROR_EDGE_SEGMENT_COUNT)[::-1] for number in numbers])
     motion = fit_rigid(its, mine, mirrored=True)
     misfit = float(np.linalg.norm(motion.apply(its) - mine, axis=1).max())
-    if misfit > SAME:
+    if misfit > PIECE_MIRROR_TOLERANCE:
         return None
     rotation, move = motion.rotation, motion.translation
     if other is group:

@@ -26,10 +26,10 @@ class EdgeUse(StrEnum):
     FOLD = "fold"
 
 
-SEWN = (EdgeUse.SEAM, EdgeUse.GATHERED)
+SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED)
 """Edges that are sewn to another piece, or to another edge of their own."""
 
-TURNED = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
+TURNED_UP_EDGE_USES = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
 """Edges whose allowance is turned up along them: it must cover the cloth that it lies on."""
 
 

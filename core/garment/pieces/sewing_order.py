@@ -34,7 +34,7 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[Edge
     waiting = sorted(steps, key=lambda key: (-_height(pattern, steps[key][0]), sorted(key)))
     ordered = [key for key in waiting if _is_dart(pattern, steps[key][0])]
     waiting = [key for key in waiting if key not in ordered]
-    cloth = {seam: _cloth(pieces, homes, seam) for seams in steps.values() for seam in seams}
+    cloth = {seam: _seam_pieces(pieces, homes, seam) for seams in steps.values() for seam in seams}
     sewn = {copy: copy for copies in cloth.values() for copy in copies}
     while waiting:
         joins = [key for key in waiting if any(len({sewn[c] for c in cloth[seam]}) > 1 for seam in steps[key])]
@@ -81,7 +81,7 @@ def _is_dart(pattern: Pattern, seam: Seam) -> bool:
     return seam.a.panel == seam.b.panel and apart in (1, count - 1)
 
 
-def _cloth(pieces: tuple[Piece, ...], homes: Sides, seam: Seam) -> frozenset[tuple[int, bool]]:
+def _seam_pieces(pieces: tuple[Piece, ...], homes: Sides, seam: Seam) -> frozenset[tuple[int, bool]]:
     """Return the pieces of cloth on both sides of a seam: number, and whether it is the mirrored copy."""
     sides = (*homes[seam.a], *homes[seam.b])
     return frozenset((side.piece, side.mirrored and pieces[side.piece].pair) for side in sides)

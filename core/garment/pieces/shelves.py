@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 
-def lay_out(sizes: np.ndarray, gap: float, width: float, stacked: bool = False) -> np.ndarray:
+def pack_on_shelves(sizes: np.ndarray, gap: float, width: float, stacked: bool = False) -> np.ndarray:
     """Put boxes on shelves, tallest first, so that none overlaps another.
 
     Args:

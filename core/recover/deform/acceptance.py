@@ -7,11 +7,13 @@ import numpy as np
 from ...geometry import HalfEdges, face_normals, self_intersections
 from .target_repair import PreparedTarget
 
-ROUNDS = 4
-"""Times that the places gone wrong are put back before the whole polish is refused."""
+MAX_REVERT_ITERATIONS = 4
+"""Largest number of iterations that move faulty places back to where they were before the polish. After these the whole
+polish is refused."""
 
-RINGS = 4
-"""Rings of faces over which a place put back fades into the rest, in the first round; they double each round."""
+REVERT_RING_COUNT = 4
+"""Number of face rings over which a place that is moved back fades into the rest, in the first iteration. It doubles in
+each further iteration."""
 
 
 def accept_polish(
@@ -33,34 +35,34 @@ def accept_polish(
     """
     if not np.isfinite(finer).all():
         return before, False
-    was_flipped, was_crossing = flipped(before, faces, target), crossing(before, faces)
+    was_flipped, was_crossing = find_flipped_faces(before, faces, target), find_crossing_faces(before, faces)
     back = np.zeros(len(before))
     x = finer
-    for turn in range(ROUNDS):
-        now_flipped, now_crossing = flipped(x, faces, target), crossing(x, faces)
+    for turn in range(MAX_REVERT_ITERATIONS):
+        now_flipped, now_crossing = find_flipped_faces(x, faces, target), find_crossing_faces(x, faces)
         if now_flipped.sum() <= was_flipped.sum() and now_crossing.sum() <= was_crossing.sum():
             return x, True
         wrong = (now_flipped & ~was_flipped) | (now_crossing & ~was_crossing)
-        back = np.maximum(back, fade(wrong, faces, len(before), RINGS * 2**turn))
+        back = np.maximum(back, falloff_weights(wrong, faces, len(before), REVERT_RING_COUNT * 2**turn))
         x = finer + back[:, None] * (before - finer)
     return before, False
 
 
-def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
+def find_flipped_faces(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
     """Return which faces point against the target at the point closest to their centre, shape [face_count]."""
     found = target.surface.closest(nodes[faces].mean(axis=1))
     cosine = (face_normals(nodes, faces)[0] * found.interpolate(target.normals, target.surface.faces)).sum(1)
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 
-def crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def find_crossing_faces(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return which faces intersect a face that is not their neighbour, shape [face_count]."""
     wrong = np.zeros(len(faces), dtype=bool)
     wrong[self_intersections(nodes, faces)] = True
     return wrong
 
 
-def fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
+def falloff_weights(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
     """Return 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
     reach = np.zeros(count)
     reach[faces[wrong]] = 1.0

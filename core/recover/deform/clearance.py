@@ -7,39 +7,44 @@ import scipy.sparse as sp
 
 from ...body import ExposedSurface
 from ...geometry import bending_matrix, factor_symmetric, vertex_areas
-from .easing import LOWEST, out_of_bounds
+from .easing import MIN_FACE_STRETCH, find_strain_violations
 
 SMOOTH_LENGTH = 0.02
 """Length over which a push fades [m]: beyond an edge, so that neighbours follow and no face turns over."""
 
-PUSH = 300.0
-"""Weight of a pushed row beside the wish to stay: it goes 80 to 99 % of its way in one round."""
+PUSH_ROW_WEIGHT = 300.0
+"""Weight of a pushed row relative to the term that keeps nodes in place: the row moves 80 to 99 % of its way in one
+iteration."""
 
-HOLD = 0.1
-"""Weight of a triangle out of its bounds of stretch beside the wish to stay [m2]: a node of one, at edges of 1.5 cm,
-weighs as much as one that is pushed. A third of that took half as many rounds again between touching thighs."""
+CLEARANCE_STRETCH_WEIGHT = 0.1
+"""Weight of a triangle outside its bounds of stretch, relative to the term that keeps nodes in place [m2]: at edges of
+1.5 cm a node of such a triangle weighs as much as a pushed node. A third of that took half as many iterations again
+between touching thighs."""
 
-AIM = 1.1
-"""What triangles are brought back to, over the lower bound of their stretch: pushes take some of it back."""
+STRETCH_GOAL_FACTOR = 1.1
+"""Factor on the lower bound of stretch that gives the stretch to which triangles are brought back: pushes undo some of
+the correction."""
 
-STUCK = 0.95
-"""Depth, as a share of the least so far, above which a round has gained nothing: triangles then hold pushes back."""
+STALLED_DEPTH_SHARE = 0.95
+"""Share of the least depth so far above which an iteration has gained nothing: triangles then hold pushes back."""
 
-PRESS = 1.6
-"""Factor on the pushes' weight after such a round: cloth comes out of a trap of two thighs within 35 rounds, its widest
-triangles torn; 1.3 left it 1.4 mm deep."""
+PUSH_WEIGHT_GROWTH = 1.6
+"""Factor on the weight of the pushes after an iteration without gain: cloth leaves the gap between two thighs within 35
+iterations, its widest triangles torn; 1.3 left it 1.4 mm deep."""
 
-DEEPEST = 0.8
-"""Depth, in margins, that may stay in a gap: the pipeline takes a margin for the limit, and measures are not exact."""
+MAX_GAP_DEPTH_SHARE = 0.8
+"""Share of the margin that may remain as depth in a gap: the limit of the pipeline is one margin, and measured depths
+are not exact."""
 
-ROUNDS = 40
-"""Rounds at most; a garment beside a sound body needs 2 to 6, one between thighs that run into each other all."""
+MAX_CLEARANCE_ITERATIONS = 40
+"""Largest number of iterations. A garment beside a sound body needs 2 to 6; a garment between thighs that intersect
+needs all."""
 
-BACK = -0.5
-"""Cosine between two pushes of one point below which the second undoes the first."""
+PUSH_REVERSAL_COSINE = -0.5
+"""Cosine between two successive pushes of one point below which the second undoes the first."""
 
 
-class Watch:
+class ProximityCache:
     """Find what is nearer to the body than a margin, asking again only where it may have come so near.
 
     A distance changes no faster than its point moves: a point that was d away and has moved by less than d less the
@@ -65,7 +70,7 @@ class Watch:
         self._places[asked], self._known[asked] = points[asked], distance
         below = distance < self._margins[asked]
         low, distance, out = asked[below], distance[below], out[below]
-        back = low[(out * self._ways[low]).sum(1) < BACK]
+        back = low[(out * self._ways[low]).sum(1) < PUSH_REVERSAL_COSINE]
         self._margins[back] *= 0.5
         self._ways[low] = out
         push = out * np.maximum(self._margins[low] - distance, 0.0)[:, None]
@@ -78,8 +83,8 @@ class Watch:
         return rows, push, float(-distance.min(initial=0.0))
 
 
-def clear_body(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, watch: Watch, ease: bool = True
+def enforce_clearance(
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, watch: ProximityCache, ease: bool = True
 ) -> np.ndarray:
     """Move nodes so that no node and no face centre is nearer to the body than a margin.
 
@@ -106,21 +111,25 @@ def clear_body(
     mass = np.maximum(vertex_areas(nodes, watch.faces), 1e-12)
     stay = sp.diags(mass) + SMOOTH_LENGTH**4 * bending_matrix(laplacian, 1 / mass)
     typical = float(mass.mean())
-    x, weight, shallowest = np.array(nodes), PUSH * typical, np.inf
+    x, weight, shallowest = np.array(nodes), PUSH_ROW_WEIGHT * typical, np.inf
     best, least = x, (np.inf, 0)
-    for _ in range(ROUNDS + 1):
+    for _ in range(MAX_CLEARANCE_ITERATIONS + 1):
         rows, push, depth = watch.pushes(x)
-        wrong, change = out_of_bounds(x, gradient, areas, AIM * LOWEST)
+        wrong, change = find_strain_violations(x, gradient, areas, STRETCH_GOAL_FACTOR * MIN_FACE_STRETCH)
         wrong &= ease
         # 0.1 mm short of the margin is at rest: the margin itself is ten times that
         if np.linalg.norm(push, axis=1).max(initial=0.0) < 0.1 * watch.margin and not wrong.any():
             return x
-        left = (max(depth - DEEPEST * watch.margin, 0.0), int(wrong.sum()))
+        left = (max(depth - MAX_GAP_DEPTH_SHARE * watch.margin, 0.0), int(wrong.sum()))
         if left < least:
             best, least = x, left
-        weight *= PRESS if depth > max(DEEPEST * watch.margin, STUCK * shallowest) else 1.0
+        weight *= (
+            PUSH_WEIGHT_GROWTH
+            if depth > max(MAX_GAP_DEPTH_SHARE * watch.margin, STALLED_DEPTH_SHARE * shallowest)
+            else 1.0
+        )
         shallowest = min(shallowest, depth)
-        pull = (gradient.T @ sp.diags(np.repeat(HOLD * areas * wrong, 2))).tocsr()
+        pull = (gradient.T @ sp.diags(np.repeat(CLEARANCE_STRETCH_WEIGHT * areas * wrong, 2))).tocsr()
         system = stay + weight * (rows.T @ rows) + pull @ gradient
         factor = factor_symmetric(system)
         x = x + factor.solve(weight * np.asarray(rows.T @ push) + pull @ change)

@@ -9,7 +9,7 @@ import numpy as np
 from ...geometry import ClosedCurve, CurvePoints
 from ...scan.contours.target import Contour
 
-SPACING = 5e-3
+CONTOUR_MATCH_SPACING = 5e-3
 """Distance between samples along a contour [m]: a third of the garment's edges, so that no vertex is passed over."""
 
 
@@ -64,5 +64,5 @@ class ContourMatch:
 
 def sample_curve(curve: ClosedCurve) -> CurvePoints:
     """Sample a closed curve [m] evenly by arc length, half a spacing from its first corner."""
-    count = max(16, int(np.ceil(curve.arc[-1] / SPACING)))
+    count = max(16, int(np.ceil(curve.arc[-1] / CONTOUR_MATCH_SPACING)))
     return curve.locate((np.arange(count) + 0.5) / count * curve.arc[-1])

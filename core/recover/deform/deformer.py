@@ -7,13 +7,13 @@ import numpy as np
 from ...body import ExposedSurface, penetration_depth, project_outside, untangle_outside
 from ...garment import Garment
 from ...geometry import gradient_operator, move_towards, self_intersections, shape_gradients
-from ...run.best import best
-from ...run.hooks import SILENT, Hooks
+from ...run.best import choose_best
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
-from .acceptance import accept_polish, crossing, flipped
-from .clearance import Watch, clear_body
+from .acceptance import accept_polish, find_crossing_faces, find_flipped_faces
+from .clearance import ProximityCache, enforce_clearance
 from .deformation import Deformation
-from .easing import ease_stretch, iron_crossings
+from .easing import limit_strain, smooth_crossings
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
 from .polish import polish_nodes
@@ -21,17 +21,18 @@ from .rest_metric import RestMetric
 from .settings import DeformSettings
 from .target_repair import PreparedTarget, prepare_target
 
-DEFAULT = DeformSettings()
+DEFAULT_DEFORM_SETTINGS = DeformSettings()
 """The setting that is used where none is given."""
 
-DEEP = 1e-3
+BODY_DEPTH_WARNING_LIMIT = 1e-3
 """Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
 
 
-CLEAR = 5e-4
-"""Depth in the body that is left as it is [m]: half of what a measure allows. The smooth solve ends at its margin up to
-some tenths; beyond, cloth is in a crease. Creases are cut only then: a triangle between thighs that run into each other
-is drawn to 2.5 times its length along the cut if all steps know it, to 1.4 if it is carried out at the end."""
+BODY_DEPTH_TOLERANCE = 5e-4
+"""Depth in the body that is left as it is [m]: half of what a measure allows. The smooth solve reaches its margin
+within some tenths; a greater depth means that cloth is in a crease. Creases are cut only then: between thighs that
+intersect, a triangle is drawn to 2.5 times its length along the cut if all steps know the cut, to 1.4 times if it is
+made at the end."""
 
 
 def deform(
@@ -39,8 +40,8 @@ def deform(
     target: Target,
     body: ExposedSurface,
     *,
-    settings: DeformSettings = DEFAULT,
-    hooks: Hooks = SILENT,
+    settings: DeformSettings = DEFAULT_DEFORM_SETTINGS,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> Deformation:
     """Deform a garment's graded drape onto the target's surface.
 
@@ -71,21 +72,23 @@ def deform(
     if settings.polish_iterations > 0:
         finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
-        allowed = int(crossing(nodes, faces).sum())
-        ironed = iron_crossings(x, gradient, areas, faces, allowed)
-        x = ironed if crossing(ironed, faces).any() else move_towards(ironed, x, faces)
-        eased = ease_stretch(x, gradient, areas, faces)
-        least = max(allowed, int(crossing(x, faces).sum()))
+        allowed = int(find_crossing_faces(nodes, faces).sum())
+        ironed = smooth_crossings(x, gradient, areas, faces, allowed)
+        x = ironed if find_crossing_faces(ironed, faces).any() else move_towards(ironed, x, faces)
+        eased = limit_strain(x, gradient, areas, faces)
+        least = max(allowed, int(find_crossing_faces(x, faces).sum()))
         tried = {"limited": eased, "as it was": x}
-        x = best("strain", tried, lambda one: crossing(one, faces).sum() if one is eased else least, hooks)
+        x = choose_best(
+            "strain", tried, lambda one: find_crossing_faces(one, faces).sum() if one is eased else least, hooks
+        )
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
         body = body.sparing_pinched
-        watch = Watch(faces, body.whole, settings.body_margin)
-        x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
-        x = x if penetration_depth(x, faces, body) <= CLEAR else project_outside(x, body, faces)
+        watch = ProximityCache(faces, body.whole, settings.body_margin)
+        x = enforce_clearance(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
+        x = x if penetration_depth(x, faces, body) <= BODY_DEPTH_TOLERANCE else project_outside(x, body, faces)
         x = untangle_outside(x, body, faces)
-    flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
+    flips = (int(find_flipped_faces(nodes, faces, goal).sum()), int(find_flipped_faces(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
     depth = penetration_depth(x, faces, body)
     hooks.progress("deform", 1.0, "done")
@@ -130,6 +133,6 @@ def _warnings(
         said.append(f"{flips[1]} faces point against the scan's surface.")
     if crossings[1] > crossings[0]:
         said.append(f"{crossings[1]} faces of the detail mesh intersect others ({crossings[0]} in the graded drape).")
-    if depth > DEEP:
+    if depth > BODY_DEPTH_WARNING_LIMIT:
         said.append(f"The detail mesh reaches {depth * 1e3:.1f} mm into the body; check the body's fit to the scan.")
     return tuple(said)

@@ -6,39 +6,43 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...geometry import bending_matrix, factor_symmetric, vertex_areas
-from .acceptance import crossing, fade
+from .acceptance import falloff_weights, find_crossing_faces
 
-LOWEST, HIGHEST = 0.45, 1.55
+MIN_FACE_STRETCH, MAX_FACE_STRETCH = 0.45, 1.55
 """Bounds on the singular values of flat panel to surface. Cloth at rest keeps within 0.9 to 1.2, and panels may be off
 by a fifth; what is beyond these bounds is a collapsed or torn triangle, and spoils a texture."""
 
-STRETCH_ROUNDS = 10
-"""Rounds of easing at most; single triangles need three, a pleat that was pressed flat the ten."""
+MAX_STRAIN_LIMIT_ITERATIONS = 10
+"""Largest number of iterations of strain limiting; single triangles need three, a pleat that was pressed flat needs the
+ten."""
 
-HOLD = 1e-2
-"""Weight of a triangle out of bounds beside the wish to stay [m2]: at edges of 1.5 cm it goes 95 % of its way."""
+STRETCH_CORRECTION_WEIGHT = 1e-2
+"""Weight of a triangle out of bounds relative to the term that keeps nodes in place [m2]: at edges of 1.5 cm the
+triangle moves 95 % of its way."""
 
-FADE = 0.01
+STRETCH_FADE_LENGTH = 0.01
 """Length over which a correction fades into the triangles around [m]: less than an edge, so that the fit stays."""
 
-CROSSING_ROUNDS = 5
-"""Rounds of ironing at most; the patch grows in each."""
+MAX_CROSSING_ITERATIONS = 5
+"""Largest number of iterations that smooth crossings; the patch grows in each."""
 
-RINGS = 2
-"""Rings of faces around a crossing over which a patch fades, in the first round; one more in every second one. On a
-dress folded over itself at its side seams three rings cleared it no better and cost 0.4 mm more of the fit."""
+CROSSING_RING_COUNT = 2
+"""Number of face rings around a crossing over which a patch fades, in the first iteration; every second iteration adds
+one. On a dress folded over itself at its side seams three rings cleared it no better and cost 0.4 mm more of the
+fit."""
 
-IRON = 0.01
-"""Length below which the first round takes folds out [m], less than an edge; two edges cost 0.5 mm more of the fit."""
+CROSSING_SMOOTHING_LENGTH = 0.01
+"""Length below which the first iteration removes folds [m], less than an edge; two edges cost 0.5 mm more of the
+fit."""
 
-GROW = 1.4
-"""Factor on that length from round to round: a folded patch twice as long is flat after two."""
+CROSSING_LENGTH_GROWTH = 1.4
+"""Factor on `CROSSING_SMOOTHING_LENGTH` from iteration to iteration: a folded patch twice as long is flat after two."""
 
-LET_GO = 1e-4
-"""Share of its hold that a node in the middle of a patch keeps: enough to make the system definite."""
+MIN_PATCH_WEIGHT_SHARE = 1e-4
+"""Share of its weight that a node in the middle of a patch keeps: enough to make the system definite."""
 
 
-def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Bring triangles whose singular values are out of bounds back to them, moving the others as little as can be.
 
     Each round solves for the displacement u that minimises
@@ -56,22 +60,22 @@ def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
     Returns:
         Positions [m]; the round with the fewest triangles out of bounds, the given ones if none was out.
     """
-    x, stay = np.array(nodes), _stay(nodes, gradient, areas, faces)
+    x, stay = np.array(nodes), _regularisation_matrix(nodes, gradient, areas, faces)
     best, fewest = x, len(faces) + 1
-    for _ in range(STRETCH_ROUNDS):
-        wrong, change = out_of_bounds(x, gradient, areas)
+    for _ in range(MAX_STRAIN_LIMIT_ITERATIONS):
+        wrong, change = find_strain_violations(x, gradient, areas)
         if wrong.sum() < fewest:
             best, fewest = x, int(wrong.sum())
         if fewest == 0:
             break
-        pull = (gradient.T @ sp.diags(np.repeat(HOLD * areas * wrong, 2))).tocsr()
+        pull = (gradient.T @ sp.diags(np.repeat(STRETCH_CORRECTION_WEIGHT * areas * wrong, 2))).tocsr()
         factor = factor_symmetric(stay + pull @ gradient)
         x = x + factor.solve(pull @ change)
     return best
 
 
-def out_of_bounds(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = LOWEST
+def find_strain_violations(
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = MIN_FACE_STRETCH
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which triangles' singular values are out of bounds, and what brings their gradients back.
 
@@ -88,13 +92,13 @@ def out_of_bounds(
     values, axes = np.linalg.eigh(np.einsum("fki,fkj->fij", jacobians, jacobians))
     size = np.sqrt(np.maximum(values, 1e-6))
     # a degenerate panel triangle has no stretch to speak of
-    wrong = ((size[:, 0] < lowest) | (size[:, 1] > HIGHEST)) & (areas > 1e-3 * areas.mean())
-    share = np.clip(size, lowest, HIGHEST) / size - 1.0
+    wrong = ((size[:, 0] < lowest) | (size[:, 1] > MAX_FACE_STRETCH)) & (areas > 1e-3 * areas.mean())
+    share = np.clip(size, lowest, MAX_FACE_STRETCH) / size - 1.0
     change = jacobians @ np.einsum("fik,fk,fjk->fij", axes, share, axes)
     return wrong, change.transpose(0, 2, 1).reshape(-1, 3)
 
 
-def iron_crossings(
+def smooth_crossings(
     nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray, allowed: int
 ) -> np.ndarray:
     """Iron patches whose faces cross, until no more faces cross than are allowed.
@@ -115,13 +119,13 @@ def iron_crossings(
     """
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
     x, free = nodes, np.zeros(len(nodes))
-    for turn in range(CROSSING_ROUNDS + 1):
-        wrong = crossing(x, faces)
+    for turn in range(MAX_CROSSING_ITERATIONS + 1):
+        wrong = find_crossing_faces(x, faces)
         if wrong.sum() <= allowed:
             return x
-        free = np.maximum(free, fade(wrong, faces, len(nodes), RINGS + turn // 2))
-        weight = mass * np.maximum((1.0 - free) ** 2, LET_GO)
-        matrix = sp.diags(weight) + 1e-2 * (IRON * GROW**turn) ** 4 * bending
+        free = np.maximum(free, falloff_weights(wrong, faces, len(nodes), CROSSING_RING_COUNT + turn // 2))
+        weight = mass * np.maximum((1.0 - free) ** 2, MIN_PATCH_WEIGHT_SHARE)
+        matrix = sp.diags(weight) + 1e-2 * (CROSSING_SMOOTHING_LENGTH * CROSSING_LENGTH_GROWTH**turn) ** 4 * bending
         factor = factor_symmetric(matrix)
         x = nodes + np.minimum(2.0 * free, 1.0)[:, None] * (factor.solve(weight[:, None] * nodes) - nodes)
     return nodes
@@ -135,6 +139,8 @@ def _mass_and_bending(
     return mass, bending_matrix(laplacian, 1 / mass)
 
 
-def _stay(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
+def _regularisation_matrix(
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray
+) -> sp.csr_matrix:
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
-    return (sp.diags(mass) + FADE**4 * bending).tocsr()
+    return (sp.diags(mass) + STRETCH_FADE_LENGTH**4 * bending).tocsr()

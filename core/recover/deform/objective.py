@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
 from ...body import ExposedSurface
-from ...geometry import Closest, HalfEdges, TriangleSurface, vertex_areas
+from ...geometry import ClosestPoints, HalfEdges, TriangleSurface, vertex_areas
 from .contour_match import ContourMatch, CurveRows
 from .rest_metric import RestMetric
 from .settings import DeformSettings
@@ -19,14 +19,15 @@ from .target_repair import PreparedTarget
 BODY_REACH = 0.02
 """Distance to the body within which a node takes part in the body term [m]: more than it moves between two updates."""
 
-BODY_EVERY = 5
-"""Searches for matches (ten iterations) between two exact distances to the body; in between it is a plane at each
-node's closest point, which moves by less than the curvature of a body allows."""
+BODY_SEARCH_INTERVAL = 5
+"""Number of searches for matches (ten iterations) between two exact distances to the body. In between the body is a
+plane at the closest point of each node, which moves by less than the curvature of a body allows."""
 
 
-CROWDED = 3
-"""Vertices of the target for each node of the garment beyond which they are thinned out: more say nothing more of where
-a node belongs, and finding all their matches takes most of the time. The polish takes them all."""
+MAX_VERTICES_PER_NODE = 3
+"""Number of target vertices for each node of the garment above which the vertices are thinned out: more vertices say
+nothing more of where a node belongs, and finding all their matches takes most of the time. The polish takes them
+all."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class Matches:
         body: Nodes near the body, directions out of it, and heights [m] of its tangent planes along them.
     """
 
-    to_target: Closest
-    to_source: Closest
+    to_target: ClosestPoints
+    to_source: ClosestPoints
     source_share: np.ndarray
     contours: CurveRows | None
     body: tuple[np.ndarray, np.ndarray, np.ndarray] | None
@@ -75,8 +76,10 @@ class Objective:
         share = vertex_areas(nodes, faces)
         self._share = share / share.sum()
         picked, shares = np.arange(len(target.shares)), target.shares
-        if settings.distance == "surface" and len(picked) > CROWDED * len(nodes):
-            picked, shares = thin_out(target.surface.vertices, shares, float(np.sqrt(share.sum() / len(nodes))))
+        if settings.distance == "surface" and len(picked) > MAX_VERTICES_PER_NODE * len(nodes):
+            picked, shares = subsample_by_grid(
+                target.surface.vertices, shares, float(np.sqrt(share.sum() / len(nodes)))
+            )
         self._goal = torch.from_numpy(target.surface.vertices[picked])
         self._goal_normals = torch.from_numpy(np.ascontiguousarray(target.normals[picked]))
         self._goal_share = torch.from_numpy(shares)
@@ -168,8 +171,8 @@ class Objective:
         return (density * self._areas).sum()
 
     def _watch_body(self, nodes: np.ndarray) -> None:
-        """Renew the planes of the body at the nodes near it, every `BODY_EVERY` searches."""
-        if self._searches % BODY_EVERY == 0 and self._settings.body > 0:
+        """Renew the planes of the body at the nodes near it, every `BODY_SEARCH_INTERVAL` searches."""
+        if self._searches % BODY_SEARCH_INTERVAL == 0 and self._settings.body > 0:
             distance, out = self._body.measure(nodes)
             near = np.flatnonzero(distance < BODY_REACH)
             height = (out[near] * nodes[near]).sum(1) - distance[near]
@@ -185,18 +188,18 @@ class Objective:
         return (missing * torch.from_numpy(self._share)[near]).sum()
 
 
-def thin_out(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
+def subsample_by_grid(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
     """Pick one vertex [m] of each cell of a grid [m], by index, and give it the shares of all in its cell."""
     cells = np.floor((vertices - vertices.min(axis=0)) / width).astype(np.int64)
     _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return first, np.bincount(cell.reshape(-1), weights=shares)
 
 
-def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> Closest:
+def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> ClosestPoints:
     """Express each point's nearest vertex as a point of one of its faces."""
     distance, nearest = cKDTree(vertices).query(points)
     face_of = np.zeros(len(vertices), dtype=np.int64)
     face_of[faces] = np.arange(len(faces))[:, None]
     face = face_of[nearest]
     corner = (faces[face] == nearest[:, None]).astype(np.float64)
-    return Closest(vertices[nearest], face, corner, distance)
+    return ClosestPoints(vertices[nearest], face, corner, distance)

@@ -10,8 +10,9 @@ import torch
 
 from ...geometry import factor_symmetric
 
-PIN = 1e-10
-"""Share of the mean diagonal added to it: the solve leaves translation free, which makes the Laplacian singular."""
+POISSON_REGULARISATION_SHARE = 1e-10
+"""Share of the mean diagonal of the Laplacian that is added to its diagonal: the solve leaves translation free, which
+makes the Laplacian singular."""
 
 
 class PoissonSystem:
@@ -26,7 +27,9 @@ class PoissonSystem:
     def __init__(self, gradient: sp.csr_matrix, areas: np.ndarray) -> None:
         weights = sp.diags(np.repeat(areas, 2))
         laplacian = gradient.T @ weights @ gradient
-        laplacian = laplacian + PIN * laplacian.diagonal().mean() * sp.identity(laplacian.shape[0])
+        laplacian = laplacian + POISSON_REGULARISATION_SHARE * laplacian.diagonal().mean() * sp.identity(
+            laplacian.shape[0]
+        )
         self._factor = factor_symmetric(laplacian)
         self._divergence = (gradient.T @ weights).tocsr()
         self._adjoint = self._divergence.T.tocsr()

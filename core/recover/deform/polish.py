@@ -9,7 +9,7 @@ from ...body import ExposedSurface
 from ...geometry import (
     HalfEdges,
     TriangleSurface,
-    analyse,
+    analyse_pattern,
     bending_matrix,
     factor_symmetric,
     polar_rotations,
@@ -24,20 +24,22 @@ from .rest_metric import RestMetric
 from .settings import DeformSettings
 from .target_repair import PreparedTarget
 
-RIGIDITY = (1e-3, 2e-4)
-"""Weight of the rest stretch beside the distance at the first and last step [m2]: 3 cm and 1.4 cm of reach."""
+REST_STRETCH_WEIGHTS = (1e-3, 2e-4)
+"""Weights of the rest stretch relative to the distance, at the first and the last step [m2]: a reach of 3 cm and of 1.4
+cm."""
 
-STIFFNESS = (1e-8, 1e-9)
-"""Weight of the squared curvature at the first and last step [m4]: folds shorter than 1 cm and 0.6 cm are resisted."""
+SQUARED_CURVATURE_WEIGHTS = (1e-8, 1e-9)
+"""Weights of the squared curvature at the first and the last step [m4]: they resist folds shorter than 1 cm and 0.6
+cm."""
 
-POINT, PLANE, CONTOUR = 0.2, 1.0, 10.0
-"""Weights of the distance to the closest point, of its part along the normal, and of the contours' rows: a fifth along
-the surface lets triangles slide; the contours hold the border against that sliding."""
+POINT_DISTANCE_WEIGHT, PLANE_DISTANCE_WEIGHT, CONTOUR_DISTANCE_WEIGHT = 0.2, 1.0, 10.0
+"""Weights of the distance to the closest point, of its part along the normal, and of the rows of the contours. A fifth
+along the surface lets triangles slide; the contours hold the border against that sliding."""
 
-NORMAL_GATE = 0.2
+MIN_MATCH_NORMAL_COSINE = 0.2
 """Cosine between normals below which a match does not pull: it belongs to another layer or to a wrong fold."""
 
-BODY_PULL = 10.0
+BODY_CONTACT_WEIGHT = 10.0
 """Weight of a node inside the body, so that the body wins over a target that lies inside it."""
 
 
@@ -77,7 +79,7 @@ def polish_nodes(
     weighted = (gradient.T @ sp.diags(np.repeat(metric.areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
     mass = vertex_areas(nodes, faces)
-    solver = analyse(HalfEdges.of(faces, len(nodes)), rings=2)
+    solver = analyse_pattern(HalfEdges.of(faces, len(nodes)), rings=2)
     bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
     goal_area = target.shares * mass.sum()
@@ -86,23 +88,25 @@ def polish_nodes(
     steps = settings.polish_iterations
     for step in range(steps):
         part = step / max(steps - 1, 1)
-        rigidity = RIGIDITY[0] ** (1 - part) * RIGIDITY[1] ** part
-        stiffness = STIFFNESS[0] ** (1 - part) * STIFFNESS[1] ** part
+        rigidity = REST_STRETCH_WEIGHTS[0] ** (1 - part) * REST_STRETCH_WEIGHTS[1] ** part
+        stiffness = SQUARED_CURVATURE_WEIGHTS[0] ** (1 - part) * SQUARED_CURVATURE_WEIGHTS[1] ** part
         normals = vertex_normals(x, faces)
-        matrix, right = _ahead(x, normals, mass, target)
-        back_matrix, back_right = _back(x, normals, faces, goal_area, target)
+        matrix, right = _assemble_node_pulls(x, normals, mass, target)
+        back_matrix, back_right = _assemble_target_pulls(x, normals, faces, goal_area, target)
         matrix, right = matrix + back_matrix, right + back_right
         rows = curves.rows(x)
         if rows is not None:
             # rows sum to 2; scaled by the area of a strip as wide as the garment's mean edge along the border
-            weight = CONTOUR * 0.5 * rows.share * float(np.sum(mass[np.unique(rows.first)]))
-            picks = _picks(np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x))
+            weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.share * float(np.sum(mass[np.unique(rows.first)]))
+            picks = _selection_matrix(
+                np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x)
+            )
             matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goal)
         if step % 5 == 0:
             distance, out = body.measure(x)
             planes = (out, (out * x).sum(1) - distance)
-        inside, push = _inside(x, planes, settings.body_margin)
-        weight = BODY_PULL * mass * inside
+        inside, push = _find_body_violations(x, planes, settings.body_margin)
+        weight = BODY_CONTACT_WEIGHT * mass * inside
         matrix, right = matrix + sp.diags(weight), right + weight[:, None] * (x + push)
         rotation = polar_rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
         right = right + rigidity * (weighted @ rotation.transpose(0, 2, 1).reshape(-1, 3))
@@ -112,43 +116,49 @@ def polish_nodes(
     return np.asarray(x)
 
 
-def _gate(cosine: np.ndarray, unsigned: bool) -> np.ndarray:
+def _normal_weights(cosine: np.ndarray, unsigned: bool) -> np.ndarray:
     cosine = np.abs(cosine) if unsigned else cosine
-    return np.clip((cosine - NORMAL_GATE) / (1 - NORMAL_GATE), 0.0, 1.0)
+    return np.clip((cosine - MIN_MATCH_NORMAL_COSINE) / (1 - MIN_MATCH_NORMAL_COSINE), 0.0, 1.0)
 
 
-def _ahead(
+def _assemble_node_pulls(
     x: np.ndarray, normals: np.ndarray, mass: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
     """Rows that pull nodes to the target."""
     found = target.surface.closest(x)
     foot = found.foot
     normal = unit(found.interpolate(target.normals, target.surface.faces))
-    weight = mass * _gate((normals * normal).sum(1), target.unsigned) * ~target.on_rim(found)
+    weight = mass * _normal_weights((normals * normal).sum(1), target.unsigned) * ~target.on_rim(found)
     onto = x + normal * ((foot - x) * normal).sum(1)[:, None]
-    return sp.diags(weight * (PLANE + POINT)).tocsr(), weight[:, None] * (PLANE * onto + POINT * foot)
+    return sp.diags(weight * (PLANE_DISTANCE_WEIGHT + POINT_DISTANCE_WEIGHT)).tocsr(), weight[:, None] * (
+        PLANE_DISTANCE_WEIGHT * onto + POINT_DISTANCE_WEIGHT * foot
+    )
 
 
-def _back(
+def _assemble_target_pulls(
     x: np.ndarray, normals: np.ndarray, faces: np.ndarray, area: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
     """Rows that pull the garment to the target's vertices."""
     found = TriangleSurface(x, faces).closest(target.surface.vertices)
     picks = found.interpolation(faces, len(x))
     cover, normal = picks @ x, target.normals
-    weight = area * _gate((unit(picks @ normals) * normal).sum(1), target.unsigned)
+    weight = area * _normal_weights((unit(picks @ normals) * normal).sum(1), target.unsigned)
     goal = target.surface.vertices
     onto = cover + normal * ((goal - cover) * normal).sum(1)[:, None]
-    matrix = (picks.T @ sp.diags(weight * (PLANE + POINT)) @ picks).tocsr()
-    return matrix, np.asarray(picks.T @ (weight[:, None] * (PLANE * onto + POINT * goal)))
+    matrix = (picks.T @ sp.diags(weight * (PLANE_DISTANCE_WEIGHT + POINT_DISTANCE_WEIGHT)) @ picks).tocsr()
+    return matrix, np.asarray(
+        picks.T @ (weight[:, None] * (PLANE_DISTANCE_WEIGHT * onto + POINT_DISTANCE_WEIGHT * goal))
+    )
 
 
-def _picks(columns: np.ndarray, values: np.ndarray, count: int) -> sp.csr_matrix:
+def _selection_matrix(columns: np.ndarray, values: np.ndarray, count: int) -> sp.csr_matrix:
     rows = np.repeat(np.arange(len(columns)), columns.shape[1])
     return sp.csr_matrix((values.reshape(-1), (rows, columns.reshape(-1))), shape=(len(columns), count))
 
 
-def _inside(x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float) -> tuple[np.ndarray, np.ndarray]:
+def _find_body_violations(
+    x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return which nodes are nearer than the margin by the body's planes, and how far they have to go."""
     out, height = planes
     missing = margin + height - (x * out).sum(1)

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from ...geometry import HalfEdges, factor_symmetric
 
-LOWEST, HIGHEST = 0.6, 1.6
+MIN_REST_STRETCH, MAX_REST_STRETCH = 0.6, 1.6
 """Bounds on a smoothed stretch: a panel that is off by more than this was graded wrongly, and must not be copied."""
 
 
@@ -55,6 +55,6 @@ class RestMetric:
         smooth = self._solve(self.areas[:, None] * flat)
         metric = np.stack([smooth[:, 0], smooth[:, 1], smooth[:, 1], smooth[:, 2]], axis=1).reshape(-1, 2, 2)
         values, vectors = np.linalg.eigh(metric)
-        values = np.clip(np.sqrt(np.maximum(values, 0.0)), LOWEST, HIGHEST)
+        values = np.clip(np.sqrt(np.maximum(values, 0.0)), MIN_REST_STRETCH, MAX_REST_STRETCH)
         self.stretch = np.einsum("fik,fk,fjk->fij", vectors, values, vectors)
         self.undo = np.einsum("fik,fk,fjk->fij", vectors, 1 / values, vectors)

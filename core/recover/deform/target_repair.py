@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry import Closest, HalfEdges, Rim, TriangleSurface, unit, vertex_normals
+from ...geometry import ClosestPoints, HalfEdges, Rim, TriangleSurface, unit, vertex_normals
 from ...scan.contours import Contour, Target, flatten_spikes, smooth_noise
 
 UNSIGNED_SHARE = 0.25
@@ -37,7 +37,7 @@ class PreparedTarget:
     pairs: tuple[tuple[Contour, Contour], ...]
     rim: Rim
 
-    def on_rim(self, points: Closest) -> np.ndarray:
+    def on_rim(self, points: ClosestPoints) -> np.ndarray:
         """Return which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
         return self.rim.holds(points)
 

@@ -1,47 +1,47 @@
 """The first drape: from a flat pattern to a garment that hangs on a body in any pose."""
 
-from .carry import CarrySettings, Way, carry, take_pose
-from .dress import DressSettings, dress, place
+from .carry import PosePath, PosingSettings, move_with_skin, pose_cloth
+from .dress import DressSettings, dress, place_panels
 from .easing import needs_easing
-from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
-from .sizing import measure_wearer, outgrown_measures, size_template
-from .stage import DrapeSettings, drape_graded, drape_template, hangs_in_sleeves, redrape, remesh, waist_height
+from .sizing import measure_wearer, oversize_measures, size_template
+from .stage import DrapeSettings, drape_graded, drape_template, has_hanging_sleeves, redrape, remesh, waist_height
 from .tie import pin_waist, tie_contour
 from .waist import flat_length, waist_loop
 from .wearer import WearerGeometry
 
 __all__ = [
-    "CarrySettings",
+    "DistanceConstraints",
     "DrapeSettings",
     "DressSettings",
-    "FollowSettings",
     "LayerContact",
     "MotionSettings",
+    "PbdSettings",
     "PbdState",
-    "Threads",
-    "Way",
+    "PosePath",
+    "PosingSettings",
     "WearerGeometry",
-    "carry",
+    "build_distance_constraints",
     "describe_motion",
     "drape_as_scanned",
     "drape_graded",
     "drape_template",
     "dress",
     "flat_length",
-    "follow",
-    "hangs_in_sleeves",
-    "lay_threads",
+    "has_hanging_sleeves",
     "measure_wearer",
+    "move_with_skin",
     "needs_easing",
-    "outgrown_measures",
+    "oversize_measures",
     "pin_waist",
-    "place",
+    "place_panels",
+    "pose_cloth",
     "redrape",
     "remesh",
+    "simulate_pbd",
     "size_template",
-    "take_pose",
     "tie_contour",
     "waist_height",
     "waist_loop",

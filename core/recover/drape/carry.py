@@ -11,12 +11,12 @@ from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from ...body import (
-    PARENTS,
+    JOINT_PARENTS,
     Body,
     ExposedSurface,
     SignedDistance,
     Solid,
-    carry_outside,
+    advect_outside,
     project_outside,
     skin,
     unskin,
@@ -24,13 +24,13 @@ from ...body import (
     weights_at,
 )
 from ...geometry import adjacency_matrix, factor_symmetric, self_intersections, undo_crossings, vertex_normals
-from .follow import FollowSettings, PbdState, Threads, follow
+from .follow import DistanceConstraints, PbdSettings, PbdState, simulate_pbd
 from .layer_contact import LayerContact
-from .shell import Shell, ShellBeside
+from .shell import Shell, ShellDistance
 
 
 @dataclass(frozen=True)
-class CarrySettings:
+class PosingSettings:
     """Set how the body takes its pose.
 
     Attributes:
@@ -50,7 +50,7 @@ class CarrySettings:
     spread: float = 0.06
     settle: int = 60
     settlings: int = 4
-    follow: FollowSettings = field(default_factory=FollowSettings)
+    follow: PbdSettings = field(default_factory=PbdSettings)
 
 
 def transforms_between(body: Body, share: float) -> np.ndarray:
@@ -63,7 +63,7 @@ def transforms_between(body: Body, share: float) -> np.ndarray:
     joints = body.rest_joints
     turned = np.zeros_like(world)
     posed = np.zeros_like(joints)
-    for j, parent in enumerate(PARENTS):
+    for j, parent in enumerate(JOINT_PARENTS):
         if parent < 0:
             turned[j] = world[j]
             posed[j] = world[j] @ joints[j] + body.transforms[j, :3, 3]
@@ -77,13 +77,13 @@ def transforms_between(body: Body, share: float) -> np.ndarray:
     return transforms
 
 
-SHARED = 4
-"""Frames that share the search for swallowed skin, the last one's: it takes most of a frame's time and creases close by
-millimetres a frame."""
+EXPOSED_SKIN_INTERVAL = 4
+"""Number of frames that share one search for exposed skin, that of the last one: the search takes most of the time of a
+frame, and creases close by millimetres a frame."""
 
 
 @dataclass(frozen=True)
-class Way:
+class PosePath:
     """Describe the way of a body from its T-pose into its pose, to be gone by every garment.
 
     Attributes:
@@ -101,47 +101,49 @@ class Way:
     skin: ExposedSurface
 
     @classmethod
-    def of(cls, body: Body, exposed: ExposedSurface, turn: float = CarrySettings.turn) -> Way:
+    def of(cls, body: Body, exposed: ExposedSurface, turn: float = PosingSettings.turn) -> PosePath:
         """Move the fitted model of a body in frames in which no joint turns by more than an angle [rad]."""
-        frames = max(1, math.ceil(_largest_turn(body) / turn))
+        frames = max(1, math.ceil(_largest_joint_angle(body) / turn))
         transforms = np.stack([transforms_between(body, frame / frames) for frame in range(frames + 1)])
         surfaces = [skin(body.rest_vertices, body.rest_weights, moved) for moved in transforms[1:]]
         shells = []
-        for start in range(0, frames, SHARED):
-            group = surfaces[start : start + SHARED]
+        for start in range(0, frames, EXPOSED_SKIN_INTERVAL):
+            group = surfaces[start : start + EXPOSED_SKIN_INTERVAL]
             normals = vertex_normals(group[-1], body.rest_faces)
             bare = Solid(group[-1], body.rest_faces).exposed(group[-1], normals)
             shells += [Shell.of(surface, body.rest_faces, bare) for surface in group]
         return cls(body, transforms, tuple(shells), Shell.of(body.vertices, body.faces), exposed)
 
 
-CREEPING = LayerContact(creep=True)
+CREEPING_LAYERS = LayerContact(creep=True)
 """Layers that would cross move by the room they have: a bundle that the body presses must not jam."""
 
-CURRENT = 5
-"""Rounds in which a frame carries cloth out of the body, 2 mm each: creases close by less in a frame."""
+MAX_FRAME_CLEARANCE_ITERATIONS = 5
+"""Largest number of iterations in which a frame carries cloth out of the body, 2 mm each: creases close by less in a
+frame."""
 
-CLEARINGS = 4
-"""Rounds of five steps in which cloth is cleared from the exact body: at 4 mm a step out of a crease 8 cm deep."""
+MAX_BODY_CLEARANCE_ITERATIONS = 4
+"""Largest number of rounds of five steps that move cloth out of the exact body: at 4 mm a step, out of a crease 8 cm
+deep."""
 
 
-def _largest_turn(body: Body) -> float:
+def _largest_joint_angle(body: Body) -> float:
     """Return the largest angle of a joint relative to its parent [rad]."""
     world = body.transforms[:, :3, :3]
     return max(
         float(Rotation.from_matrix(world[parent].T @ world[j]).magnitude())
-        for j, parent in enumerate(PARENTS)
+        for j, parent in enumerate(JOINT_PARENTS)
         if parent >= 0
     )
 
 
-def take_pose(
-    threads: Threads,
+def pose_cloth(
+    threads: DistanceConstraints,
     nodes: np.ndarray,
-    way: Way,
+    way: PosePath,
     body: SignedDistance,
     *,
-    settings: CarrySettings = CarrySettings(),
+    settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Carry cloth into a body's pose and let it settle on the wearer's own mesh: nodes [m] and velocities [m/s].
@@ -156,27 +158,27 @@ def take_pose(
         settings: Frames and steps.
         held: Nodes that only the skin moves, or None.
     """
-    nodes = carry(threads, nodes, way, settings=settings, held=held)
+    nodes = move_with_skin(threads, nodes, way, settings=settings, held=held)
     out = np.zeros_like(nodes)
     if held is not None:
-        out[held] = leave_body(nodes[held], way.own, settings.follow.thickness) - nodes[held]
-    state, around = PbdState.at_rest(nodes, out), ShellBeside(way.own, body)
+        out[held] = push_outside(nodes[held], way.own, settings.follow.thickness) - nodes[held]
+    state, around = PbdState.at_rest(nodes, out), ShellDistance(way.own, body)
     calming = replace(settings.follow, calm=True)
     for _ in range(settings.settlings):
-        state = follow(
-            threads, state, around, settings.settle, settings=calming, gravity=9.81, held=held, layers=CREEPING
+        state = simulate_pbd(
+            threads, state, around, settings.settle, settings=calming, gravity=9.81, held=held, layers=CREEPING_LAYERS
         )
         if state.is_settled:
             break
-    return clear_body(threads, state.nodes, way, settings=settings, held=held), state.velocities
+    return resolve_body_penetration(threads, state.nodes, way, settings=settings, held=held), state.velocities
 
 
-def clear_body(
-    threads: Threads,
+def resolve_body_penetration(
+    threads: DistanceConstraints,
     nodes: np.ndarray,
-    way: Way,
+    way: PosePath,
     *,
-    settings: CarrySettings = CarrySettings(),
+    settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> np.ndarray:
     """Move cloth out of the wearer's exact mesh, its layers in step, and give the nodes [m], shape [node_count, 3].
@@ -186,27 +188,27 @@ def clear_body(
     need be. Cloth that still crosses once it is outside, as a fold in the crease of a lap whose nodes leave towards
     thigh and belly, is taken out of itself there (`untangle_outside`); a node for which there is no way out stays.
     """
-    faces, body = threads.faces, ShellBeside(way.own, way.skin)
-    nodes = carry_outside(nodes, faces, way.skin, threads.mean_edge)
-    for _ in range(CLEARINGS):
+    faces, body = threads.faces, ShellDistance(way.own, way.skin)
+    nodes = advect_outside(nodes, faces, way.skin, threads.mean_edge)
+    for _ in range(MAX_BODY_CLEARANCE_ITERATIONS):
         pushed = project_outside(nodes, way.skin, faces)
         if np.array_equal(pushed, nodes) or len(self_intersections(pushed, faces)) <= len(
             self_intersections(nodes, faces)
         ):
             return pushed
         start = PbdState.at_rest(nodes)
-        nodes = follow(threads, start, body, 5, settings=settings.follow, held=held, layers=CREEPING).nodes
+        nodes = simulate_pbd(threads, start, body, 5, settings=settings.follow, held=held, layers=CREEPING_LAYERS).nodes
     pushed = untangle_outside(project_outside(nodes, way.skin, faces), way.skin, faces)
     undo_crossings(pushed, nodes, faces, self_intersections(nodes, faces))
     return pushed
 
 
-def carry(
-    threads: Threads,
+def move_with_skin(
+    threads: DistanceConstraints,
     nodes: np.ndarray,
-    way: Way,
+    way: PosePath,
     *,
-    settings: CarrySettings = CarrySettings(),
+    settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> np.ndarray:
     """Carry cloth on the T-pose into the pose of a body and give the nodes [m], shape [node_count, 3].
@@ -223,30 +225,33 @@ def carry(
         held: Nodes that only the skin moves, or None.
     """
     weights = weights_at(way.body, nodes, rest=True)
-    spread = _spreading(threads, settings.spread)
+    spread = _smoothing_operator(threads, settings.spread)
     nodes = skin(nodes, weights, way.transforms[0])
     for before, after, shell in zip(way.transforms, way.transforms[1:], way.shells, strict=False):
         ride = skin(unskin(nodes, weights, before), weights, after) - nodes
         even = spread(ride)
         if held is not None:
-            even[held] = leave_body(nodes[held] + ride[held], shell, settings.follow.thickness) - nodes[held]
+            even[held] = push_outside(nodes[held] + ride[held], shell, settings.follow.thickness) - nodes[held]
         start, chosen = PbdState.at_rest(nodes, even), settings.follow
-        nodes = follow(threads, start, shell, settings.steps, settings=chosen, held=held, layers=CREEPING).nodes
-        nodes = carry_outside(nodes, threads.faces, shell, threads.mean_edge, CURRENT)
+        nodes = simulate_pbd(
+            threads, start, shell, settings.steps, settings=chosen, held=held, layers=CREEPING_LAYERS
+        ).nodes
+        nodes = advect_outside(nodes, threads.faces, shell, threads.mean_edge, MAX_FRAME_CLEARANCE_ITERATIONS)
     return nodes
 
 
-PUSHES = 3
-"""Rounds in which held nodes leave the body: in a hollow one push may end before the other surface."""
+MAX_PUSH_OUT_ITERATIONS = 3
+"""Largest number of iterations in which held nodes leave the body: in a hollow one push may end before the other
+surface."""
 
 
-def leave_body(points: np.ndarray, body: SignedDistance, thickness: float) -> np.ndarray:
+def push_outside(points: np.ndarray, body: SignedDistance, thickness: float) -> np.ndarray:
     """Move points [m], shape [n, 3], that nothing but the skin moves out of a body, to a distance from it [m].
 
     A waist rides on the skin; where a belly comes down on a lap, the skin goes into itself, and the waist with it.
     """
     points = np.array(points)
-    for _ in range(PUSHES):
+    for _ in range(MAX_PUSH_OUT_ITERATIONS):
         distance, normal = body.measure(points)
         short = np.maximum(thickness - distance, 0.0)[:, None] * normal
         points += short.reshape(-1, len(points), 3).sum(axis=0)
@@ -255,7 +260,7 @@ def leave_body(points: np.ndarray, body: SignedDistance, thickness: float) -> np
     return points
 
 
-def _spreading(threads: Threads, width: float) -> Callable[[np.ndarray], np.ndarray]:
+def _smoothing_operator(threads: DistanceConstraints, width: float) -> Callable[[np.ndarray], np.ndarray]:
     """Return the map that evens out a field on the nodes over a width [m]: (1 - width^2 Laplacian)^-1.
 
     On a hexagonal lattice of edge h the Laplacian is 2 / (3 h^2) times the sum of differences to the neighbours.

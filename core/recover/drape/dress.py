@@ -7,22 +7,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 
-from ...body import Body, SignedDistance, Tape, armpit_height, rest_body
+from ...body import Body, SignedDistance, TapeMeasure, armpit_height, rest_body
 from ...garment import Garment
 from ...garment.parts.tops import STRAPLESS_DROP
 from ...geometry import HalfEdges, factor_symmetric
-from ...run.hooks import SILENT, Hooks
-from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from ...run.hooks import SILENT_HOOKS, Hooks
+from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .gores import fan_out, find_sides
-from .ironing import iron_crossings
+from .ironing import unfold_crossings
 from .layer_contact import LayerContact
 from .sleeves import turn_sleeves
-from .stance import spread_legs
+from .stance import align_legs
 from .waist import flat_length, waist_loop
 
-LIFT = 0.03
-"""How far above the body's shoulders a garment is laid [m]: a sleeve that droops then still starts above the middle of
-the stretched arm, so that its upper seam is pushed up and not down; what is too high sinks under its weight."""
+SHOULDER_LIFT_HEIGHT = 0.03
+"""Height above the shoulders of the body at which a garment is placed [m]: a sleeve that droops then still starts above
+the middle of the stretched arm, so that its upper seam is pushed up and not down; what is too high sinks under its
+weight."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,12 @@ class DressSettings:
     settle: int = 60
     outline: bool = True
     iron: bool = True
-    follow: FollowSettings = field(default_factory=FollowSettings)
+    follow: PbdSettings = field(default_factory=PbdSettings)
 
 
-def place(garment: Garment, body: Body, *, waist_height: float | None = None, flatten: float = 0.012) -> np.ndarray:
+def place_panels(
+    garment: Garment, body: Body, *, waist_height: float | None = None, flatten: float = 0.012
+) -> np.ndarray:
     """Flatten the placed panels to both sides of the body's middle plane and shift them to where they are worn.
 
     Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is found: a garment with a waist
@@ -71,17 +74,17 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
     pelvis = body.joint("pelvis")
     nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
     middle = _middle_plane(body)
-    nodes[:, 2] = middle + flatten * _side(garment)
+    nodes[:, 2] = middle + flatten * _find_node_sides(garment)
     waist = waist_loop(garment)
     if waist is not None:
-        height = waist_height if waist_height is not None else _natural_edge(garment, waist, body)
+        height = waist_height if waist_height is not None else _upper_edge_height(garment, waist, body)
         nodes[:, 1] += height - nodes[waist, 1].mean()
     else:
         nodes[:, 1] += _shoulder_shift(nodes, garment.faces, body)
-    return spread_legs(nodes, garment.faces, body)
+    return align_legs(nodes, garment.faces, body)
 
 
-def _natural_edge(garment: Garment, loop: np.ndarray, body: Body) -> float:
+def _upper_edge_height(garment: Garment, loop: np.ndarray, body: Body) -> float:
     """Return the height of a garment's upper edge [m]: below the arms where its pattern has a neck there, no waist."""
     edges = [
         garment.pattern.panel(ref.panel).edges[ref.edge].contour
@@ -90,10 +93,10 @@ def _natural_edge(garment: Garment, loop: np.ndarray, body: Body) -> float:
     ]
     if "neck" in edges:
         return armpit_height(rest_body(body)) - STRAPLESS_DROP
-    return natural_height(flat_length(garment, loop), body)
+    return waistband_height(flat_length(garment, loop), body)
 
 
-def natural_height(girth: float, body: Body) -> float:
+def waistband_height(girth: float, body: Body) -> float:
     """Return the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
 
     It slides down from the narrowest place of the trunk, between pelvis and the top of the loins, until the body's
@@ -101,7 +104,7 @@ def natural_height(girth: float, body: Body) -> float:
     """
     low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
     heights = np.linspace(low, high, 25)
-    tape = Tape(body)
+    tape = TapeMeasure(body)
     girths = np.array([tape.trunk(height).value for height in heights])
     narrowest = int(np.argmin(girths))
     held = np.nonzero(girths[: narrowest + 1] <= girth)[0]
@@ -120,7 +123,7 @@ def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     and spread into each panel as a harmonic displacement.
     """
     panels = garment.pattern.panels
-    rotation, origin = turn_sleeves(garment, body, LIFT)
+    rotation, origin = turn_sleeves(garment, body, SHOULDER_LIFT_HEIGHT)
     flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
     flat = fan_out(garment, flat)
     count = np.bincount(garment.uv_node)
@@ -135,14 +138,14 @@ def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     rows = (gap @ member).toarray()
     normal = rows.T @ rows + 1e-3 * np.eye(len(panels))
     flat += np.linalg.solve(normal, -rows.T @ (gap @ flat[shared]))[garment.panel_of_uv]
-    flat = flat + _spread(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
+    flat = flat + _extend_harmonically(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
     nodes = np.zeros((len(count), 3))
     np.add.at(nodes[:, :2], garment.uv_node, flat)
     nodes[:, :2] /= count[:, None]
     return nodes
 
 
-def _spread(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _extend_harmonically(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Extend values at fixed vertices harmonically over a flat mesh (uniform Laplacian), shape [count, 2]."""
     adjacency = HalfEdges.of(faces, count).adjacency
     laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency) + 1e-9 * sparse.identity(count))
@@ -160,7 +163,7 @@ def _middle_plane(body: Body) -> float:
     return float(np.mean([body.joint(name)[2] for name in names]))
 
 
-def _side(garment: Garment) -> np.ndarray:
+def _find_node_sides(garment: Garment) -> np.ndarray:
     """Find the front (+1) and the back (-1) for every node; 0 on seams between the two."""
     total = np.zeros(len(garment.nodes))
     count = np.zeros(len(garment.nodes))
@@ -181,7 +184,7 @@ def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
             skin = below_head & (np.abs(body.vertices[:, 0] - x) < 0.015)
             cloth = _outline_height(nodes, faces, x)
             if skin.any() and cloth is not None:
-                gaps.append(body.vertices[skin, 1].max() + LIFT - cloth)
+                gaps.append(body.vertices[skin, 1].max() + SHOULDER_LIFT_HEIGHT - cloth)
     return float(np.max(gaps)) if gaps else float(left[1] - nodes[:, 1].max())
 
 
@@ -195,7 +198,7 @@ def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | N
     return float((start[across, 1] + share * (end[across, 1] - start[across, 1])).max())
 
 
-def _half(garment: Garment) -> np.ndarray:
+def _find_body_halves(garment: Garment) -> np.ndarray:
     """Find nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
 
     A panel is one half's where its middle lies further out than a quarter of its width.
@@ -211,7 +214,7 @@ def _half(garment: Garment) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Squashed:
+class SquashedBody:
     """A body whose depth is scaled about the plane z = middle.
 
     The level set d(x, y, middle + (z - middle) / scale) is zero on the squashed surface; its gradient is returned
@@ -231,7 +234,7 @@ class Squashed:
 
 
 @dataclass(frozen=True)
-class Flattened:
+class FlatObstacle:
     """The obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
 
     body: SignedDistance
@@ -251,7 +254,7 @@ class Flattened:
 
 
 @dataclass(frozen=True)
-class Sided:
+class TwoSidedObstacle:
     """A body with the middle plane as an obstacle: no front node passes behind it, no back node before it.
 
     While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
@@ -282,8 +285,8 @@ class Sided:
         return distance, gradient
 
 
-def relax_flat(
-    threads: Threads,
+def relax_flat_panels(
+    threads: DistanceConstraints,
     nodes: np.ndarray,
     side: np.ndarray,
     half: np.ndarray,
@@ -300,9 +303,9 @@ def relax_flat(
     """
     apart = 0.5 * settings.flatten
     centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
-    flat = Flattened(distance, middle, side, settings.flatten)
+    flat = FlatObstacle(distance, middle, side, settings.flatten)
     for _ in range(settings.relax):
-        nodes = follow(threads, PbdState.at_rest(nodes), flat, 1, settings=settings.follow).nodes
+        nodes = simulate_pbd(threads, PbdState.at_rest(nodes), flat, 1, settings=settings.follow).nodes
         nodes[:, 2] = middle + settings.flatten * side
         nodes[half > 0, 0] = np.maximum(nodes[half > 0, 0], centre + apart)
         nodes[half < 0, 0] = np.minimum(nodes[half < 0, 0], centre - apart)
@@ -316,8 +319,8 @@ def dress(
     *,
     waist_height: float | None = None,
     settings: DressSettings = DressSettings(),
-    hooks: Hooks = SILENT,
-    threads: Threads | None = None,
+    hooks: Hooks = SILENT_HOOKS,
+    threads: DistanceConstraints | None = None,
 ) -> np.ndarray:
     """Dress a body in its T-pose and give the nodes of the garment that hangs on it [m], shape [node_count, 3].
 
@@ -336,26 +339,26 @@ def dress(
         hooks: Progress and cancellation.
         threads: The constraints of `garment` where they are at hand.
     """
-    threads = lay_threads(garment, settings.follow.bending) if threads is None else threads
-    nodes = place(garment, body, waist_height=waist_height, flatten=settings.flatten)
+    threads = build_distance_constraints(garment, settings.follow.bending) if threads is None else threads
+    nodes = place_panels(garment, body, waist_height=waist_height, flatten=settings.flatten)
     middle = _middle_plane(body)
     waist = waist_loop(garment)
     height = None if waist is None else float(nodes[waist, 1].mean())
-    side = _side(garment)
-    nodes = relax_flat(threads, nodes, side, _half(garment), distance, middle, settings)
+    side = _find_node_sides(garment)
+    nodes = relax_flat_panels(threads, nodes, side, _find_body_halves(garment), distance, middle, settings)
     between = np.abs(side) < 0.5
     outline = distance if settings.outline else None
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
-        obstacle = Sided(Squashed(distance, middle, scale), outline, middle, side)
-        nodes = follow(threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow).nodes
+        obstacle = TwoSidedObstacle(SquashedBody(distance, middle, scale), outline, middle, side)
+        nodes = simulate_pbd(threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow).nodes
         nodes[between, 2] = middle
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()
         hooks.check()
     if settings.iron:
-        nodes = iron_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
-    state = follow(
+        nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
+    state = simulate_pbd(
         threads,
         PbdState.at_rest(nodes),
         distance,

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...garment import Pattern, mesh_pattern, panel_area
-from ...scan.contours import TOPS, find_loops
+from ...scan.contours import TOP_CATEGORIES, find_loops
 from .stage import DrapeSettings
 from .waist import flat_length, waist_loop
 
-FLARED = 0.7
-"""Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves
-of a circle are 0.5."""
+MAX_EASED_FLARE_SHARE = 0.7
+"""Share of a full circle from which a skirt with that flare is not eased: where cloth weighs little, it floats. Halves
+of a circle have 0.5."""
 
 
 def needs_easing(pattern: Pattern, category: str) -> bool:
@@ -27,7 +27,7 @@ def needs_easing(pattern: Pattern, category: str) -> bool:
         MeshTooCoarse: where the pattern cannot be meshed as it is to be dressed.
     """
     if category != "skirt":
-        return category not in TOPS
+        return category not in TOP_CATEGORIES
     # as finely as it is dressed: a mesh of fewer vertices may be refused
     garment = mesh_pattern(pattern, DrapeSettings().template_vertices, sweeps=0)
     loop = waist_loop(garment)
@@ -35,7 +35,7 @@ def needs_easing(pattern: Pattern, category: str) -> bool:
         return True
     waist = flat_length(garment, loop)
     hem = sum(flat_length(garment, other) for other in find_loops(garment.faces)) - waist
-    return find_flare(hem, waist, sum(map(panel_area, pattern.panels))) < FLARED
+    return find_flare(hem, waist, sum(map(panel_area, pattern.panels))) < MAX_EASED_FLARE_SHARE
 
 
 def find_flare(hem: float, waist: float, area: float) -> float:

@@ -14,15 +14,16 @@ from ...geometry import HalfEdges, lump, signed_areas
 from .layer_contact import LayerContact
 from .layers import HalfSpaces
 
-BACK = -0.5
-"""Cosine between two moves of a node in turn below which it goes back the way it came."""
+MOVE_REVERSAL_COSINE = -0.5
+"""Cosine between two successive moves of a node below which the second reverses the first."""
 
-EASE = 1.2
-"""Factor by which a node that does not goes further again: it is free four steps after it was halved."""
+MOVE_SHARE_GROWTH = 1.2
+"""Factor by which the share of its move that a node takes grows again where it does not reverse: the node takes the
+whole move four steps after the share was halved."""
 
 
 @dataclass(frozen=True)
-class Threads:
+class DistanceConstraints:
     """Describe the distance constraints of a sewn garment.
 
     Attributes:
@@ -48,7 +49,7 @@ class Threads:
 
 
 @dataclass(frozen=True)
-class FollowSettings:
+class PbdSettings:
     """Set the position-based steps.
 
     Attributes:
@@ -73,7 +74,7 @@ class FollowSettings:
     calm: bool = False
 
 
-def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
+def build_distance_constraints(garment: Garment, bending: float = 0.1) -> DistanceConstraints:
     """Collect the distance constraints of a garment: mesh edges, and the opposite corners of every hinge.
 
     Lengths are those of the flat panels, never of the placed mesh. A pair that two panels share (a seam) takes the mean
@@ -85,7 +86,7 @@ def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
     lengths = np.bincount(edges.edge, weights=sides) / edges.face_counts
     cross, cross_lengths = _hinge_pairs(edges, rest)
     mass = lump(np.abs(signed_areas(rest)), faces, len(garment.nodes))
-    return Threads(
+    return DistanceConstraints(
         ends=np.concatenate([edges.edges, cross]).astype(np.int64),
         lengths=np.concatenate([lengths, cross_lengths]),
         stiffness=np.concatenate([np.ones(len(edges.edges)), np.full(len(cross), bending)]),
@@ -111,8 +112,8 @@ def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.nda
     return edges.opposite[edges.pairs], np.hypot(offset, height.sum(1))
 
 
-class Bonds(NamedTuple):
-    """Distance constraints as the sweeps take them; see `Threads`."""
+class ConstraintArrays(NamedTuple):
+    """Distance constraints as the sweeps take them; see `DistanceConstraints`."""
 
     ends: np.ndarray
     lengths: np.ndarray
@@ -166,7 +167,7 @@ class PbdState:
 
 @njit(cache=True)
 def _sweep(
-    nodes: np.ndarray, bonds: Bonds, weight: np.ndarray, planes: BodyPlanes, spaces: HalfSpaces, sweeps: int
+    nodes: np.ndarray, bonds: ConstraintArrays, weight: np.ndarray, planes: BodyPlanes, spaces: HalfSpaces, sweeps: int
 ) -> np.ndarray:
     """Project, in place, onto the lengths (Gauss-Seidel, alternating direction), into half-spaces, above planes.
 
@@ -199,7 +200,7 @@ def _sweep(
             nodes[j, 0] -= weight[j] * scale * dx
             nodes[j, 1] -= weight[j] * scale * dy
             nodes[j, 2] -= weight[j] * scale * dz
-        _part(nodes, weight, spaces)
+        _project_half_spaces(nodes, weight, spaces)
         for c in range(len(touched)):
             i = touched[c]
             if weight[i] == 0.0:
@@ -210,12 +211,12 @@ def _sweep(
                 nodes[i, 0] += depth * normal[c, 0]
                 nodes[i, 1] += depth * normal[c, 1]
                 nodes[i, 2] += depth * normal[c, 2]
-        _part(nodes, weight, spaces)
+        _project_half_spaces(nodes, weight, spaces)
     return press
 
 
 @njit(cache=True)
-def _part(nodes: np.ndarray, weight: np.ndarray, spaces: HalfSpaces) -> None:
+def _project_half_spaces(nodes: np.ndarray, weight: np.ndarray, spaces: HalfSpaces) -> None:
     """Project, in place, each constraint's nodes into its half-space, the lighter ones further."""
     corners, shares, sides, least = spaces
     for c in range(len(corners)):
@@ -234,13 +235,13 @@ def _part(nodes: np.ndarray, weight: np.ndarray, spaces: HalfSpaces) -> None:
                 nodes[i, d] += move * sides[c, d]
 
 
-def follow(
-    threads: Threads,
+def simulate_pbd(
+    threads: DistanceConstraints,
     state: PbdState,
     body: SignedDistance | None,
     steps: int,
     *,
-    settings: FollowSettings = FollowSettings(),
+    settings: PbdSettings = PbdSettings(),
     gravity: float = 0.0,
     held: np.ndarray | None = None,
     layers: LayerContact | None = None,
@@ -266,24 +267,24 @@ def follow(
     if held is not None:
         weight[held] = 0.0
         v[held] = 0.0
-    bonds = Bonds(threads.ends, threads.lengths, threads.stiffness)
+    bonds = ConstraintArrays(threads.ends, threads.lengths, threads.stiffness)
     apart = None if layers is None else layers.begin(x, threads.faces, threads.edges)
     eased, last = np.ones(len(x)), np.zeros_like(x)
     for step in range(steps):
         before = x.copy()
         v[:, 1] -= settings.dt * gravity * (weight > 0)
         start = before if state.carried is None or step else before + state.carried
-        x = start + _limited(settings.dt * v, settings.travel)
+        x = start + _limit_length(settings.dt * v, settings.travel)
         planes, spaces = _find_planes(body, x, settings), HalfSpaces.none()
         if apart is not None:
             planes = planes.within(x, apart.settings.push)
             spaces = apart.planes(before).joined(_face_planes(body, x, threads.faces, settings))
         press = _sweep(x, bonds, weight, planes, spaces, settings.sweeps)
         if len(planes.points):
-            _rub(x, start, planes, settings.friction * press)
-        change = _limited(x - start, 3 * settings.travel)
+            _apply_friction(x, start, planes, settings.friction * press)
+        change = _limit_length(x - start, 3 * settings.travel)
         if settings.calm and 2 * step >= steps:
-            eased = _eased(eased, change, last)
+            eased = _damp_reversals(eased, change, last)
         x, last = start + change * eased[:, None], change
         if apart is not None:
             apart.finish(x, before)
@@ -293,20 +294,20 @@ def follow(
     return PbdState(x, v)
 
 
-def _limited(change: np.ndarray, longest: float) -> np.ndarray:
+def _limit_length(change: np.ndarray, longest: float) -> np.ndarray:
     """Shorten each row [m] of a change to a length at most."""
     length = np.linalg.norm(change, axis=1, keepdims=True)
     return change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
 
 
-def _eased(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:
+def _damp_reversals(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:
     """Return the share of its move that each node takes: half as much where it goes back, else more again."""
     size = np.linalg.norm(change, axis=1) * np.linalg.norm(last, axis=1)
-    back = (change * last).sum(1) < BACK * size
-    return np.where(back, 0.5 * eased, np.minimum(1.0, EASE * eased))
+    back = (change * last).sum(1) < MOVE_REVERSAL_COSINE * size
+    return np.where(back, 0.5 * eased, np.minimum(1.0, MOVE_SHARE_GROWTH * eased))
 
 
-def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: FollowSettings) -> BodyPlanes:
+def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: PbdSettings) -> BodyPlanes:
     """Find the planes of the body that points [m], shape [n, 3], are near."""
     if body is None or not len(points):
         return BodyPlanes(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
@@ -320,7 +321,7 @@ def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: Foll
 
 
 def _face_planes(
-    body: SignedDistance | None, points: np.ndarray, faces: np.ndarray, settings: FollowSettings
+    body: SignedDistance | None, points: np.ndarray, faces: np.ndarray, settings: PbdSettings
 ) -> HalfSpaces:
     """Keep the centres of faces out of the body, by a quarter of the thickness."""
     face, normal, offset = _find_planes(body, points[faces].mean(1), settings)
@@ -329,7 +330,7 @@ def _face_planes(
     return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)
 
 
-def _rub(x: np.ndarray, before: np.ndarray, planes: BodyPlanes, grip: np.ndarray) -> None:
+def _apply_friction(x: np.ndarray, before: np.ndarray, planes: BodyPlanes, grip: np.ndarray) -> None:
     """Take back, in place, each touching node's sliding by at most its grip (friction times the push it took) [m]."""
     contact, normal = planes.points, planes.normals
     slide = x[contact] - before[contact]

@@ -10,16 +10,17 @@ import numpy as np
 from ...garment import Garment, place_points
 from ...geometry import plane_rotation
 
-TURNED = 0.95
-"""Share of a panel's level outward direction along the wearer's depth below which it stands turned around him, by 18
-degrees and more: panels that are drafted for front or back have 1."""
+TURNED_PANEL_COSINE = 0.95
+"""Cosine between the level outward direction of a panel and the depth axis of the wearer, below which the panel stands
+turned around the wearer, by 18 degrees and more: panels that are drafted for front or back have 1."""
 
-EDGE_ON = 0.3
-"""The same below which the depth of a panel, not its direction, tells front from back."""
+EDGE_ON_PANEL_COSINE = 0.3
+"""Cosine between the outward direction of a panel and the depth axis of the wearer, below which the depth at which the
+panel is placed, not its direction, tells front from back."""
 
-UPRIGHT = 0.7
-"""Share of a seam's length that it rises by from which the panels on both sides of it stand beside each other; and
-share of a panel's outward direction that is level from which it stands."""
+MIN_UPRIGHT_SHARE = 0.7
+"""Share of the length of a seam by which it rises, from which the panels on both sides of it stand beside each other.
+Also the share of the outward direction of a panel that is level, from which the panel stands."""
 
 
 def find_sides(garment: Garment) -> np.ndarray:
@@ -28,13 +29,15 @@ def find_sides(garment: Garment) -> np.ndarray:
     A panel is in front or behind as a whole, but where it stands turned around the wearer: there each vertex is where
     it is placed, and of an edge that passes from front to back one end is 0, so that none joins the two.
     """
-    outward, depth = _outward(garment), np.array([panel.translation[2] for panel in garment.pattern.panels])
+    outward, depth = _facing_cosines(garment), np.array([panel.translation[2] for panel in garment.pattern.panels])
     middle = depth.mean()
-    side = np.where(np.abs(outward) > EDGE_ON, np.sign(outward), np.sign(depth - middle))[garment.panel_of_uv]
+    side = np.where(np.abs(outward) > EDGE_ON_PANEL_COSINE, np.sign(outward), np.sign(depth - middle))[
+        garment.panel_of_uv
+    ]
     turned = _is_turned(garment)[garment.panel_of_uv]
     if not turned.any():
         return side
-    placed = _placed(garment)[:, 2] - middle
+    placed = _placed_vertices(garment)[:, 2] - middle
     edges = garment.uv_faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     crosses = placed[edges].prod(axis=1) < 0.0
     nearer = np.take_along_axis(edges, np.abs(placed[edges]).argmin(axis=1)[:, None], axis=1)[crosses, 0]
@@ -111,7 +114,7 @@ class _Fan:
         return _Fan(self.mine, (self.places - start) @ plane_rotation(angle).T + goal, self.angles + angle)
 
 
-def _outward(garment: Garment) -> np.ndarray:
+def _facing_cosines(garment: Garment) -> np.ndarray:
     return np.array([panel.rotation[2, 2] for panel in garment.pattern.panels])
 
 
@@ -119,10 +122,10 @@ def _is_turned(garment: Garment) -> np.ndarray:
     """Check which panels stand turned around the wearer, shape [panel_count]."""
     normals = np.array([panel.rotation[:, 2] for panel in garment.pattern.panels])
     level = np.hypot(normals[:, 0], normals[:, 2])
-    return np.asarray((level > UPRIGHT) & (np.abs(normals[:, 2]) < TURNED * level))
+    return np.asarray((level > MIN_UPRIGHT_SHARE) & (np.abs(normals[:, 2]) < TURNED_PANEL_COSINE * level))
 
 
-def _placed(garment: Garment) -> np.ndarray:
+def _placed_vertices(garment: Garment) -> np.ndarray:
     """Return the flat vertices where the pattern's file places them [m], shape [n, 3]."""
     placed = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):
@@ -137,19 +140,19 @@ def _find_ring(garment: Garment) -> _Ring | None:
     if not turned:
         return None
     index = {panel.name: i for i, panel in enumerate(garment.pattern.panels)}
-    placed, beside = _placed(garment), set()
+    placed, beside = _placed_vertices(garment), set()
     for seam in garment.pattern.seams:
         line = placed[garment.edge_uv[seam.a]]
         length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
         pair = {index[seam.a.panel], index[seam.b.panel]}
-        if abs(line[-1, 1] - line[0, 1]) > UPRIGHT * length and pair & turned:
+        if abs(line[-1, 1] - line[0, 1]) > MIN_UPRIGHT_SHARE * length and pair & turned:
             beside |= set(permutations(pair, 2))
     return _Ring(tuple(sorted(turned.union(*beside))), frozenset(beside))
 
 
 def _unroll(garment: Garment, ring: _Ring, side: np.ndarray, sign: float) -> _Fan | None:
     """Lay what of a ring is in front (sign 1) or behind (-1) beside each other; None where nothing of it is there."""
-    pieces, outward = {}, sign * _outward(garment)
+    pieces, outward = {}, sign * _facing_cosines(garment)
     for panel in ring.panels:
         mine = np.flatnonzero((garment.panel_of_uv == panel) & (sign * side >= 0.0))
         if (sign * side[mine] > 0.0).any():

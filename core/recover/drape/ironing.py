@@ -7,22 +7,22 @@ from scipy import sparse
 
 from ...body import SignedDistance
 from ...geometry import adjacency_matrix, factor_symmetric, self_intersections
-from .follow import FollowSettings, PbdState, Threads, follow
+from .follow import DistanceConstraints, PbdSettings, PbdState, simulate_pbd
 from .layer_contact import LayerContact
 
-ROUNDS = 6
-"""Rounds at most; one is enough for the forks of every shipped pair of trousers, at 350 to 1500 nodes."""
+MAX_UNFOLD_ITERATIONS = 6
+"""Largest number of iterations; one is enough for the forks of every shipped pair of trousers, at 350 to 1500 nodes."""
 
-UNFOLD = 5
-"""Position-based steps that stretch a patch out to its lengths again after each round."""
+UNFOLD_STEP_COUNT = 5
+"""Number of position-based steps that stretch a patch to its rest lengths again after each iteration."""
 
 
-def iron_crossings(
-    threads: Threads,
+def unfold_crossings(
+    threads: DistanceConstraints,
     nodes: np.ndarray,
     body: SignedDistance,
     *,
-    settings: FollowSettings,
+    settings: PbdSettings,
     held: np.ndarray | None = None,
 ) -> np.ndarray:
     """Lay patches that cross themselves smooth, and let them out to their lengths again with layers kept apart.
@@ -44,7 +44,7 @@ def iron_crossings(
     """
     count = len(nodes)
     laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency_matrix(threads.edges, count)))
-    for turn in range(ROUNDS):
+    for turn in range(MAX_UNFOLD_ITERATIONS):
         crossed = self_intersections(nodes, threads.faces)
         if not len(crossed):
             break
@@ -57,7 +57,9 @@ def iron_crossings(
         nodes = nodes.copy()
         nodes[free] = factor_symmetric(laplacian[free][:, free]).solve(-(laplacian[free][:, rim] @ nodes[rim]))
         start = PbdState.at_rest(nodes)
-        nodes = follow(threads, start, body, UNFOLD, settings=settings, held=held, layers=LayerContact()).nodes
+        nodes = simulate_pbd(
+            threads, start, body, UNFOLD_STEP_COUNT, settings=settings, held=held, layers=LayerContact()
+        ).nodes
     return nodes
 
 

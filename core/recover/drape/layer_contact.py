@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry import self_intersections, undo_crossings
-from .layers import HalfSpaces, find_layers
+from .layers import HalfSpaces, find_layer_constraints
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class LayerContact:
     reach: float = 10e-3
     push: float = 4e-3
 
-    def begin(self, nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> Layers:
+    def begin(self, nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> LayerTracker:
         """Find the faces that cross at first, of a mesh with nodes [m], shape [node_count, 3]; they may stay so."""
-        return Layers(self, faces, edges, self_intersections(nodes, faces), HalfSpaces.none())
+        return LayerTracker(self, faces, edges, self_intersections(nodes, faces), HalfSpaces.none())
 
 
 @dataclass
-class Layers:
+class LayerTracker:
     """Follow the layers of one cloth from step to step.
 
     Attributes:
@@ -53,7 +53,7 @@ class Layers:
     def planes(self, nodes: np.ndarray) -> HalfSpaces:
         """Find what keeps the layers apart in a step from nodes [m], shape [node_count, 3]."""
         chosen = self.settings
-        self.between = find_layers(nodes, self.faces, self.edges, self.crossed, chosen.gap, chosen.reach)
+        self.between = find_layer_constraints(nodes, self.faces, self.edges, self.crossed, chosen.gap, chosen.reach)
         return self.between
 
     def finish(self, nodes: np.ndarray, before: np.ndarray) -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-SHARE = 0.45
+LAYER_MOVE_SHARE = 0.45
 """Share of the distance between two layers by which both may move: less than half."""
 
 
@@ -43,7 +43,7 @@ class HalfSpaces(NamedTuple):
         between = np.einsum("cd,ck,ckd->c", self.normals, self.weights, nodes[self.corners])
         nearest = np.full(len(nodes), reach)
         np.minimum.at(nearest, self.corners.reshape(-1), np.repeat(between, 4))
-        return SHARE * nearest
+        return LAYER_MOVE_SHARE * nearest
 
     def joined(self, other: HalfSpaces) -> HalfSpaces:
         """Return these constraints and then the others."""
@@ -55,7 +55,7 @@ class HalfSpaces(NamedTuple):
         )
 
 
-def find_layers(
+def find_layer_constraints(
     nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray, crossed: np.ndarray, gap: float, reach: float
 ) -> HalfSpaces:
     """Find near pairs of a node and a face, and of two edges, of cloth and keep them on their sides of each other.

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...body import Body
-from ...cloth import Drape, Fabric, Outcome, SteadyRotation, Stop
+from ...cloth import Drape, Fabric, Outcome, SteadyRotation, StopCallback
 from ...garment import Garment
 from ...geometry import TriangleSurface
-from ...run.best import best
-from ...run.hooks import SILENT, Hooks
+from ...run.best import choose_best
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from .stage import DrapeSettings, drape_graded, remesh
 from .wearer import WearerGeometry
@@ -54,7 +54,7 @@ def drape_as_scanned(
     vertex_count: int = 4000,
     settings: DrapeSettings = DrapeSettings(),  # noqa: B008 - frozen
     motion: MotionSettings = MotionSettings(),
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[Garment, Drape]:
     """Drape a graded pattern at rest; where that misses the scan by far and a rotation explains it, in rotation.
 
@@ -79,18 +79,18 @@ def drape_as_scanned(
     coarse = replace(motion, vertices=min(motion.vertices, vertex_count))
     found: list[SteadyRotation | None] = []
 
-    def drape_at(rotation: SteadyRotation | None, stop: Stop | None = None) -> tuple[Garment, Drape]:
+    def drape_at(rotation: SteadyRotation | None, stop: StopCallback | None = None) -> tuple[Garment, Drape]:
         quiet = hooks if rotation is None else hooks.quiet()
         return drape_graded(mesh, wearer, fabric, target, rotation=rotation, stop=stop, settings=settings, hooks=quiet)
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
-        if legs != motion.patience or (away := miss(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:
+        if legs != motion.patience or (away := surface_rms(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:
             return False
         found.append(find_rotation(graded, wearer, fabric, target, away, settings, coarse, hooks))
         return found[-1] is not None
 
     garment, drape = drape_at(None, moves)
-    rest = miss(garment, target)
+    rest = surface_rms(garment, target)
     if rest <= motion.missed:
         return garment, drape
     if not found:
@@ -103,9 +103,9 @@ def drape_as_scanned(
         """Return a drape's distance from the scan [m]: that at rest less what a rotation has to gain."""
         if one is not turning:
             return motion.explained * rest
-        return miss(one[0], target) if one[1].converged else float("inf")
+        return surface_rms(one[0], target) if one[1].converged else float("inf")
 
-    taken = best("motion", {"turning": turning, "at rest": (garment, drape)}, score, hooks)
+    taken = choose_best("motion", {"turning": turning, "at rest": (garment, drape)}, score, hooks)
     return drape_at(None) if taken is not turning and drape.outcome is Outcome.STOPPED else taken
 
 
@@ -125,7 +125,7 @@ def find_rotation(
         rotation = rotation_of(wearer.body, rate)
         quiet = hooks.quiet()
         coarse, _ = drape_graded(mesh, wearer, fabric, target, rotation=rotation, settings=settings, hooks=quiet)
-        found.append((miss(coarse, target), rotation))
+        found.append((surface_rms(coarse, target), rotation))
     best = min(distance for distance, _ in found)
     if best > motion.explained * rest:
         return None
@@ -147,7 +147,7 @@ def describe_motion(rotation: SteadyRotation) -> str:
     )
 
 
-def miss(garment: Garment, target: Target) -> float:
+def surface_rms(garment: Garment, target: Target) -> float:
     """Return the root mean square distance [m] between two surfaces by their vertices, the worse of both ways."""
     ways = ((garment.nodes, target.vertices, target.faces), (target.vertices, garment.nodes, garment.faces))
     squares = [(TriangleSurface(nodes, faces).distance(points) ** 2).mean() for points, nodes, faces in ways]

@@ -9,30 +9,30 @@ from scipy.spatial import cKDTree
 
 from ...body import SignedDistance, Solid
 from ...geometry import edge_curvature, vertex_normals
-from .follow import FollowSettings
+from .follow import PbdSettings
 
-NEIGHBOURS = 12
-"""Vertices that are searched for an opposite surface: a disk of 3 cm around the nearest on bodies of 7000 vertices,
-wider than the 2 cm within which two surfaces touch the same cloth."""
+OPPOSITE_CANDIDATE_COUNT = 12
+"""Number of nearest vertices that are searched for an opposite surface: a disk of 3 cm around the nearest on bodies of
+7000 vertices, wider than the 2 cm within which two surfaces touch the same cloth."""
 
-OPPOSITE = 0.3
+OPPOSITE_NORMAL_COSINE = 0.3
 """Cosine between two normals below which they belong to two surfaces; on one limb it falls so low only 6 cm apart."""
 
-THICKNESS = FollowSettings.thickness
+SHELL_CONTACT_THICKNESS = PbdSettings.thickness
 """Distance that cloth keeps from each surface [m]; a gap of less than twice that is too narrow for it."""
 
-NARROWEST = 0.2
-"""Least cosine between a hollow's bisector and its surfaces' normals: a wedge of 23 degrees. In narrower ones the
-bisector is mostly noise, and the way out is measured as if they were as wide."""
+MIN_HOLLOW_COSINE = 0.2
+"""Smallest cosine between the bisector of a hollow and the normals of its surfaces: a wedge of 23 degrees. In narrower
+ones the bisector is mostly noise, and the way out is measured as if they were as wide."""
 
-FARTHEST = 0.02
+MAX_CURVATURE_DISTANCE = 0.02
 """Tangential distance up to which a vertex's curvature is trusted [m]: the spacing of the body's vertices."""
 
-SHARPEST = 50.0
+MAX_BODY_CURVATURE = 50.0
 """Largest curvature used [1/m]: a finger's; what is sharper is a crease of the mesh."""
 
-AWAY = 1.0
-"""Distance given where there is no second surface [m]: beyond every contact."""
+NO_SURFACE_DISTANCE = 1.0
+"""Distance that is returned where there is no second surface [m]: beyond every contact."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Shell:
         """Keep the open vertices of a body's mesh (vertices [m], [n, 3]); `bare` tells which they are, where known."""
         normals = vertex_normals(vertices, faces)
         bare = Solid(vertices, faces).exposed(vertices, normals) if bare is None else bare
-        bends = np.clip(edge_curvature(vertices, normals, faces), -SHARPEST, SHARPEST)
+        bends = np.clip(edge_curvature(vertices, normals, faces), -MAX_BODY_CURVATURE, MAX_BODY_CURVATURE)
         return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
 
     def surfaces(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -75,21 +75,27 @@ class Shell:
             points: Positions [m], shape [n, 3].
 
         Returns:
-            Distances to both [m], shape [n], the second one `AWAY` where there is none, and their normals, [n, 3].
+            Distances to both [m], shape [n], the second one `NO_SURFACE_DISTANCE` where there is none, and their
+            normals, [n, 3].
         """
-        _, index = self.tree.query(points, k=NEIGHBOURS)
+        _, index = self.tree.query(points, k=OPPOSITE_CANDIDATE_COUNT)
         normals = self.normals[index]
         offset = points[:, None] - self.vertices[index]
         heights = np.einsum("nkd,nkd->nk", offset, normals)
-        aside = np.minimum(np.einsum("nkd,nkd->nk", offset, offset) - heights**2, FARTHEST**2)
+        aside = np.minimum(np.einsum("nkd,nkd->nk", offset, offset) - heights**2, MAX_CURVATURE_DISTANCE**2)
         heights = heights + 0.5 * self.bends[index] * aside
         ahead = self.vertices[index] - self.vertices[index[:, :1]]
         before = np.einsum("nkd,nd->nk", ahead, normals[:, 0]) > 0
         behind = np.einsum("nkd,nkd->nk", ahead, normals) < 0
-        facing = np.einsum("nkd,nd->nk", normals, normals[:, 0]) < OPPOSITE
+        facing = np.einsum("nkd,nd->nk", normals, normals[:, 0]) < OPPOSITE_NORMAL_COSINE
         other = np.argmax(facing & before & behind, axis=1)
         row = np.arange(len(points))
-        return heights[:, 0], np.where(other > 0, heights[row, other], AWAY), normals[:, 0], normals[row, other]
+        return (
+            heights[:, 0],
+            np.where(other > 0, heights[row, other], NO_SURFACE_DISTANCE),
+            normals[:, 0],
+            normals[row, other],
+        )
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
@@ -110,19 +116,19 @@ class Shell:
         Along m = (n_1 + n_2) / |n_1 + n_2| both distances grow by |n_1 + n_2| / 2 a metre, so the way out of a hollow
         in which one is d short is d over that.
         """
-        tight = first + second < 2 * THICKNESS
+        tight = first + second < 2 * SHELL_CONTACT_THICKNESS
         way_out = normal[tight] + opposite[tight]
         size = np.linalg.norm(way_out, axis=1)
-        short = THICKNESS - np.minimum(first, second)[tight]
+        short = SHELL_CONTACT_THICKNESS - np.minimum(first, second)[tight]
         distance, gradient = distance.copy(), gradient.copy()
-        distance[tight] = THICKNESS - short / np.maximum(0.5 * size, NARROWEST)
+        distance[tight] = SHELL_CONTACT_THICKNESS - short / np.maximum(0.5 * size, MIN_HOLLOW_COSINE)
         gradient[tight] = way_out / np.maximum(size, 1e-9)[:, None]
-        second = np.where(tight, AWAY, second)
+        second = np.where(tight, NO_SURFACE_DISTANCE, second)
         return np.concatenate([distance, second]), np.concatenate([gradient, opposite])
 
 
 @dataclass(frozen=True)
-class ShellBeside:
+class ShellDistance:
     """A body's signed distance with the opposite surfaces and the hollows that it blurs, which its shell knows.
 
     Attributes:

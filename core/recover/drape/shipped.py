@@ -14,10 +14,10 @@ from .tie import pin_waist
 from .waist import waist_loop
 from .wearer import WearerGeometry
 
-WEARER = "builtin:female,height=1.70"
+TEMPLATE_WEARER = "builtin:female,height=1.70"
 """The body that the templates were drafted for."""
 
-FABRIC = DEFAULT_FABRIC
+TEMPLATE_FABRIC = DEFAULT_FABRIC
 """The default fabric of a recovery."""
 
 
@@ -26,7 +26,7 @@ def drape_library(folder: Path) -> None:
 
     Waists are held at the height where the draft places them, as the first drape leaves them.
     """
-    body = builtin_body(WEARER)
+    body = builtin_body(TEMPLATE_WEARER)
     wearer = WearerGeometry(body)
     for info in list_templates():
         garment = mesh_pattern(load_template(info.name), DRAPED_VERTICES)
@@ -34,7 +34,7 @@ def drape_library(folder: Path) -> None:
         height = None if waist is None else float(garment.nodes[waist, 1].mean())
         nodes = dress(garment, body, wearer.grid, waist_height=height)
         pins = pin_waist(garment.at(nodes))
-        rest = equilibrium(Scene(Topology.from_garment(garment), get_fabric(FABRIC), wearer.grid, pins), nodes)
+        rest = equilibrium(Scene(Topology.from_garment(garment), get_fabric(TEMPLATE_FABRIC), wearer.grid, pins), nodes)
         nodes = project_outside(rest.nodes, wearer.exposed, garment.faces)
         contours, _ = name_contours(nodes, garment.faces, body)
         save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")

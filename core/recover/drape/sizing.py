@@ -5,27 +5,29 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ...body import BELOW_ARMPIT, Body, Tape, armpit_height, crotch_height, rest_body
+from ...body import BELOW_ARMPIT, Body, TapeMeasure, armpit_height, crotch_height, rest_body
 from ...garment import BodyMeasures, Pattern, draft_template
 
-STEP = 0.01
+GIRTH_HEIGHT_STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
 
-WAIST_SPAN = 7
-"""Cuts over which the trunk's girth is averaged before its narrowest place is looked for: the width of a waistband."""
+WAIST_AVERAGING_COUNT = 7
+"""Number of cuts over which the girth of the trunk is averaged before its narrowest place is looked for: the width of a
+waistband."""
 
-BONE_END = 0.018
-"""How far the shoulder's bone end lies outside its joint [m]; on the body of the drafts 18.0 against 16.2 cm."""
+SHOULDER_BONE_OFFSET = 0.018
+"""Distance of the end of the shoulder bone outside of its joint [m]; on the body of the drafts 18.0 against 16.2 cm."""
 
-NECK_ABOVE = 0.03
-"""How far above the neck's joint its width is taken [m], above the slope of the shoulders."""
+NECK_WIDTH_HEIGHT = 0.03
+"""Height above the joint of the neck at which its width is taken [m], above the slope of the shoulders."""
 
-NECK_POINT = 1.36
-"""Half distance of the side neck points over the neck's half width; on the body of the drafts 7 cm."""
+NECK_POINT_RATIO = 1.36
+"""Ratio of half the distance of the side neck points to half the width of the neck; on the body of the drafts 7 cm."""
 
-OUTGROWN = 1.12
-"""Bust or hips over those of the library's drafts beyond which none of these goes over a wearer: a T-shirt of the
-library is 1.02 m round the chest. A tank top that was hung on a man of 1.20 m slid down his arms."""
+MAX_LIBRARY_SIZE_RATIO = 1.12
+"""Ratio of bust or hips of a wearer to those of the drafts of the library, above which none of these goes over the
+wearer: a T-shirt of the library is 1.02 m round the chest. A tank top that was hung on a man of 1.20 m slid down his
+arms."""
 
 
 def measure_wearer(body: Body) -> BodyMeasures:
@@ -41,12 +43,14 @@ def measure_wearer(body: Body) -> BodyMeasures:
     half = abs(shoulder[0] - centre)
     crotch = crotch_height(rest)
     armpit = armpit_height(rest)
-    seat = np.arange(crotch, rest.joint("pelvis")[1], STEP)
-    trunk = np.arange(rest.joint("pelvis")[1], armpit - BELOW_ARMPIT, STEP)
-    tape = Tape(rest)
+    seat = np.arange(crotch, rest.joint("pelvis")[1], GIRTH_HEIGHT_STEP)
+    trunk = np.arange(rest.joint("pelvis")[1], armpit - BELOW_ARMPIT, GIRTH_HEIGHT_STEP)
+    tape = TapeMeasure(rest)
     around_seat = np.array([tape.trunk(height).value for height in seat])
-    around_trunk = uniform_filter1d([tape.trunk(height).value for height in trunk], WAIST_SPAN, mode="nearest")
-    throat = np.abs(heights - neck[1] - NECK_ABOVE) < STEP
+    around_trunk = uniform_filter1d(
+        [tape.trunk(height).value for height in trunk], WAIST_AVERAGING_COUNT, mode="nearest"
+    )
+    throat = np.abs(heights - neck[1] - NECK_WIDTH_HEIGHT) < GIRTH_HEIGHT_STEP
     return BodyMeasures(
         bust=tape.trunk(armpit - BELOW_ARMPIT).value,
         waist=float(around_trunk.min()),
@@ -56,18 +60,18 @@ def measure_wearer(body: Body) -> BodyMeasures:
         waist_height=float(trunk[around_trunk.argmin()]),
         hip_height=float(seat[around_seat.argmax()]),
         crotch_height=crotch,
-        shoulder_half_width=float(half + BONE_END),
-        neck_half_width=NECK_POINT * float(off[throat].max()),
+        shoulder_half_width=float(half + SHOULDER_BONE_OFFSET),
+        neck_half_width=NECK_POINT_RATIO * float(off[throat].max()),
     )
 
 
-def outgrown_measures(body: Body) -> BodyMeasures | None:
+def oversize_measures(body: Body) -> BodyMeasures | None:
     """Return the measures to which a base pattern is drafted for a wearer whom the library's size does not go over.
 
     None for all others: the library's size is graded to the scan like any other, and what is known of it is kept.
     """
     measures, usual = measure_wearer(body), BodyMeasures()
-    is_larger = measures.bust > OUTGROWN * usual.bust or measures.hip > OUTGROWN * usual.hip
+    is_larger = measures.bust > MAX_LIBRARY_SIZE_RATIO * usual.bust or measures.hip > MAX_LIBRARY_SIZE_RATIO * usual.hip
     return measures if is_larger else None
 
 

@@ -9,19 +9,20 @@ from ...garment import Garment, Pattern
 from ...geometry import plane_rotation
 from ...scan.contours import find_loops
 
-ON_THE_ARM = np.radians(15.0)
-"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it.
+MAX_SLEEVE_ARM_ANGLE = np.radians(15.0)
+"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it [rad].
 T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
-HANGING = np.radians(75.0)
-"""Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
+MIN_HANGING_TUBE_ANGLE = np.radians(75.0)
+"""Angle below the horizontal from which a tube belongs to a leg, or hangs along the trunk, and is no sleeve [rad]."""
 
-SUNK = 0.5
-"""Share of an arm's half thickness by which a cuff's upper end may lie below the arm's upper side as it is drafted. It
-must end above the arm's middle, to be pushed up, and welded and laid on the shoulders a T-shirt's came 2 cm lower."""
+MAX_CUFF_SINK_SHARE = 0.5
+"""Share of half the thickness of an arm by which the upper end of a cuff, as it is drafted, may lie below the upper
+side of the arm. It must end above the middle of the arm, to be pushed up; welded and placed on the shoulders, that of a
+T-shirt came 2 cm lower."""
 
-RAISED = np.radians(45.0)
-"""Angle above the arm from which a panel that ends in an opening of its own is no sleeve's: none is drafted for raised
-arms, and from the seams of a bodice's side panel to its armhole it is 60 degrees and more."""
+MAX_SLEEVE_RAISE_ANGLE = np.radians(45.0)
+"""Angle above the arm from which a panel that ends in an opening of its own is no sleeve [rad]: none is drafted for
+raised arms, and from the seams of the side panel of a bodice to its armhole it is 60 degrees and more."""
 
 
 def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray, np.ndarray]:
@@ -63,8 +64,12 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
             cap, cuff = (points.mean(axis=0) for points in ends)
             axis = cuff - cap
             droop = np.arctan2(-axis[1], side * axis[0])
-            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + SUNK * half
-            if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING or arm - droop >= RAISED:
+            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + MAX_CUFF_SINK_SHARE * half
+            if (
+                (abs(droop - arm) <= MAX_SLEEVE_ARM_ANGLE and not sinks)
+                or abs(droop) >= MIN_HANGING_TUBE_ANGLE
+                or arm - droop >= MAX_SLEEVE_RAISE_ANGLE
+            ):
                 continue
             raised = max(droop - arm, _raise_above(ends, side, upward, lift)) if sinks else droop - arm
             turned = plane_rotation(side * raised)
@@ -77,14 +82,14 @@ def _raise_above(ends: tuple[np.ndarray, np.ndarray], side: float, upward: np.nd
     """Return the least angle by which a sleeve is raised until its cuff's top is at most so far below its cap's [m].
 
     A sleeve that is cut in one with a wide body narrows from below and from above: laid with its axis along the arm, it
-    lies below it. At most `RAISED`.
+    lies below it. At most `MAX_SLEEVE_RAISE_ANGLE`.
     """
-    for angle in np.arange(0.0, RAISED, np.radians(1.0)):
+    for angle in np.arange(0.0, MAX_SLEEVE_RAISE_ANGLE, np.radians(1.0)):
         along = plane_rotation(side * angle).T @ upward
         cap, cuff = ((points @ along).max() for points in ends)
         if cap - cuff <= sunk:
             return float(angle)
-    return float(RAISED)
+    return float(MAX_SLEEVE_RAISE_ANGLE)
 
 
 def _members(garment: Garment) -> list[np.ndarray]:

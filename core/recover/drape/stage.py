@@ -14,31 +14,32 @@ from ...cloth import (
     SelfContact,
     SolveSettings,
     SteadyRotation,
-    Stop,
+    StopCallback,
     Topology,
     equilibrium,
-    soften,
+    reduce_membrane_stiffness,
 )
 from ...garment import Garment, Pattern, mesh_pattern, resample
 from ...geometry import deformation_gradients, principal_stretches
-from ...run.best import best
-from ...run.hooks import SILENT, Hooks
+from ...run.best import choose_best
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target, find_loops, name_contours, smoothed_length
-from .carry import take_pose
-from .dress import DressSettings, dress, place
-from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .carry import pose_cloth
+from .dress import DressSettings, dress, place_panels
+from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .tie import pin_waist, place_waist
 from .waist import flat_lengths, waist_loop
 from .wearer import WearerGeometry
 
-PLACED = 0.1
-"""Distance of placed panels from the middle plane where their contours are named [m]: deeper than the bones bend."""
+MIDDLE_PLANE_DISTANCE = 0.1
+"""Distance of placed panels from the middle plane while their contours are named [m]: more than the depth by which the
+bones bend."""
 
-CAUGHT = 1.5
-"""Stretch of the first thousandth of a dressed pattern's faces at rest from which it is dressed again, on a finer mesh.
-A T-shirt that was caught had 4.7, wide trousers whose legs were caught in each other 3.0, ones whose hems were caught
-under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five of these, from 1.31 on, have 1.32 to 1.52 on
-the finer mesh, too."""
+MAX_DRESSED_STRETCH = 1.5
+"""Stretch of the most stretched thousandth of the faces of a dressed pattern at rest, from which it is dressed again,
+on a finer mesh, because cloth is caught. A T-shirt that was caught had 4.7, wide trousers whose legs were caught in
+each other 3.0, ones whose hems were caught under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five
+of these, from 1.31 on, have 1.32 to 1.52 on the finer mesh, too."""
 
 EASED_GRAVITY = 0.5
 """Weight of cloth that is eased [m/s2], a twentieth of its own: cloth that does not stretch hangs alike under both, and
@@ -71,7 +72,7 @@ class DrapeSettings:
     settle_steps: int = 15
     apart: bool = False
     dress: DressSettings = field(default_factory=DressSettings)
-    follow: FollowSettings = field(default_factory=FollowSettings)
+    follow: PbdSettings = field(default_factory=PbdSettings)
     solve: SolveSettings = field(default_factory=SolveSettings)
 
     def eased(self) -> DrapeSettings:
@@ -95,7 +96,7 @@ def drape_template(
     *,
     carry: bool = False,
     settings: DrapeSettings = DrapeSettings(),
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> Garment:
     """Mesh, sew and dress a base pattern on the wearer, in the wearer's pose, and name its contours.
 
@@ -117,29 +118,29 @@ def drape_template(
         The draped garment; `contours` named on the wearer.
     """
     garment = mesh_pattern(pattern, settings.template_vertices)
-    threads = lay_threads(garment, settings.dress.follow.bending)
+    threads = build_distance_constraints(garment, settings.dress.follow.bending)
     hooks.progress("template", 0.1, "dressing the T-pose")
     hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
     # The way into the pose is long, so what is lost is looked for before it.
-    if settings.dress.outline and _openings(hung, garment, wearer.rest) < loops:
+    if settings.dress.outline and _count_openings(hung, garment, wearer.rest) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
         freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
         tried = {"outline held": hung, "outline free": freed}
-        hung = best("dressing", tried, lambda nodes: -float(_openings(nodes, garment, wearer.rest)), hooks)
-    worn = _take_pose(garment, threads, hung, wearer, target, carry, settings, hooks)
+        hung = choose_best("dressing", tried, lambda nodes: -float(_count_openings(nodes, garment, wearer.rest)), hooks)
+    worn = _pose_garment(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
-    return name_as_placed(worn, wearer.rest) if lost else worn
+    return name_contours_as_placed(worn, wearer.rest) if lost else worn
 
 
-def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
+def _count_openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
     """Count the openings that go round something of the body."""
     return len(name_contours(nodes, garment.faces, body)[0])
 
 
 def _dress(
     garment: Garment,
-    threads: Threads,
+    threads: DistanceConstraints,
     wearer: WearerGeometry,
     target: Target | None,
     settings: DressSettings,
@@ -157,9 +158,9 @@ def _dress(
     )
 
 
-def _take_pose(
+def _pose_garment(
     garment: Garment,
-    threads: Threads,
+    threads: DistanceConstraints,
     nodes: np.ndarray,
     wearer: WearerGeometry,
     target: Target | None,
@@ -171,23 +172,25 @@ def _take_pose(
     hooks.progress("template", 0.6, "taking the pose")
     body = wearer.body
     waist = waist_loop(garment)
-    if target is None or carry or (waist is None and not hangs_in_sleeves(target, body)):
-        nodes, _ = take_pose(threads, nodes, wearer.way, wearer.grid, held=waist)
+    if target is None or carry or (waist is None and not has_hanging_sleeves(target, body)):
+        nodes, _ = pose_cloth(threads, nodes, wearer.way, wearer.grid, held=waist)
     else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
         start, steps = PbdState.at_rest(nodes), settings.pose_steps
-        nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist).nodes
+        nodes = simulate_pbd(
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist
+        ).nodes
     if settings.ease_steps:
         start, steps = PbdState.at_rest(nodes), settings.ease_steps
-        nodes = follow(
+        nodes = simulate_pbd(
             threads, start, wearer.grid, steps, settings=settings.follow, gravity=EASED_GRAVITY, held=waist
         ).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
 
-def hangs_in_sleeves(target: Target, body: Body) -> bool:
+def has_hanging_sleeves(target: Target, body: Body) -> bool:
     """Return whether the wearer's arms hang in sleeves.
 
     Carried into that pose, cloth is pushed 7 cm down out of the closed armpit; draped as if it could pass through
@@ -196,13 +199,13 @@ def hangs_in_sleeves(target: Target, body: Body) -> bool:
     return bool(find_hanging_arms(body)) and any(contour.name.startswith("cuff") for contour in target.contours)
 
 
-def name_as_placed(worn: Garment, rest: Body) -> Garment:
+def name_contours_as_placed(worn: Garment, rest: Body) -> Garment:
     """Name a worn garment's contours as its placed panels go round the T-pose, where that names more of them.
 
     Trousers that are far too long for their wearer crumple about the feet, and their legs' ends then go round nothing;
     flat, they hang over the feet. Lengths are those of the worn contours.
     """
-    contours, _ = name_contours(place(worn, rest, flatten=PLACED), worn.faces, rest)
+    contours, _ = name_contours(place_panels(worn, rest, flatten=MIDDLE_PLANE_DISTANCE), worn.faces, rest)
     if len(contours) <= len(worn.contours):
         return worn
     lengths = [smoothed_length(worn.nodes[contour.vertices]) for contour in contours]
@@ -222,9 +225,9 @@ def drape_graded(
     target: Target,
     *,
     rotation: SteadyRotation | None = None,
-    stop: Stop | None = None,
+    stop: StopCallback | None = None,
     settings: DrapeSettings = DrapeSettings(),
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[Garment, Drape]:
     """Drape a graded pattern at full resolution, to equilibrium, outside the wearer's exact mesh.
 
@@ -245,14 +248,14 @@ def drape_graded(
     if pins is not None:
         nodes[pins.nodes] = pins.points
     hooks.progress("drape", 0.1, "settling")
-    threads = lay_threads(garment, settings.follow.bending)
+    threads = build_distance_constraints(garment, settings.follow.bending)
     held = None if pins is None else pins.nodes
     start, steps = PbdState.at_rest(nodes), settings.settle_steps
-    nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
+    nodes = simulate_pbd(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
     hooks.progress("drape", 0.3, "equilibrium")
     topology = Topology.from_garment(garment)
     contact = SelfContact.of(topology) if settings.apart else None
-    scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, self_contact=contact)
+    scene = Scene(topology, reduce_membrane_stiffness(fabric), wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
     nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.apart else nodes
@@ -274,7 +277,7 @@ def redrape(
     *,
     rotation: SteadyRotation | None = None,
     settings: DrapeSettings = DrapeSettings(apart=True),
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[np.ndarray, Drape]:
     """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
 
@@ -301,8 +304,8 @@ def redrape(
         return drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=chosen, hooks=hooks)
 
     tried = {"usual": dress_and_settle(settings)}
-    if measure_stretch(tried["usual"][0]) > CAUGHT:
+    if measure_stretch(tried["usual"][0]) > MAX_DRESSED_STRETCH:
         # a sleeve of few faces can be caught beside an arm, and a leg on the other; what is caught stays so at rest
         tried["finer"] = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
-    draped, drape = best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)
+    draped, drape = choose_best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)
     return draped.nodes, drape

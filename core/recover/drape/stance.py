@@ -7,16 +7,16 @@ import numpy as np
 from ...body import Body, crotch_height
 from ...geometry import HalfEdges, find_components
 
-ACROSS = 0.01
-"""Length of a leg below which it is none [m]: the spacing of the body's vertices."""
+MIN_GARMENT_LEG_LENGTH = 0.01
+"""Length below which a part of the garment is no leg [m]: the spacing of the vertices of the body."""
 
-ASIDE = 0.05
-"""Share of its width by which a leg's middle lies beside the wearer's, at least. A leg that ends there has half; flat,
-the forks of trousers reach a third of a leg's width across (0.13, 0.19 and 0.24 on three), and a skirt's middle is 0,
-its front and back apart or sewn."""
+MIN_LEG_OFFSET_SHARE = 0.05
+"""Share of its width by which the middle of a leg lies beside that of the wearer, at least. A leg that ends at the
+middle of the wearer has half; flat, the forks of trousers reach a third of the width of a leg across (0.13, 0.19 and
+0.24 on three), and the middle of a skirt is 0, its front and back apart or sewn."""
 
 
-def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
+def align_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
     """Shear the legs of flattened panels sideways until they slope as the body's do; give the nodes [m], [n, 3].
 
     They are sheared from the middle of the thighs down; above, a low crotch joins them. Drafts hang straight down. On
@@ -42,7 +42,10 @@ def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
         joints = np.array([body.joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
         for leg in largest:
             x, drop = nodes[leg, 0], top - nodes[leg, 1]
-            if sign * (x.mean() - centre) < ASIDE * (x.max() - x.min()) or drop.max() < ACROSS:
+            if (
+                sign * (x.mean() - centre) < MIN_LEG_OFFSET_SHARE * (x.max() - x.min())
+                or drop.max() < MIN_GARMENT_LEG_LENGTH
+            ):
                 continue  # not this side's: a skirt's middle is the wearer's
             found.add(side)
             slope = np.polyfit(drop, x, 1)[0]

@@ -7,14 +7,14 @@ import numpy as np
 from ...cloth import Pins
 from ...garment import Garment
 from ...geometry import ClosedCurve
-from ...scan.contours import Target, smooth_ragged
+from ...scan.contours import Target, smooth_ragged_loop
 from .waist import waist_loop
 
-STARTS = 360
-"""Places along the curve at which the loop may start: 3 mm apart on a waist."""
+LOOP_START_COUNT = 360
+"""Number of places along the curve at which the loop may start: 3 mm apart on a waist."""
 
-TOOTHED = 0.95
-"""A waist that keeps less than this share of its length when it is smoothed has the teeth of a border that labels cut
+MIN_SMOOTHED_WAIST_SHARE = 0.95
+"""Share of its length that a waist keeps when it is smoothed, below which it has the teeth of a border that labels cut
 along triangles: four such kept 0.83 to 0.94, ten that garments end at 0.97 to 0.998."""
 
 
@@ -22,7 +22,7 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None 
     """Return each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
 
     The loop is spread over the curve in proportion to the lengths, and both run in the same sense of rotation; of
-    `STARTS` starts on the curve the one counts that moves the loop least (sum of squares).
+    `LOOP_START_COUNT` starts on the curve the one counts that moves the loop least (sum of squares).
 
     Args:
         loop: Points of the garment's contour in order [m], shape [loop_count, 3].
@@ -30,7 +30,7 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None 
         lengths: Length from each point of the loop to the next [m], shape [loop_count]; without it their distances.
     """
     lengths = ClosedCurve(loop).lengths if lengths is None else lengths
-    starts = np.linspace(0.0, 1.0, STARTS, endpoint=False)
+    starts = np.linspace(0.0, 1.0, LOOP_START_COUNT, endpoint=False)
     shares = (np.cumsum(lengths) - lengths) / lengths.sum() + starts[:, None]
     places = np.concatenate([ClosedCurve(line).at_shares(shares) for line in (curve, curve[::-1])])
     return np.asarray(places[((places - loop) ** 2).sum(axis=(1, 2)).argmin()])
@@ -54,8 +54,8 @@ def place_waist(points: np.ndarray, target: Target | None, lengths: np.ndarray |
     if target is None or waist is None:
         return points
     curve = target.vertices[waist.vertices]
-    smooth = smooth_ragged(curve)
-    is_toothed = ClosedCurve(smooth).length < TOOTHED * ClosedCurve(curve).length
+    smooth = smooth_ragged_loop(curve)
+    is_toothed = ClosedCurve(smooth).length < MIN_SMOOTHED_WAIST_SHARE * ClosedCurve(curve).length
     return tie_contour(points, smooth if is_toothed else curve, lengths)
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...body import Body, DistanceGrid, ExposedSurface, rest_body
-from .carry import Way
+from .carry import PosePath
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class WearerGeometry:
         return ExposedSurface.of(self.body)
 
     @cached_property
-    def way(self) -> Way:
+    def way(self) -> PosePath:
         """Return the frames in which the wearer takes the pose."""
-        return Way.of(self.body, self.exposed)
+        return PosePath.of(self.body, self.exposed)
 
     def raised(self, heights: np.ndarray) -> WearerGeometry:
         """Return the geometry of a wearer whose skin lies further out by heights [m], shape [vertex_count].

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FIRST, SECOND = 0.9, 0.999
-"""Decay of both moments, the authors' own and the thesis' (section 3.3.1)."""
+FIRST_MOMENT_DECAY, SECOND_MOMENT_DECAY = 0.9, 0.999
+"""Decay rates of the first and the second moment, those of the authors and of the thesis (section 3.3.1)."""
 
-TINY = 1e-30
-"""Added to the second moment's root: only keeps a parameter without any gradient where it is."""
+ADAM_EPSILON = 1e-30
+"""Number added to the root of the second moment: it only keeps a parameter without any gradient where it is."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Adam:
 
     def step(self, gradient: np.ndarray, rates: np.ndarray) -> tuple[Adam, np.ndarray]:
         """Return the next state and the move -rate m / sqrt(v), shape [n], about `rates` large in each parameter."""
-        first = FIRST * self.first + (1.0 - FIRST) * gradient
-        second = SECOND * self.second + (1.0 - SECOND) * gradient**2
+        first = FIRST_MOMENT_DECAY * self.first + (1.0 - FIRST_MOMENT_DECAY) * gradient
+        second = SECOND_MOMENT_DECAY * self.second + (1.0 - SECOND_MOMENT_DECAY) * gradient**2
         count = self.count + 1
-        mean, square = first / (1.0 - FIRST**count), second / (1.0 - SECOND**count)
-        return Adam(first, second, count), -rates * mean / (np.sqrt(square) + TINY)
+        mean, square = first / (1.0 - FIRST_MOMENT_DECAY**count), second / (1.0 - SECOND_MOMENT_DECAY**count)
+        return Adam(first, second, count), -rates * mean / (np.sqrt(square) + ADAM_EPSILON)

@@ -9,46 +9,48 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...body import Body
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ..drape import WearerGeometry
 
 if TYPE_CHECKING:
     from .shape import ShapeProblem
 
-RADII = (0.05, 0.04, 0.03, 0.02)
-"""Standard deviation, in each round, of the places that are raised alike [m]: a body's shape is as smooth as that, and
-cloth that has fallen into another fold than the scan's makes no dent. Each round brings the cloth to rest on the body
-that the one before left: cloth that is lifted off one place comes to rest on others, and narrower ones, shoulders, come
-last. With 5 cm in all rounds the labelled scan's body stood 9 mm out of the cloth in places. The last is repeated until
-the cloth is `AT_REST`."""
+OFFSET_KERNEL_STD = (0.05, 0.04, 0.03, 0.02)
+"""Standard deviation, in each iteration, of the Gaussian over which places are raised alike [m]: the shape of a body is
+as smooth as that, and cloth that has fallen into another fold than that of the scan makes no dent. Each iteration
+brings the cloth to rest on the body that the one before left: cloth that is lifted off one place comes to rest on
+others, and narrower ones, shoulders, come last. With 5 cm in all iterations the body of the labelled scan stood 9 mm
+out of the cloth in places. The last is repeated until the distance is within `REST_DISTANCE_TOLERANCE`."""
 
-AT_REST = 1e-3
-"""Root mean square distance from the scan [m] of cloth that rests on a body that is high enough: registration finds the
-surface to a millimetre, so less says nothing. The labelled scan's shoulders, guessed 31 mm too low, were still 8 mm
-too low after one round of each radius."""
+REST_DISTANCE_TOLERANCE = 1e-3
+"""Root mean square distance from the scan of cloth that rests on a body that is high enough [m]: registration finds the
+surface to a millimetre, so less says nothing. The shoulders of the labelled scan, guessed 31 mm too low, were still 8
+mm too low after one iteration of each radius."""
 
-ROUNDS = 12
-"""Rounds at most; the labelled scan takes eight."""
+MAX_OFFSET_ITERATIONS = 12
+"""Largest number of iterations; the labelled scan takes eight."""
 
-BELOW = 2e-3
-"""Depth below the registered cloth at which the body ends [m]."""
+MIN_CLOTH_CLEARANCE = 2e-3
+"""Depth below the registered cloth at which the body ends [m]: where the body is nearer to the cloth, it is lowered."""
 
-SINKINGS = 4
-"""Times a round's body is let down where it stands out of the cloth, over `RADII`'s last."""
+MAX_LOWERING_ITERATIONS = 4
+"""Largest number of times that the body of an iteration is lowered where it stands out of the cloth, over the last of
+`OFFSET_KERNEL_STD`."""
 
-REACH = 4.0
-"""Standard deviations beyond which a place says nothing of a vertex."""
+OFFSET_KERNEL_SIGMA_COUNT = 4.0
+"""Number of standard deviations beyond which a place has no influence on a vertex."""
 
-FAINT = 0.05
-"""Share of the cloth around that has to lie on the body before what it says counts half: a single node says nothing."""
+HALF_WEIGHT_CONTACT_SHARE = 0.05
+"""Share of the surrounding cloth that has to lie on the body for its estimate to count half: a single node says
+nothing."""
 
 
-def is_estimated(body: Body) -> bool:
+def is_body_estimated(body: Body) -> bool:
     """Return whether the body was found under the cloth of a dressed person, where nothing shows it."""
     return body.source.startswith("scan:")
 
 
-def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: Hooks = SILENT) -> np.ndarray:
+def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: Hooks = SILENT_HOOKS) -> np.ndarray:
     """Estimate how far a body lies below where it carries the cloth as it was scanned [m], shape [vertex_count].
 
     Under the cloth of a dressed person the body is a guess, good to a centimetre or two, and cloth hangs from where it
@@ -59,8 +61,9 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
         h(x) = sum_v a_v K(x - x_v) r_v / (sum_v a_v K(x - x_v) + w)
 
     Notation: v the nodes that touch; a_v their area; r_v how far the registered node lies further out; K a Gaussian of
-    width s (`RADII`); w the same sum of cloth that lies flat on a body, times `FAINT`: w = FAINT 2 pi s^2. The scan
-    shows the cloth, so no body stands out of it: where one would, it is let down again.
+    width s (`OFFSET_KERNEL_STD`); w the same sum of cloth that lies flat on a body, times `HALF_WEIGHT_CONTACT_SHARE`:
+    w = HALF_WEIGHT_CONTACT_SHARE 2 pi s^2. The scan shows the cloth, so no body stands out of it: where one would, it
+    is lowered.
 
     Args:
         problem: The fit: the mesh registered on the scan, cloth and pins.
@@ -70,7 +73,7 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
     from ...cloth import contact_forces
 
     heights, pattern, registered = np.zeros(len(wearer.body.vertices)), problem.garment.pattern, problem.garment.nodes
-    for radius in RADII + (ROUNDS - len(RADII)) * RADII[-1:]:
+    for radius in OFFSET_KERNEL_STD + (MAX_OFFSET_ITERATIONS - len(OFFSET_KERNEL_STD)) * OFFSET_KERNEL_STD[-1:]:
         raised = wearer.raised(heights)
         on = replace(problem, scene=problem.scene.with_body(raised.grid))
         nodes = on.drape(pattern, registered, hooks).nodes
@@ -79,29 +82,37 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
         touching = force > 0
         missing = ((registered - nodes) * normal).sum(1)[touching]
         areas = scene.topology.rest.node_areas[touching]
-        heights = heights + _spread(raised.body.vertices, nodes[touching], missing, areas, radius)
-        heights = _sink(wearer, heights, registered)
-        if radius == RADII[-1] and float((areas * missing**2).sum()) <= AT_REST**2 * float(areas.sum()):
+        heights = heights + _average_nearby(raised.body.vertices, nodes[touching], missing, areas, radius)
+        heights = _lower_protrusions(wearer, heights, registered)
+        if radius == OFFSET_KERNEL_STD[-1] and float((areas * missing**2).sum()) <= REST_DISTANCE_TOLERANCE**2 * float(
+            areas.sum()
+        ):
             break
     return heights
 
 
-def _sink(wearer: WearerGeometry, heights: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+def _lower_protrusions(wearer: WearerGeometry, heights: np.ndarray, cloth: np.ndarray) -> np.ndarray:
     """Lower heights [m], shape [vertex_count], where the body that they raise stands out of cloth [m], shape [n, 3]."""
-    for _ in range(SINKINGS):
+    for _ in range(MAX_LOWERING_ITERATIONS):
         raised = wearer.raised(heights)
         distance, _ = raised.exposed.measure(cloth)
-        low = distance < BELOW
+        low = distance < MIN_CLOTH_CLEARANCE
         if not low.any():
             break
         away, nearest = cKDTree(raised.exposed.closest(cloth[low]).foot).query(raised.body.vertices)
-        heights = heights + (distance[low] - BELOW)[nearest] * np.exp(-0.5 * (away / RADII[-1]) ** 2)
+        heights = heights + (distance[low] - MIN_CLOTH_CLEARANCE)[nearest] * np.exp(
+            -0.5 * (away / OFFSET_KERNEL_STD[-1]) ** 2
+        )
     return heights
 
 
-def _spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float) -> np.ndarray:
+def _average_nearby(
+    vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float
+) -> np.ndarray:
     """Average distances [m] given at points [m], shape [n, 3], of areas [m2], over what is near each vertex."""
-    near = cKDTree(vertices).sparse_distance_matrix(cKDTree(points), REACH * radius, output_type="coo_matrix")
+    near = cKDTree(vertices).sparse_distance_matrix(
+        cKDTree(points), OFFSET_KERNEL_SIGMA_COUNT * radius, output_type="coo_matrix"
+    )
     nearness = np.exp(-0.5 * (near.data / radius) ** 2) * areas[near.col]
     weight, moved = (np.bincount(near.row, each, len(vertices)) for each in (nearness, nearness * out[near.col]))
-    return np.asarray(moved / (weight + FAINT * 2.0 * np.pi * radius**2))
+    return np.asarray(moved / (weight + HALF_WEIGHT_CONTACT_SHARE * 2.0 * np.pi * radius**2))

@@ -16,13 +16,13 @@ from ..grade import (
     can_be_meshed,
     find_bust_points,
     find_parts,
-    lay_coarsely,
+    mesh_coarsely,
 )
 from ..state import RecoveryState, made
 from .dart_cutting import cut_darts
 from .dart_search import (
-    INSIDE,
-    Mouth,
+    MIN_APEX_DEPTH,
+    DartMouth,
     PlannedDart,
     find_corners,
     find_depths,
@@ -30,22 +30,23 @@ from .dart_search import (
     mirror_of,
     reflect_point,
 )
-from .panel_change import LEAST_ANGLE, LEAST_WIDTH, describe_dart, fit_cut, strains_of
+from .panel_change import MIN_DART_ANGLE, MIN_DART_WIDTH, describe_dart, panel_strains, refit_with_darts
 from .wedge import Wedge, wanted_strain
 
-BELOW_ARM = 0.04
+MIN_SEAM_END_DISTANCE = 0.04
 """Least distance of the mouth's middle from the side seam's ends [m]: a bust dart's mouth is 3 to 7 cm wide, and begins
 below the armhole's seam allowance."""
 
-ALONG = np.cos(np.radians(45.0))
-"""A seam whose chord is nearer to the warp than to the weft runs along the side."""
+SIDE_SEAM_WARP_COSINE = np.cos(np.radians(45.0))
+"""Cosine of 45 degrees, between the chord of a seam and the warp: a seam whose chord is nearer to the warp than to the
+weft runs along the side."""
 
-TOGETHER = 0.08
-"""Distance from the point within which another dart's end is a part of it [m]: a waist dart's is 2.5 cm below it, and
-slides."""
+MAX_SHARED_APEX_DISTANCE = 0.08
+"""Distance from the bust point within which the end of another dart counts as ending there [m]: that of a waist dart is
+2.5 cm below it, and slides."""
 
-SYMMETRIC = 0.05
-"""Largest distance of one point from the other one's mirror image in the panel [m]."""
+MIRROR_POINT_TOLERANCE = 0.05
+"""Largest distance of one bust point from the mirror image of the other in the panel [m]."""
 
 
 def add_bust_darts(state: RecoveryState, graded: Garment, settings: SlideSettings) -> RecoveryState:
@@ -66,18 +67,18 @@ def add_bust_darts(state: RecoveryState, graded: Garment, settings: SlideSetting
     slid = made(state.garment)
     points = find_bust_points(TrunkCurvature.of(state.target, state.body))
     plan = None if points is None else plan_bust_darts(slid, points)
-    if plan is None or plan.angle < LEAST_ANGLE:
+    if plan is None or plan.angle < MIN_DART_ANGLE:
         return state
-    _, strain = lay_coarsely(graded, settings.isometry)
+    _, strain = mesh_coarsely(graded, settings.isometry)
     try:
         cut = cut_darts(slid, wanted_strain(slid, strain), state.base, (plan,))
-        garment, carried = fit_cut(cut, slid, strain, state, settings)
+        garment, carried = refit_with_darts(cut, slid, strain, state, settings)
     except (GarmentqError, np.linalg.LinAlgError):  # a front that cannot be meshed or fitted is no better
         return state
     name = slid.pattern.panels[plan.panel].name
-    strains = strains_of(slid, strain)[name], strains_of(garment, carried)[name]
+    strains = panel_strains(slid, strain)[name], panel_strains(garment, carried)[name]
     widths = [dart.width(garment.pattern) for dart in cut.darts]
-    if strains[1] >= strains[0] or min(widths) < LEAST_WIDTH or not can_be_meshed(garment):
+    if strains[1] >= strains[0] or min(widths) < MIN_DART_WIDTH or not can_be_meshed(garment):
         return state
     changes = (
         describe_dart(garment.pattern, dart, "added", width, strains)
@@ -107,9 +108,9 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
         return None
     left, right = garment.uv[nearest[0]], reflect_point(mirror, garment.uv[nearest[1]])
     own = garment.uv[garment.panel_of_uv == index]
-    inner = own[find_depths(garment, index) >= INSIDE]
+    inner = own[find_depths(garment, index) >= MIN_APEX_DEPTH]
     mouths = _side_mouths(garment, index)
-    if np.linalg.norm(left - right) > SYMMETRIC or not len(inner) or not mouths:
+    if np.linalg.norm(left - right) > MIRROR_POINT_TOLERANCE or not len(inner) or not mouths:
         return None
     middle = 0.5 * (left + right)
     apex = inner[np.linalg.norm(inner - middle, axis=1).argmin()]
@@ -118,12 +119,12 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
     folded = sum(
         dart.angle(garment.pattern)
         for dart in others
-        if float(np.linalg.norm(dart.ends(garment.pattern)[1] - middle)) < TOGETHER
+        if float(np.linalg.norm(dart.ends(garment.pattern)[1] - middle)) < MAX_SHARED_APEX_DISTANCE
     )
     return PlannedDart(index, mouth, Wedge(mouth.place, apex), points.angle - folded)
 
 
-def _side_mouths(garment: Garment, index: int) -> list[Mouth]:
+def _side_mouths(garment: Garment, index: int) -> list[DartMouth]:
     """List where a dart may begin at the side seams of a panel: where it is sewn, along the warp, to its own part."""
     pattern = garment.pattern
     drawn, part = pattern.panels[index], find_parts(pattern)
@@ -132,14 +133,14 @@ def _side_mouths(garment: Garment, index: int) -> list[Mouth]:
     warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
     corners = find_corners(garment, index)
 
-    def is_at_side(mouth: Mouth) -> bool:
+    def is_at_side(mouth: DartMouth) -> bool:
         other = sewn.get(EdgeRef(drawn.name, mouth.edge))
         chord = drawn.points[(mouth.edge + 1) % len(drawn.points)] - drawn.points[mouth.edge]
         return (
             other is not None
             and part[number[other.panel]] == part[index]
-            and abs(float(chord @ warp)) > ALONG * float(np.linalg.norm(chord))
-            and float(np.linalg.norm(corners - mouth.place, axis=1).min(initial=np.inf)) >= BELOW_ARM
+            and abs(float(chord @ warp)) > SIDE_SEAM_WARP_COSINE * float(np.linalg.norm(chord))
+            and float(np.linalg.norm(corners - mouth.place, axis=1).min(initial=np.inf)) >= MIN_SEAM_END_DISTANCE
         )
 
     return [mouth for mouth in list_mouths(garment, index) if is_at_side(mouth)]

@@ -6,18 +6,19 @@ from dataclasses import replace
 
 from ...garment import Garment
 from ...geometry import self_intersections
-from ...run.best import best
+from ...run.best import choose_best
 from ...run.hooks import Hooks
 from ...scan.contours import name_contours
 from ..case import Case
 from ..deform import DeformSettings, deform
 from ..drape import redrape
-from ..drape.motion import miss
+from ..drape.motion import surface_rms
 from ..state import RecoveryState, made
 
-CLEAR = 0.8
-"""Share of the other's distance from the scan that the drape from flat has at most, both deformed onto it: it was 0.3
-and 0.7 where a sleeve hung crumpled in front of its arm, and 0.95 where five faces crossed in an armpit."""
+MAX_FLAT_START_SHARE = 0.8
+"""Share of the distance of the graded drape from the scan that the drape from flat has at most to be taken, both
+deformed onto the scan: it was 0.3 and 0.7 where a sleeve hung crumpled in front of its arm, and 0.95 where five faces
+crossed in an armpit."""
 
 
 def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
@@ -42,8 +43,8 @@ def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryStat
     def reach(start: Garment) -> float:
         """Return how far a start is from the scan when it is deformed onto it [m], RMS, the worse way."""
         detail = deform(start, target, state.wearer.exposed, settings=settings, hooks=hooks)
-        distance = miss(start.at(detail.nodes), target)
-        return CLEAR * distance if start is garment else distance
+        distance = surface_rms(start.at(detail.nodes), target)
+        return MAX_FLAT_START_SHARE * distance if start is garment else distance
 
-    taken = best("start of the deformation", {"graded drape": garment, "dressed from flat": flat}, reach, hooks)
+    taken = choose_best("start of the deformation", {"graded drape": garment, "dressed from flat": flat}, reach, hooks)
     return replace(state, garment=taken, graded=taken, drape=drape if taken is garment else again)

@@ -12,7 +12,7 @@ from .dart_cutting import CutGarment, OpenPanel, relax_panels
 from .dart_search import relax_panel
 
 
-def asked_width(garment: Garment, strain: np.ndarray, dart: Dart) -> float:
+def required_dart_width(garment: Garment, strain: np.ndarray, dart: Dart) -> float:
     """Return how wide the least strain makes the mouth of a dart [m].
 
     Args:
@@ -46,7 +46,7 @@ def close_darts(garment: Garment, strain: np.ndarray, base: Pattern, darts: Coll
     names = {dart.panel for dart in darts}
     pattern, like = relax_panels(garment, strain, base, names)
     for dart in sorted(darts, key=lambda dart: (dart.panel, dart.first), reverse=True):
-        pattern, like = close_dart(pattern, dart), _straightened(close_dart(like, dart), dart)
+        pattern, like = close_dart(pattern, dart), _straighten_mouth(close_dart(like, dart), dart)
     opened = {}
     for index, panel in enumerate(garment.pattern.panels):
         if panel.name in names:
@@ -58,7 +58,7 @@ def close_darts(garment: Garment, strain: np.ndarray, base: Pattern, darts: Coll
     return CutGarment(garment, opened, pattern, even, equalise_seams(like, symmetry=symmetry), (), ())
 
 
-def _straightened(pattern: Pattern, dart: Dart) -> Pattern:
+def _straighten_mouth(pattern: Pattern, dart: Dart) -> Pattern:
     """Return a pattern whose control point at a closed mouth is on the line between its neighbours."""
     points = pattern.panel(dart.panel).points
     number = dart.first if dart.first < len(points) else dart.first - 1

@@ -18,19 +18,19 @@ from ...garment import (
     map_controls,
 )
 from ...garment.control import mean_value_coordinates
-from ...garment.editing.darts import LABEL, Dart, find_darts, insert_dart
-from ...garment.editing.dividing import NEAR_END
+from ...garment.editing.darts import DART_LABEL, Dart, find_darts, insert_dart
+from ...garment.editing.dividing import MIN_SPLIT_SHARE
 from ...garment.resampling import locate
 from ...geometry import fit_rigid
-from .dart_search import PlannedDart, mirror_of, reflect, relax_panel
+from .dart_search import PlannedDart, mirror_of, reflect_wedge, relax_panel
 from .wedge import FlatPanel, Wedge
 
-SAMPLES = 200
-"""Places on an edge between which the one next to a mouth is looked for."""
+DART_MOUTH_SAMPLE_COUNT = 200
+"""Number of segments of an edge between which the place nearest to the mouth of a dart is looked for."""
 
-MEETS = 0.03
-"""A mouth that is nearer than this along its edge to a point where a dart on the other side of the seam begins takes
-that point [m]: darts above and below a seam meet."""
+MAX_DART_MEETING_DISTANCE = 0.03
+"""Distance of a mouth along its edge from a point where a dart on the other side of the seam begins, below which it
+takes that point [m]: darts above and below a seam meet."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class OpenPanel:
             follows = (np.linalg.norm(jump, axis=2) == 0.0) & ((at - wedge.apex) @ (wedge.apex - wedge.mouth) < 0.0)
             own = moved[panel.faces[cut]]
             right = own - angle * jump
-            left = own + np.where(follows[..., None], angle * _turned(at, wedge), 0.0)
+            left = own + np.where(follows[..., None], angle * _rotation_about_apex(at, wedge), 0.0)
             for side in (right, left):
                 uv.append(side.reshape(-1, 2))
                 faces.append(count + np.arange(3 * len(cut)).reshape(-1, 3))
@@ -86,7 +86,7 @@ class OpenPanel:
         away = self.panel.uv - wedge.mouth
         near = np.argsort(np.linalg.norm(away, axis=1))[:2]
         side = axis[0] * away[near, 1] - axis[1] * away[near, 0]
-        jump = self.angle * _turned(wedge.mouth[None], wedge)[0]
+        jump = self.angle * _rotation_about_apex(wedge.mouth[None], wedge)[0]
         # two vertices of the outline stand around the mouth, one of them, or both, to its left
         base = np.mean([self.motion[i] - (jump if left else 0.0) for i, left in zip(near, side > 0.0, strict=True)], 0)
         return wedge.mouth + base + jump, wedge.mouth + base
@@ -96,7 +96,7 @@ class OpenPanel:
         return np.asarray(wedge.apex + self.motion[np.argmin(np.linalg.norm(self.panel.uv - wedge.apex, axis=1))])
 
 
-def _turned(points: np.ndarray, wedge: Wedge) -> np.ndarray:
+def _rotation_about_apex(points: np.ndarray, wedge: Wedge) -> np.ndarray:
     """Return by how much a turn of one radian about a wedge's apex, clockwise, moves points [m], shape [..., 2]."""
     away = points - wedge.apex
     return np.stack([away[..., 1], -away[..., 0]], axis=-1)
@@ -195,11 +195,11 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
     keys = [(dart.panel, tuple(dart.ends(pattern)[1])) for dart in find_darts(pattern)]
     darts = tuple(dart for dart, key in zip(find_darts(pattern), keys, strict=True) if key in ends)
     symmetry = find_symmetry(like)
-    drawn = _open(pattern, opened, {dart: ends[dart.panel, tuple(dart.ends(pattern)[1])] for dart in darts})
+    drawn = _open_darts(pattern, opened, {dart: ends[dart.panel, tuple(dart.ends(pattern)[1])] for dart in darts})
     drawn = drawn.with_points(symmetry.expand(symmetry.reduce(drawn.points)))
     even = equalise_seams(drawn, like=like, symmetry=symmetry)
     owner = tuple(owners[key] for key in keys if key in ends)
-    return CutGarment(garment, opened, drawn, even, _follow(like, pattern, drawn), darts, owner)
+    return CutGarment(garment, opened, drawn, even, _transfer_opening(like, pattern, drawn), darts, owner)
 
 
 def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: set[str]) -> tuple[Pattern, Pattern]:
@@ -220,7 +220,7 @@ def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: se
     symmetry = find_symmetry(base)
     drawn = garment.pattern.with_points(points)
     drawn = drawn.with_points(symmetry.expand(symmetry.reduce(drawn.points)))
-    return equalise_seams(drawn, like=base, symmetry=symmetry), _follow(base, garment.pattern, drawn)
+    return equalise_seams(drawn, like=base, symmetry=symmetry), _transfer_opening(base, garment.pattern, drawn)
 
 
 def _wedges_of(garment: Garment, plan: PlannedDart) -> dict[int, tuple[Wedge, ...]]:
@@ -228,7 +228,7 @@ def _wedges_of(garment: Garment, plan: PlannedDart) -> dict[int, tuple[Wedge, ..
     mirror = mirror_of(garment, plan.panel)
     if mirror is None:
         return {plan.panel: (plan.wedge,)}
-    image = reflect(mirror, plan.wedge)
+    image = reflect_wedge(mirror, plan.wedge)
     if mirror.target == plan.panel:
         return {plan.panel: (plan.wedge, image)}
     return {plan.panel: (plan.wedge,), mirror.target: (image,)}
@@ -240,17 +240,17 @@ def _find_mouth(pattern: Pattern, panel: str, place: np.ndarray) -> tuple[EdgeRe
     _, number, at = min(
         (float(line[k]), i, k / (len(line) - 1))
         for i in range(len(drawn.edges))
-        if drawn.edges[i].label != LABEL
-        for line in [np.linalg.norm(edge_points(drawn, i, SAMPLES) - place, axis=1)]
+        if drawn.edges[i].label != DART_LABEL
+        for line in [np.linalg.norm(edge_points(drawn, i, DART_MOUTH_SAMPLE_COUNT) - place, axis=1)]
         for k in [int(np.argmin(line))]
     )
     length = edge_length(drawn, number)
-    if at * length < MEETS and _meets_dart(pattern, EdgeRef(panel, number)):
+    if at * length < MAX_DART_MEETING_DISTANCE and _meets_dart(pattern, EdgeRef(panel, number)):
         return EdgeRef(panel, number), 0.0
     after = EdgeRef(panel, (number + 1) % len(drawn.edges))
-    if (1.0 - at) * length < MEETS and _meets_dart(pattern, after):
+    if (1.0 - at) * length < MAX_DART_MEETING_DISTANCE and _meets_dart(pattern, after):
         return after, 0.0
-    return EdgeRef(panel, number), min(max(at, NEAR_END), 1.0 - NEAR_END)
+    return EdgeRef(panel, number), min(max(at, MIN_SPLIT_SHARE), 1.0 - MIN_SPLIT_SHARE)
 
 
 def _meets_dart(pattern: Pattern, edge: EdgeRef) -> bool:
@@ -264,7 +264,7 @@ def _meets_dart(pattern: Pattern, edge: EdgeRef) -> bool:
     return Dart(ours.panel, (ours.edge + 1) % count) in find_darts(pattern)
 
 
-def _open(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart, tuple[OpenPanel, Wedge]]) -> Pattern:
+def _open_darts(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart, tuple[OpenPanel, Wedge]]) -> Pattern:
     """Return a pattern whose control points have moved as its panels open."""
     points = {}
     for index, panel in opened.items():
@@ -281,7 +281,7 @@ def _open(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart, tuple
     return pattern.with_points(points)
 
 
-def _follow(like: Pattern, closed: Pattern, opened: Pattern) -> Pattern:
+def _transfer_opening(like: Pattern, closed: Pattern, opened: Pattern) -> Pattern:
     """Return a base pattern that opens as a fitted pattern does, whose panels may lie turned to its own."""
     points = {}
     for base, before, after in zip(like.panels, closed.panels, opened.panels, strict=True):

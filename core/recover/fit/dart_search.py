@@ -11,35 +11,35 @@ from ...garment import EdgeRef, Garment, Mirror, edge_length, find_symmetry
 from ...geometry import signed_areas
 from .wedge import FlatPanel, Wedge
 
-LEAST_LENGTH, MOST_LENGTH = 0.06, 0.22
-"""Of a dart [m]: front skirt darts are 9 cm long and back ones 13, a bodice's reach from the waist to 2.5 cm below the
-bust point, 16 to 18 cm; a shorter one is a tuck."""
+MIN_DART_LENGTH, MAX_DART_LENGTH = 0.06, 0.22
+"""Smallest and largest length of a dart [m]: front skirt darts are 9 cm long and back ones 13, those of a bodice reach
+from the waist to 2.5 cm below the bust point, 16 to 18 cm; a shorter one is a tuck."""
 
-OFF_WARP = np.radians(25.0)
-"""Largest angle between a dart's axis and the warp. Cloth tells where a dart ends, not where it begins: a maker can
-turn one about its apex to any edge. Waist and shoulder darts are drawn along the grain, within 15 degrees; so are
-ours."""
+MAX_DART_WARP_ANGLE = np.radians(25.0)
+"""Largest angle between the axis of a dart and the warp [rad]. Cloth shows where a dart ends, not where it begins: a
+maker can turn one about its apex to any edge. Waist and shoulder darts are drawn along the grain, within 15 degrees; so
+are ours."""
 
-NEARLY = 0.9
-"""Of all darts that end where the best one does and take this share of what it takes, the one that runs most along the
-warp is chosen."""
+MIN_DART_GAIN_SHARE = 0.9
+"""Share of the gain of the best dart from which another one with the same end competes with it: of these the one that
+runs most along the warp is chosen."""
 
-APART = 0.06
+MIN_MIRROR_APEX_DISTANCE = 0.06
 """Least distance of the apexes of a dart and its mirror image in one panel [m]: nearer they would be one dart on the
 middle line, where a panel that is cut on the fold has a seam instead."""
 
-INSIDE = 0.025
+MIN_APEX_DEPTH = 0.025
 """Least distance of an apex from the outline [m]: nearer it is a seam's ease."""
 
-FROM_CORNER = 0.03
+MIN_MOUTH_CORNER_DISTANCE = 0.03
 """Least distance of a mouth from a panel's corner [m]: nearer it is the corner that is cut otherwise."""
 
-CORNER = np.radians(30.0)
-"""An outline that turns by more than this has a corner."""
+MIN_OUTLINE_CORNER_ANGLE = np.radians(30.0)
+"""Turn of an outline above which it has a corner [rad]."""
 
 
 @dataclass(frozen=True)
-class Mouth:
+class DartMouth:
     """Name a place on a panel's outline.
 
     Attributes:
@@ -65,7 +65,7 @@ class PlannedDart:
     """
 
     panel: int
-    mouth: Mouth
+    mouth: DartMouth
     wedge: Wedge
     angle: float
 
@@ -76,7 +76,7 @@ class PlannedDart:
 
 
 @dataclass(frozen=True)
-class Proposal(PlannedDart):
+class DartProposal(PlannedDart):
     """Describe a dart that takes strain.
 
     Attributes:
@@ -112,7 +112,7 @@ def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
     return float(np.sqrt(max(square, 0.0) / area))
 
 
-def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal | None:
+def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartProposal | None:
     """Find the dart that takes most of a panel's strain, by an exhaustive search over its mesh.
 
     A panel and its mirror image get darts together, by what both take.
@@ -134,11 +134,11 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal |
     wedges = [wedge for _, wedge in places]
     loads, panels, is_apart = panel.loads(wedges), [panel], np.ones(len(wedges), dtype=bool)
     mirror = mirror_of(garment, index)
-    images = [] if mirror is None else [reflect(mirror, wedge) for wedge in wedges]
+    images = [] if mirror is None else [reflect_wedge(mirror, wedge) for wedge in wedges]
     if mirror is not None and mirror.target == index:
         loads = loads + panel.loads(images)
         between = np.array([image.apex - wedge.apex for image, wedge in zip(images, wedges, strict=True)])
-        is_apart = np.linalg.norm(between, axis=1) >= APART
+        is_apart = np.linalg.norm(between, axis=1) >= MIN_MIRROR_APEX_DISTANCE
     pull, stiffness = panel.respond(loads)
     if mirror is not None and mirror.target != index:
         other = relax_panel(garment, strain, mirror.target)
@@ -149,11 +149,11 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal |
         return None
     apex = wedges[int(np.argmax(gains))].apex
     ends_there = np.array([np.array_equal(wedge.apex, apex) for wedge in wedges])
-    turned = np.array([_off_warp(garment, index, wedge) for wedge in wedges])
-    best = int(np.argmin(np.where(ends_there & (gains >= NEARLY * gains.max()), turned, np.inf)))
+    turned = np.array([_warp_angle(garment, index, wedge) for wedge in wedges])
+    best = int(np.argmin(np.where(ends_there & (gains >= MIN_DART_GAIN_SHARE * gains.max()), turned, np.inf)))
     square = sum(float(each.left @ each.left) for each in panels)
     before, after = rms_strain(panels, square), rms_strain(panels, square - float(gains[best]))
-    return Proposal(index, places[best][0], wedges[best], float(pull[best] / stiffness[best]), before, after)
+    return DartProposal(index, places[best][0], wedges[best], float(pull[best] / stiffness[best]), before, after)
 
 
 def mirror_of(garment: Garment, index: int) -> Mirror | None:
@@ -161,13 +161,13 @@ def mirror_of(garment: Garment, index: int) -> Mirror | None:
     return next((mirror for mirror in find_symmetry(garment.pattern).mirrors if mirror.source == index), None)
 
 
-def is_image(garment: Garment, index: int) -> bool:
+def is_mirror_image(garment: Garment, index: int) -> bool:
     """Check whether a panel is the mirror image of another one, which stands for both."""
     mirrors = find_symmetry(garment.pattern).mirrors
     return any(mirror.target == index != mirror.source for mirror in mirrors)
 
 
-def reflect(mirror: Mirror, wedge: Wedge) -> Wedge:
+def reflect_wedge(mirror: Mirror, wedge: Wedge) -> Wedge:
     """Return the mirror image of a wedge, which opens as wide to the other side."""
     return Wedge(reflect_point(mirror, wedge.mouth), reflect_point(mirror, wedge.apex))
 
@@ -177,7 +177,7 @@ def reflect_point(mirror: Mirror, point: np.ndarray) -> np.ndarray:
     return np.asarray(point @ mirror.rotation.T + mirror.shift)
 
 
-def list_mouths(garment: Garment, index: int) -> list[Mouth]:
+def list_mouths(garment: Garment, index: int) -> list[DartMouth]:
     """List the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
     panel = garment.pattern.panels[index]
     sewn = {ref for seam in garment.pattern.seams if seam.a.panel != seam.b.panel for ref in (seam.a, seam.b)}
@@ -187,12 +187,12 @@ def list_mouths(garment: Garment, index: int) -> list[Mouth]:
         ref = EdgeRef(panel.name, i)
         if ref not in sewn and edge.contour != "waist":
             continue
-        if edge_length(panel, i) < FROM_CORNER:
+        if edge_length(panel, i) < MIN_MOUTH_CORNER_DISTANCE:
             continue
         line = garment.uv[garment.edge_uv[ref]]
         for k, place in enumerate(0.5 * (line[1:] + line[:-1])):
-            if not len(corners) or np.linalg.norm(corners - place, axis=1).min() >= FROM_CORNER:
-                found.append(Mouth(i, k, place))
+            if not len(corners) or np.linalg.norm(corners - place, axis=1).min() >= MIN_MOUTH_CORNER_DISTANCE:
+                found.append(DartMouth(i, k, place))
     return found
 
 
@@ -203,12 +203,12 @@ def find_corners(garment: Garment, index: int) -> np.ndarray:
         here = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
         before = garment.uv[garment.edge_uv[EdgeRef(panel.name, (i - 1) % len(panel.edges))]]
         (a, b), (c, d) = here[1] - here[0], before[-1] - before[-2]
-        if abs(np.arctan2(c * b - d * a, a * c + b * d)) > CORNER:
+        if abs(np.arctan2(c * b - d * a, a * c + b * d)) > MIN_OUTLINE_CORNER_ANGLE:
             found.append(here[0])
     return np.array(found).reshape(-1, 2)
 
 
-def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: Mouth) -> list[Wedge]:
+def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth) -> list[Wedge]:
     """List the wedges that begin at a place, along the warp into the panel."""
     drawn = garment.pattern.panels[index]
     line = garment.uv[garment.edge_uv[EdgeRef(drawn.name, mouth.edge)]]
@@ -217,13 +217,13 @@ def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: Mouth) -> lis
     warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
     away = panel.uv - mouth.place
     length = np.linalg.norm(away, axis=1)
-    fits = (length >= LEAST_LENGTH) & (length <= MOST_LENGTH) & (away @ inward > 0.5 * length)
-    fits &= np.abs(away @ warp) >= np.cos(OFF_WARP) * length
-    fits &= find_depths(garment, index) >= INSIDE
+    fits = (length >= MIN_DART_LENGTH) & (length <= MAX_DART_LENGTH) & (away @ inward > 0.5 * length)
+    fits &= np.abs(away @ warp) >= np.cos(MAX_DART_WARP_ANGLE) * length
+    fits &= find_depths(garment, index) >= MIN_APEX_DEPTH
     return [Wedge(mouth.place, panel.uv[i]) for i in np.flatnonzero(fits)]
 
 
-def _off_warp(garment: Garment, index: int, wedge: Wedge) -> float:
+def _warp_angle(garment: Garment, index: int, wedge: Wedge) -> float:
     """Return the angle between a wedge's axis and its panel's warp [rad]."""
     grain = garment.pattern.panels[index].grainline
     axis = wedge.apex - wedge.mouth

@@ -10,7 +10,7 @@ import numpy as np
 from ...cloth import Fabric, SolveSettings
 from ...garment import Pattern, equalise_seams
 from ...run.checkpoints import load, save
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from .adam import Adam
 from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
@@ -20,8 +20,8 @@ from .scene import FitScene
 if TYPE_CHECKING:
     from ...cloth import Scene
 
-_LEAST = 0.05
-"""Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have some."""
+_MIN_TRIANGLE_AREA_SHARE = 0.05
+"""Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have an area."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ class DescentProblem:
         """Go as much of a move, all or a half, a quarter, an eighth, as folds no panel; none where all do."""
         for _ in range(4):
             ahead = self.scene.like.with_points(self.points_of(variables + move))
-            if self.scene.is_sound(ahead, _LEAST):
+            if self.scene.is_sound(ahead, _MIN_TRIANGLE_AREA_SHARE):
                 return variables + move
             move = 0.5 * move
         return variables
@@ -208,7 +208,7 @@ class Descent:
         return bool(own[-settings.patience :].min() > (1.0 - settings.plateau) * own[: -settings.patience].min())
 
 
-def descend(problem: DescentProblem, hooks: Hooks = SILENT, fit_fabric: bool = True) -> Descent:
+def descend(problem: DescentProblem, hooks: Hooks = SILENT_HOOKS, fit_fabric: bool = True) -> Descent:
     """Descend by Adam until nothing is gained, then once more with the fabric's stiffnesses joined in.
 
     **Deviation**: the thesis differentiates 10 to 20 time steps of 0.05 s. Here the derivative is that of the state at

@@ -6,11 +6,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ...garment import Garment, Pattern, fair_curves, redraw
+from ...garment import Garment, Pattern, fair_curves, update_flat_mesh
 from ...garment.errors import PanelCrossing, PanelDegenerate
 from ...garment.validity import check_outline
 from ..proved_corner import ProvedCorner
-from .locks import held_points
+from .locks import find_locked_points
 
 
 def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:
@@ -26,7 +26,7 @@ def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Coll
     """
     pattern = garment.pattern
     corners = [(panel.name, i) for panel in pattern.panels for i in range(len(panel.points))]
-    still = {corner for corner, is_held in zip(corners, held_points(base, held), strict=True) if is_held}
+    still = {corner for corner, is_held in zip(corners, find_locked_points(base, held), strict=True) if is_held}
     fair = fair_curves(pattern, base, still, {corner.join: corner.angle for corner in proved})
     if fair is pattern:
         return garment
@@ -35,4 +35,4 @@ def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Coll
             check_outline(panel)
     except (PanelCrossing, PanelDegenerate):
         return garment
-    return redraw(garment, fair)
+    return update_flat_mesh(garment, fair)

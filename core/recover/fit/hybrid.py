@@ -11,21 +11,21 @@ from ...cloth import Drape, FabricEstimate
 from ...garment import Garment, resample
 from ...garment.meshes import Meshes
 from ...geometry import self_intersections
-from ...run.best import best
-from ...run.hooks import SILENT, Hooks
+from ...run.best import choose_best
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
 from ..drape import pin_waist
 from ..grade import move_pattern
 from ..state import RecoveryState, made
-from .body_offset import estimate_body_offset, is_estimated
+from .body_offset import estimate_body_offset, is_body_estimated
 from .fairness import fair_garment
-from .isometry import fit_isometry, steps_of
-from .locks import find_held, fit_reference, keep_held, locks_of
-from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
+from .isometry import choose_isometry_settings, fit_isometry
+from .locks import find_locked_coordinates, fit_reference, locks_of, restore_locked
+from .material import fit_bending, nearest_fabrics, posterior, refine_bending, report_density
 from .panel_change import change_panels
 from .rim_corners import prove_corners
 from .scene import FitScene
-from .second_registration import find_nearer, register_again
+from .second_registration import choose_nearer_registration, register_again
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
@@ -38,7 +38,7 @@ def fit_pattern(
     case: Case,
     state: RecoveryState,
     settings: ShapeSettings = ShapeSettings(),  # noqa: B008 - frozen
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> RecoveryState:
     """Recover the pattern of a registered garment and drape it.
 
@@ -60,17 +60,17 @@ def fit_pattern(
     reference = fit_reference(case, state)
     state = _fit_panels(case, replace(state, base=reference), hooks)
     is_same_cut = state.base is reference
-    held = find_held(made(state.graded).pattern, state.base, locks)
+    held = find_locked_coordinates(made(state.graded).pattern, state.base, locks)
     state = _register_fitted(case, state, held, hooks)
-    coarse = _state_problem(state, held, material.vertices, settings)
-    if is_estimated(state.body):
+    coarse = _build_problem(state, held, material.vertices, settings)
+    if is_body_estimated(state.body):
         state, coarse = _raise_body(state, coarse, hooks)
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
         bending = (estimate,)
         state = replace(state, fabric=replace(state.fabric, k=found.k, title=found.title, sources=found.sources))
-    problem = _state_problem(state, held, settings.vertices, settings)
+    problem = _build_problem(state, held, settings.vertices, settings)
     problem = replace(problem, scene=problem.scene.with_folds_held())
     if bending and estimate.identifiable:
         problem = problem.fitting_bending(estimate.std)
@@ -81,13 +81,13 @@ def fit_pattern(
         fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate, material)
         bending = (estimate,)
     state = replace(state, fabric=fabric, point_std=point_std, nearest=nearest_fabrics(fabric))
-    state, second = replace(state, estimates=(*bending, *membrane, state_density(fabric))), made(state.garment)
+    state, second = replace(state, estimates=(*bending, *membrane, report_density(fabric))), made(state.garment)
     state = _simulate(case, state, problem, shape, held, hooks)
     if not is_same_cut:
         return state
     hooks.progress("fit", 0.98, "comparing both registrations")
     first, meshes = made(given.graded).at(made(given.meshes).detail), made(state.meshes)
-    detail = find_nearer(first, second, case, state, hooks).nodes
+    detail = choose_nearer_registration(first, second, case, state, hooks).nodes
     garment = made(state.garment).at(detail)
     return replace(state, base=given.base, garment=garment, meshes=replace(meshes, detail=detail))
 
@@ -95,7 +95,9 @@ def fit_pattern(
 def _fit_panels(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
     """Fit the flat panels to the registered cloth by isometry; darts may be added or closed."""
     graded, registered = made(state.graded), made(state.meshes).detail
-    fitted = fit_isometry(graded, registered, state.target, state.body, state.base, steps_of(case), hooks)
+    fitted = fit_isometry(
+        graded, registered, state.target, state.body, state.base, choose_isometry_settings(case), hooks
+    )
     return change_panels(case, replace(state, garment=fitted), hooks)
 
 
@@ -104,7 +106,7 @@ def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: 
     graded, fitted = made(state.graded), made(state.garment)
     pattern = fitted.pattern
     if held.any():
-        pattern = keep_held(pattern, graded.pattern, state.base, held)
+        pattern = restore_locked(pattern, graded.pattern, state.base, held)
     garment = remesh_and_transfer(pattern, case.settings.vertex_count, fitted, fitted.nodes, state.body)
     hooks.progress("fit", 0.2, "registering again")
     garment, draped = register_again(garment, case, state, hooks), resample(graded, graded.nodes, garment)
@@ -112,14 +114,14 @@ def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: 
     return replace(state, garment=garment, meshes=Meshes(draped, garment.nodes))
 
 
-def _state_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
+def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
     """State the fit of pattern and cloth on the registered mesh, or on a coarser one."""
-    from ...cloth import Scene, Topology, soften
+    from ...cloth import Scene, Topology, reduce_membrane_stiffness
 
     mesh = made(state.garment)
     if vertices < len(mesh.nodes):
         mesh = remesh_and_transfer(mesh.pattern, vertices, mesh, mesh.nodes, state.body)
-    cloth, rotation = soften(state.fabric), made(state.drape).rotation
+    cloth, rotation = reduce_membrane_stiffness(state.fabric), made(state.drape).rotation
     scene = Scene(Topology.from_garment(mesh), cloth, state.wearer.grid, pin_waist(mesh), rotation)
     return ShapeProblem.of(FitScene.of(mesh, state.base, scene, locked=held), settings)
 
@@ -151,7 +153,7 @@ def _simulate(
         starts: Starts = {} if is_settled else {"from the registration": (registered.nodes, None)}
         if problem.garment is registered:  # the fit's own drape is of this mesh
             starts |= {"from the fit's drape": (rest.nodes, rest.anchors)}
-        rest = _bring_to_rest(state, recovered, problem, starts, hooks)
+        rest = _find_equilibrium(state, recovered, problem, starts, hooks)
     skin = state.wearer.exposed.sparing_pinched
     nodes = project_outside(rest.nodes, skin, recovered.faces)
     nodes = untangle_outside(nodes, skin, recovered.faces)
@@ -160,7 +162,7 @@ def _simulate(
     return state.with_notes(*(() if rest.at_rest else (f"the simulation mesh is {rest.advice}",)))
 
 
-def _bring_to_rest(
+def _find_equilibrium(
     state: RecoveryState,
     recovered: Garment,
     problem: ShapeProblem,
@@ -168,13 +170,13 @@ def _bring_to_rest(
     hooks: Hooks,
 ) -> Drape:
     """Return the equilibrium of the recovered pattern, apart from itself, from each of some starts; the best of all."""
-    from ...cloth import BendingFriction, Scene, SelfContact, Topology, equilibrium, soften
+    from ...cloth import BendingFriction, Scene, SelfContact, Topology, equilibrium, reduce_membrane_stiffness
 
     topology, rotation = Topology.from_garment(recovered), made(state.drape).rotation
     folds, contact = BendingFriction.at(topology, made(state.garment).nodes), SelfContact.of(topology)
-    cloth, grid, pins = soften(state.fabric), state.wearer.grid, pin_waist(recovered)
+    cloth, grid, pins = reduce_membrane_stiffness(state.fabric), state.wearer.grid, pin_waist(recovered)
     scene = Scene(topology, cloth, grid, pins, rotation, folds, self_contact=contact)
     drapes = {
         name: equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for name, (nodes, anchors) in starts.items()
     }
-    return best("equilibrium", drapes, lambda one: (not one.converged, problem.loss.value(one.nodes)), hooks)
+    return choose_best("equilibrium", drapes, lambda one: (not one.converged, problem.loss.value(one.nodes)), hooks)

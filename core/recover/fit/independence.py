@@ -5,17 +5,20 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-REACH = 0.25
-"""Distance up to which places are compared [m]: half a torso. What is missed alike farther off is one of a few."""
+MAX_CORRELATION_DISTANCE = 0.25
+"""Largest distance at which places are compared [m]: half a torso. Misfits that are alike over more than that are
+few."""
 
-BIN = 0.01
-"""Width of the classes of distance [m]: less than half a fold. Between those that have pairs, rho is interpolated."""
+CORRELATION_BIN_WIDTH = 0.01
+"""Width of the classes of distance [m]: less than half a fold. Between the classes that have pairs, rho is
+interpolated."""
 
-SAMPLES = 1000
-"""Places that are compared, at most: 3 cm apart on a garment of 1 m2, and 100 000 pairs."""
+MAX_CORRELATION_SAMPLE_COUNT = 1000
+"""Largest number of places that are compared: 3 cm apart on a garment of 1 m2, and 100 000 pairs."""
 
-FACING = 0.3
-"""Least cosine between two normals for which their places are neighbours on the cloth, not front and back of a fold."""
+MIN_NEIGHBOUR_COSINE = 0.3
+"""Smallest cosine between two normals at which their places are neighbours on the cloth, not front and back of a
+fold."""
 
 
 def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarray, areas: np.ndarray) -> float:
@@ -26,7 +29,8 @@ def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarra
     A mean square L over A then scatters by sqrt(2 / n) of itself (Bayley and Hammersley, Journal of the Royal
     Statistical Society 8, 1946; Bretherton et al., Journal of Climate 12, 1999).
 
-    Notation: A sum of `areas`; m `misfit`; R `REACH`; averages weighted by area, in classes of `BIN`.
+    Notation: A sum of `areas`; m `misfit`; R `MAX_CORRELATION_DISTANCE`; averages weighted by area, in classes of
+    `CORRELATION_BIN_WIDTH`.
 
     Args:
         places: Points of the cloth [m], shape [n, 3].
@@ -37,15 +41,18 @@ def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarra
     size = float((areas * misfit**2).sum() / areas.sum())
     if size == 0.0:
         return float(len(places))
-    picked = np.linspace(0, len(places) - 1, min(SAMPLES, len(places))).astype(np.int64)
-    i, j = picked[cKDTree(places[picked]).query_pairs(REACH, output_type="ndarray").T]
-    near = (normals[i] * normals[j]).sum(1) > FACING
+    picked = np.linspace(0, len(places) - 1, min(MAX_CORRELATION_SAMPLE_COUNT, len(places))).astype(np.int64)
+    i, j = picked[cKDTree(places[picked]).query_pairs(MAX_CORRELATION_DISTANCE, output_type="ndarray").T]
+    near = (normals[i] * normals[j]).sum(1) > MIN_NEIGHBOUR_COSINE
     i, j = i[near], j[near]
-    kind = np.minimum(np.linalg.norm(places[i] - places[j], axis=1) / BIN, REACH / BIN - 1).astype(np.int64)
-    weight, count = areas[i] * areas[j], round(REACH / BIN)
+    kind = np.minimum(
+        np.linalg.norm(places[i] - places[j], axis=1) / CORRELATION_BIN_WIDTH,
+        MAX_CORRELATION_DISTANCE / CORRELATION_BIN_WIDTH - 1,
+    ).astype(np.int64)
+    weight, count = areas[i] * areas[j], round(MAX_CORRELATION_DISTANCE / CORRELATION_BIN_WIDTH)
     total = np.bincount(kind, weight, count)
     product = np.bincount(kind, weight * misfit[i] * misfit[j], count)
-    known, middle = total > 0.0, BIN * (np.arange(count) + 0.5)
+    known, middle = total > 0.0, CORRELATION_BIN_WIDTH * (np.arange(count) + 0.5)
     found = np.clip(product[known] / total[known] / size, -1.0, 1.0)
     alike = np.interp(middle, np.append(0.0, middle[known]), np.append(1.0, found))
-    return float(areas.sum() / (alike**2 * 2.0 * np.pi * middle * BIN).sum())
+    return float(areas.sum() / (alike**2 * 2.0 * np.pi * middle * CORRELATION_BIN_WIDTH).sum())

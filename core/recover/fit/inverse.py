@@ -6,14 +6,14 @@ from dataclasses import replace
 
 from ...body import project_outside, untangle_outside
 from ...cloth import Fabric, FabricEstimate
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
 from ..drape import pin_waist
 from ..state import RecoveryState, made
 from .descent import DescentProblem, InverseSettings, descend
-from .locks import find_held, fit_reference, locks_of
+from .locks import find_locked_coordinates, fit_reference, locks_of
 from .losses.range import STIFFNESSES
-from .material import nearest_fabrics, ratio_prior, state_density
+from .material import nearest_fabrics, ratio_prior, report_density
 from .scene import FitScene
 from .settings import MaterialSettings
 from .transfer import remesh_and_transfer
@@ -23,7 +23,7 @@ def fit_inverse(
     case: Case,
     state: RecoveryState,
     settings: InverseSettings = InverseSettings(),  # noqa: B008 - frozen
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> RecoveryState:
     """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
 
@@ -44,7 +44,7 @@ def fit_inverse(
 
     garment, target, wearer, fabric = made(state.graded), state.target, state.wearer, state.fabric
     locks, rotation, reference = locks_of(case, state), made(state.drape).rotation, fit_reference(case, state)
-    held = find_held(garment.pattern, reference, locks)
+    held = find_locked_coordinates(garment.pattern, reference, locks)
     count = min(settings.vertices, len(garment.nodes))
     coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
     cloth = Scene(Topology.from_garment(coarse), fabric, wearer.grid, pin_waist(coarse, target), rotation)
@@ -66,15 +66,15 @@ def fit_inverse(
         laid=None,  # that was of another mesh
         fabric=found,
         simulated=drape,
-        estimates=_state_fabric(found) if fit_fabric else (),
+        estimates=_report_fabric(found) if fit_fabric else (),
         nearest=nearest_fabrics(found),
     )
     return found_state.with_notes(*(() if drape.at_rest else (f"the simulation mesh is {drape.advice}",)))
 
 
-def _state_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:
+def _report_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:
     """State the found stiffnesses with the prior's spread: a descent says where it ended, not how sure that is."""
     note = "descended to; how well it is known was not asked (the hybrid method tells)"
     spreads = {name: ratio_prior(name, MaterialSettings())[1] for name in STIFFNESSES}
     found = (FabricEstimate(n, getattr(fabric, n), spreads[n], spreads[n], False, note) for n in STIFFNESSES)
-    return (*found, state_density(fabric))
+    return (*found, report_density(fabric))

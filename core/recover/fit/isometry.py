@@ -6,29 +6,30 @@ import numpy as np
 
 from ...body import Body
 from ...garment import Garment, Pattern, mesh_pattern, resample
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from ..case import Case
-from ..grade import Isometry, IsometrySettings, believed_strain, hidden_folds, solve_isometry
+from ..grade import Isometry, IsometrySettings, clamp_stretch, solve_isometry, subgrid_stretch
 
-STEPS = IsometrySettings(stay_band=1.0, stay_hidden=1.0)
+FIT_ISOMETRY_SETTINGS = IsometrySettings(stay_band=1.0, stay_hidden=1.0)
 """As `IsometrySettings` says; and bands keep the graded shape: where their long seams lie on a smooth surface cannot be
 seen, and without it a stiff skirt's waistband lost half its width to the skirt. So does what a hanging arm hides: with
 these nodes held where the drape sagged to, a T-shirt's armholes came out 8 % too long and its sleeves 17 % too
 short."""
 
-SETTLED = 3e-4
-"""Largest motion of a control point in one step [m] below which the pattern rests: far less than what is left."""
+CONTROL_POINT_TOLERANCE = 3e-4
+"""Largest motion of a control point in one step below which the pattern rests [m]: far less than the error that
+remains."""
 
 
-def steps_of(case: Case) -> IsometrySettings:
+def choose_isometry_settings(case: Case) -> IsometrySettings:
     """Return how a case's pattern is fitted: by Gauss-Newton steps where its seams may be far from their places.
 
     On the registered cloth these come to rest in what the registration has for noise, from which creeping steps stay
     away: a maker's own base pattern is fitted by those, unless it is a top (ADR 0067); what others are off is more than
     that noise.
     """
-    return STEPS.by_newton() if case.has_far_seams else STEPS
+    return FIT_ISOMETRY_SETTINGS.by_newton() if case.has_far_seams else FIT_ISOMETRY_SETTINGS
 
 
 def fit_isometry(
@@ -38,7 +39,7 @@ def fit_isometry(
     body: Body,
     like: Pattern,
     settings: IsometrySettings | None = None,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> Garment:
     """Fit the pattern and slide the cloth over the target until the two are isometric.
 
@@ -58,18 +59,18 @@ def fit_isometry(
     Returns:
         A mesh of `settings.vertices` vertices of the fitted pattern, its nodes on the target.
     """
-    settings = settings or STEPS
-    fitted, strain = lay_on_target(garment, registered, settings)
+    settings = settings or FIT_ISOMETRY_SETTINGS
+    fitted, strain = mesh_on_target(garment, registered, settings)
     problem = Isometry.of(fitted, target, body, like, strain, settings)
 
     def tell(step: int) -> None:
         hooks.progress("fit", 0.2 * step / settings.steps, "sliding the seams into place")
 
-    return solve_isometry(problem, fitted, SETTLED, tell)
+    return solve_isometry(problem, fitted, CONTROL_POINT_TOLERANCE, tell)
 
 
-def lay_on_target(
-    garment: Garment, registered: np.ndarray, settings: IsometrySettings = STEPS
+def mesh_on_target(
+    garment: Garment, registered: np.ndarray, settings: IsometrySettings = FIT_ISOMETRY_SETTINGS
 ) -> tuple[Garment, np.ndarray]:
     """Mesh a graded pattern coarsely, and say by how much its cloth on the target is believed to be strained.
 
@@ -87,7 +88,7 @@ def lay_on_target(
 
 
 def strain_on_target(
-    laid: Garment, drape: Garment, registered: np.ndarray, believed: float = STEPS.believed
+    laid: Garment, drape: Garment, registered: np.ndarray, believed: float = FIT_ISOMETRY_SETTINGS.believed
 ) -> np.ndarray:
     """Return by how much the cloth of a coarse mesh on the target is believed to be strained, shape [face_count, 2, 2].
 
@@ -97,5 +98,5 @@ def strain_on_target(
         registered: The fine mesh's nodes on the target [m], shape [node_count, 3].
         believed: Strain of the drape up to which its cloth is believed.
     """
-    strain = believed_strain(laid, drape, believed) @ hidden_folds(laid, drape, registered)
+    strain = clamp_stretch(laid, drape, believed) @ subgrid_stretch(laid, drape, registered)
     return np.asarray(0.5 * (strain + np.swapaxes(strain, 1, 2)))

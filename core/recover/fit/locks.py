@@ -10,8 +10,9 @@ from ...run.errors import BadInput
 from ..case import Case
 from ..state import RecoveryState, made
 
-_ROUNDS = 40
-"""Most turns between equal seams and held points; each halves what is left, so 40 take a decimetre below 1e-12 m."""
+_MAX_LOCK_ITERATIONS = 40
+"""Largest number of alternations between equal seams and locked points; each halves the remaining error, so 40 take a
+decimetre below 1e-12 m."""
 
 
 class LockUnknown(BadInput):
@@ -34,7 +35,7 @@ def fit_reference(case: Case, state: RecoveryState) -> Pattern:
     return made(state.graded).pattern if case.has_free_curves else state.base
 
 
-def find_held(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
+def find_locked_coordinates(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
     """Return which effective coordinates locks hold, shape [p]: those of locked panels, points and their mirror images.
 
     Args:
@@ -73,7 +74,7 @@ def _points_of(pattern: Pattern, name: str, word: str) -> slice:
     return slice(int(pattern.point_starts[index]), int(pattern.point_starts[index + 1]))
 
 
-def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+def restore_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
     """Return the pattern with held effective coordinates as in `start`, its other seams made equal to them.
 
     A panel of which only some points are held is first laid on them as it is: where a flat panel lies means nothing,
@@ -81,8 +82,8 @@ def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray)
     """
     symmetry = find_symmetry(like)
     fixed = symmetry.reduce(start.points).ravel()[held]
-    pattern = _lay_on_held(pattern, start, like, held)
-    for _ in range(_ROUNDS):
+    pattern = _align_to_locked(pattern, start, like, held)
+    for _ in range(_MAX_LOCK_ITERATIONS):
         effective = symmetry.reduce(pattern.points).ravel()
         away = float(np.abs(effective[held] - fixed).max())
         effective[held] = fixed
@@ -93,16 +94,16 @@ def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray)
     return held_pattern
 
 
-def held_points(like: Pattern, held: np.ndarray) -> np.ndarray:
+def find_locked_points(like: Pattern, held: np.ndarray) -> np.ndarray:
     """Find the control points that held effective coordinates leave no freedom, bool, shape [point_count]."""
     follows = abs(find_symmetry(like).matrix) @ (~held).astype(float)
     found: np.ndarray = (follows.reshape(-1, 2) == 0.0).all(axis=1)
     return found
 
 
-def _lay_on_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+def _align_to_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
     """Move each panel rigidly so that its held points come to lie where `start` has them, by least squares."""
-    still = held_points(like, held)
+    still = find_locked_points(like, held)
     points, goal = pattern.points.copy(), start.points
     for first, end in zip(pattern.point_starts[:-1], pattern.point_starts[1:], strict=True):
         own = np.arange(first, end)[still[first:end]]

@@ -10,25 +10,26 @@ import numpy as np
 from ...cloth import Fabric, FabricEstimate, load_fabrics
 from ...garment import Pattern
 from ...run.checkpoints import load, save
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from .settings import MaterialSettings
-from .shape import ShapeProblem, keep_seams
+from .shape import ShapeProblem, seam_null_space
 
 if TYPE_CHECKING:
     from ...cloth import Drape
 
-MEMBRANE = ("H00", "H01", "H11", "H22")
+MEMBRANE_STIFFNESSES = ("H00", "H01", "H11", "H22")
 """The membrane stiffnesses, in the order of the posterior's parameters; k follows them."""
 
-_TORN = 3.0
-"""Standard deviations by which the nearest drape's folding may be off before folds and misfit count as contradicting
-each other: then k stands in for something that the simulator does not have, and is not known."""
+_MAX_FOLDING_SIGMA_COUNT = 3.0
+"""Number of standard deviations by which the folding of the nearest drape may be off before folds and misfit count as
+contradicting each other: k then stands in for something that the simulator does not have, and is not known."""
 
-FOUND = ", bending found from the scan"
+FOUND_BENDING_SUFFIX = ", bending found from the scan"
 """What a fabric's title ends with where its k is not the named fabric's."""
 
-_EVEN = 0.5
-"""A parameter counts as identified where the drape leaves at most half of the prior's standard deviation."""
+_MAX_IDENTIFIED_STD_SHARE = 0.5
+"""Share of the standard deviation of the prior up to which a parameter counts as identified: the drape leaves at most
+half of it."""
 
 
 def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
@@ -37,7 +38,7 @@ def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
     return float(logs.mean()), settings.widen * float(logs.std())
 
 
-def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
+def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
     """Return the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
 
     S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
@@ -50,7 +51,7 @@ def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _TriedStiffnesses:
     """Stiffnesses that were tried: the checkpoint `fit.fabric`.
 
     Attributes:
@@ -61,7 +62,7 @@ class _Tried:
 
 
 def fit_bending(
-    problem: ShapeProblem, settings: MaterialSettings | None = None, hooks: Hooks = SILENT
+    problem: ShapeProblem, settings: MaterialSettings | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> tuple[Fabric, FabricEstimate]:
     """Estimate k of the cloth of a registered garment, at the density of the problem's fabric.
 
@@ -69,8 +70,8 @@ def fit_bending(
 
         -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
 
-    with S `folding`, L the registered loss, its noise unknown, and the library's prior; both curves interpolated.
-    Two more equilibria beside the best sharpen it.
+    with S `measure_folding`, L the registered loss, its noise unknown, and the library's prior; both curves
+    interpolated. Two more equilibria beside the best sharpen it.
 
     **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a scan
     with a measure that does not ask where the folds are cannot get caught.
@@ -84,8 +85,8 @@ def fit_bending(
     mean, spread = ratio_prior("k", settings)
     ratios = np.log([each.k / each.density for each in load_fabrics()])
     low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
-    wanted = np.log(folding(problem, problem.garment.nodes))
-    kept = load(hooks, "fit.fabric", _Tried, problem.garment.nodes)
+    wanted = np.log(measure_folding(problem, problem.garment.nodes))
+    kept = load(hooks, "fit.fabric", _TriedStiffnesses, problem.garment.nodes)
     rows = [] if kept is None else list(kept.rows)
 
     def sample(at: float) -> None:
@@ -94,10 +95,10 @@ def fit_bending(
         stiffer = problem.with_fabric(replace(fabric, k=fabric.density * float(np.exp(at))))
         drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
         folds, loss = (
-            float(np.log(value)) for value in (folding(problem, drape.nodes), problem.loss.value(drape.nodes))
+            float(np.log(value)) for value in (measure_folding(problem, drape.nodes), problem.loss.value(drape.nodes))
         )
         rows.append((at, folds, loss))
-        save(hooks, "fit.fabric", _Tried(tuple(rows)), problem.garment.nodes)
+        save(hooks, "fit.fabric", _TriedStiffnesses(tuple(rows)), problem.garment.nodes)
 
     def cost(fine: np.ndarray) -> np.ndarray:
         from scipy.interpolate import PchipInterpolator
@@ -117,7 +118,7 @@ def fit_bending(
         sample(float(np.clip(best + 0.25 * side * (grid[1] - grid[0]), low, high)))
     value, std = _moments(fine, cost(fine))
     std = max(std, settings.least_std)
-    identified = std < _EVEN * spread
+    identified = std < _MAX_IDENTIFIED_STD_SHARE * spread
     if not identified:
         note = (
             f"not identifiable, the given fabric's: one drape leaves it open by a factor {np.exp(std):.1f} either way"
@@ -126,9 +127,9 @@ def fit_bending(
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
     torn = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - wanted) / settings.folding_spread
-    if abs(torn) > _TORN:
+    if abs(torn) > _MAX_FOLDING_SIGMA_COUNT:
         bound += f"; not identifiable: the nearest drape folds {'more' if torn > 0.0 else 'less'} than the scan"
-    return _found(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _TORN, bound))
+    return _report_bending(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _MAX_FOLDING_SIGMA_COUNT, bound))
 
 
 def refine_bending(
@@ -140,17 +141,17 @@ def refine_bending(
         The fabric with that k, and what is known of it; as `fit_bending` gives them.
     """
     settings = settings or MaterialSettings()
-    return _found(fabric, k, replace(estimate, std=max(std, settings.least_std), note=""))
+    return _report_bending(fabric, k, replace(estimate, std=max(std, settings.least_std), note=""))
 
 
-def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
+def _report_bending(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
     """Return the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
     within = f"within a factor {np.exp(estimate.std):.1f} (one standard deviation)"
     note = f"fitted: ratio to the assumed weight, {within}{estimate.note}"
     kept = tuple(pair for pair in fabric.sources if pair[0] != "k")
     title = fabric.title or fabric.name
-    if not title.endswith(FOUND):
-        title += FOUND
+    if not title.endswith(FOUND_BENDING_SUFFIX):
+        title += FOUND_BENDING_SUFFIX
     return replace(fabric, title=title, k=k, sources=(*kept, ("k", note))), replace(estimate, value=k, note=note)
 
 
@@ -185,7 +186,7 @@ def posterior(
     from scipy.linalg import block_diag
 
     settings = settings or MaterialSettings()
-    names = (*MEMBRANE, "k")
+    names = (*MEMBRANE_STIFFNESSES, "k")
     parameters = replace(problem.scene.parameters, fabric=names)
     rest = problem.scene.linearise(problem.away(pattern, problem.fabric), drape.nodes, drape.anchors)
     moves = rest.push(*parameters.rates(rest.scene))
@@ -195,7 +196,7 @@ def posterior(
         spreads[-1] = problem.bending
     matrix = 0.5 * problem.observations(drape.nodes) / loss * problem.loss.curvature(moves)
     matrix += block_diag(problem.precision[:shape_count, :shape_count], np.diag(1.0 / spreads**2))
-    seams = keep_seams(pattern, problem.scene.like, problem.scene.locked)
+    seams = seam_null_space(pattern, problem.scene.like, problem.scene.locked)
     free = np.zeros((parameters.count, seams.shape[1] + len(names)))
     free[:shape_count, : seams.shape[1]] = seams
     free[shape_count:, seams.shape[1] :] = np.eye(len(names))
@@ -203,17 +204,23 @@ def posterior(
     expand = problem.scene.symmetry.matrix.toarray()
     points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
     left = np.sqrt(np.diag(covariance)[shape_count:])
-    estimates = tuple(_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE))
+    estimates = tuple(
+        _report_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE_STIFFNESSES)
+    )
     return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates, float(left[-1])
 
 
-def _membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
+def _report_membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
     """State a membrane stiffness as it was given: it was not fitted, whatever the drape might tell."""
-    told = "the drape leaves it open" if std >= _EVEN * spread else "the drape bears on it, but it is not fitted"
+    told = (
+        "the drape leaves it open"
+        if std >= _MAX_IDENTIFIED_STD_SHARE * spread
+        else "the drape bears on it, but it is not fitted"
+    )
     return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {told}")
 
 
-def state_density(fabric: Fabric) -> FabricEstimate:
+def report_density(fabric: Fabric) -> FabricEstimate:
     """State the weight: a drape at rest depends on ratios to it alone."""
     note = "not identifiable: a drape at rest fixes only the other parameters' ratios to it; the library's value"
     logs = np.log([each.density for each in load_fabrics()])

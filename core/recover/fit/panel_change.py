@@ -12,49 +12,51 @@ from ...garment.editing.partners import mirror_corners
 from ...garment.meshes import Meshes
 from ...run.errors import Cancelled, GarmentqError
 from ...run.finding import Finding, FindingKind
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import name_contours
 from ..case import Case
-from ..drape import DrapeSettings, drape_graded, hangs_in_sleeves
+from ..drape import DrapeSettings, drape_graded, has_hanging_sleeves
 from ..grade import Isometry, SlideSettings, move_pattern, solve_isometry
 from ..state import RecoveryState, made
-from .dart_closing import asked_width, close_darts
+from .dart_closing import close_darts, required_dart_width
 from .dart_cutting import CutGarment, cut_darts, relax_panels
-from .dart_search import is_image, propose_dart, relax_panel, rms_strain
-from .isometry import SETTLED, lay_on_target, steps_of, strain_on_target
+from .dart_search import is_mirror_image, propose_dart, relax_panel, rms_strain
+from .isometry import CONTROL_POINT_TOLERANCE, choose_isometry_settings, mesh_on_target, strain_on_target
 from .wedge import wanted_strain
 
-LEAST_WIDTH = 0.01
-"""Of a dart's mouth [m]: a narrower one is sewn less than 5 mm from its fold; a maker eases it into the seam."""
+MIN_DART_WIDTH = 0.01
+"""Smallest width of the mouth of a dart [m]: a narrower one is sewn less than 5 mm from its fold; a maker eases it into
+the seam."""
 
-LEAST_STRAIN = 0.01
+MIN_PANEL_STRAIN = 0.01
 """Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
 gives as much."""
 
 PROPOSED_SHARE = 0.4
 """Share of the sum of squared strain that a dart has to take for it to be tried. On panels that were cut without one
-the best dart takes 0.36 at most where it is open by `LEAST_ANGLE` (one had 0.45, which a drape with it takes back), on
-those that were cut with one 0.43 to 0.7."""
+the best dart takes 0.36 at most where it is open by `MIN_DART_ANGLE` (one had 0.45, which a drape with it takes back),
+on those that were cut with one 0.43 to 0.7."""
 
 KEPT_SHARE = 1.0 / 3.0
 """The same of one that is kept, after the whole pattern was fitted with it: equal seams, symmetry and proportions leave
 some of the strain that the panel alone would be rid of."""
 
-LEAST_ANGLE = np.radians(5.0)
-"""Of a dart at its apex [rad]: `LEAST_WIDTH` at a length of 11 cm, between those of front and back skirt darts."""
+MIN_DART_ANGLE = np.radians(5.0)
+"""Smallest angle of a dart at its apex [rad]: `MIN_DART_WIDTH` at a length of 11 cm, between those of front and back
+skirt darts."""
 
-ROUNDS = 2
-"""Times that darts open or close as their panels' strain asks for before they are judged: they change by less than
-1 mm in a third."""
+DART_RELAXATION_ITERATIONS = 2
+"""Number of iterations in which darts open or close as the strain of their panels asks for, before they are judged:
+they change by less than 1 mm in a third."""
 
 
-Strained = tuple[RecoveryState, np.ndarray]
+StrainedState = tuple[RecoveryState, np.ndarray]
 """A state whose garment is a coarse mesh of a pattern fitted by isometry, nodes on the target, while its `meshes` are
 those of `graded`, a fine mesh of the same panels; and the strain that the cloth of each face of the coarse mesh is
 believed to have, shape [face_count, 2, 2]."""
 
 
-def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT) -> RecoveryState:
+def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS) -> RecoveryState:
     """Close darts that the scan has no use for, and add those that its panels cannot be isometric without.
 
     Args:
@@ -70,41 +72,41 @@ def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT) -> Re
     if case.settings.keep_cut or case.has_locked_panels:
         return state
     hooks.check()
-    _, strain = lay_on_target(made(state.graded), made(state.meshes).detail)
+    _, strain = mesh_on_target(made(state.graded), made(state.meshes).detail)
     try:
-        return _add(case, _close(case, (state, strain)))
+        return _add_darts(case, _close_darts(case, (state, strain)))
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError):  # changed panels that cannot be meshed or fitted are no better
         return state
 
 
-def _close(case: Case, given: Strained) -> Strained:
-    """Close the darts for which the scan asks for less than `LEAST_WIDTH`, unless one would be proposed again."""
+def _close_darts(case: Case, given: StrainedState) -> StrainedState:
+    """Close the darts for which the scan asks for less than `MIN_DART_WIDTH`, unless one would be proposed again."""
     state, strain = given
     garment = made(state.garment)
     if not find_darts(garment.pattern):
         return given
-    relaxed, its_strain = _relax(case, given, {dart.panel for dart in find_darts(garment.pattern)})
+    relaxed, its_strain = _relax_darts(case, given, {dart.panel for dart in find_darts(garment.pattern)})
     loose = made(relaxed.garment)
     wanted = wanted_strain(loose, its_strain)
-    widths = {dart: asked_width(loose, wanted, dart) for dart in find_darts(loose.pattern)}
-    needless = [dart for dart, width in widths.items() if width < LEAST_WIDTH]
-    needless = [dart for dart in needless if _images(loose.pattern, dart) <= set(needless)]
+    widths = {dart: required_dart_width(loose, wanted, dart) for dart in find_darts(loose.pattern)}
+    needless = [dart for dart, width in widths.items() if width < MIN_DART_WIDTH]
+    needless = [dart for dart in needless if _mirror_images(loose.pattern, dart) <= set(needless)]
     if not needless:
         return given
     closed, after_strain = _refit(case, (relaxed, its_strain), close_darts(loose, wanted, relaxed.base, needless))
-    strains = strains_of(garment, strain), strains_of(made(closed.garment), after_strain)
+    strains = panel_strains(garment, strain), panel_strains(made(closed.garment), after_strain)
     changes = []
     for dart in needless:
         before, after = (each[dart.panel] for each in strains)
-        if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > LEAST_STRAIN:
+        if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > MIN_PANEL_STRAIN:
             return given  # without it one would be proposed
         changes.append(describe_dart(garment.pattern, dart, "closed", widths[dart], (before, after)))
     return closed.with_findings(*changes), after_strain
 
 
-def _add(case: Case, given: Strained) -> RecoveryState:
+def _add_darts(case: Case, given: StrainedState) -> RecoveryState:
     """Add the darts that take enough strain and come out wide enough; one that does not is taken back.
 
     What cloth is believed to be strained by is then that of a drape with them. Without them a skirt is compressed at
@@ -112,27 +114,27 @@ def _add(case: Case, given: Strained) -> RecoveryState:
     """
     state, strain = given
     garment = made(state.garment)
-    wanted, before = wanted_strain(garment, strain), strains_of(garment, strain)
+    wanted, before = wanted_strain(garment, strain), panel_strains(garment, strain)
     proposals = [
         one
         for index in range(len(garment.pattern.panels))
-        if not is_image(garment, index)
+        if not is_mirror_image(garment, index)
         and (one := propose_dart(garment, wanted, index)) is not None
-        and one.before > LEAST_STRAIN
+        and one.before > MIN_PANEL_STRAIN
         and one.share > PROPOSED_SHARE
-        and one.angle > LEAST_ANGLE
+        and one.angle > MIN_DART_ANGLE
     ]
     while proposals:
         cut = cut_darts(garment, wanted, state.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
-        added, its_strain = _relax(case, _drape_with_darts(case, _refit(case, given, cut)), names)
-        pattern, after = made(added.garment).pattern, strains_of(made(added.garment), its_strain)
+        added, its_strain = _relax_darts(case, _drape_with_darts(case, _refit(case, given, cut)), names)
+        pattern, after = made(added.garment).pattern, panel_strains(made(added.garment), its_strain)
         changes: dict[int, list[Finding]] = {}
         for number in range(len(proposals)):
             darts = [dart for dart, owner in zip(cut.darts, cut.owner, strict=True) if owner == number]
             widths = [dart.width(pattern) for dart in darts]
             square = [sum(each[name] ** 2 for name in {dart.panel for dart in darts}) for each in (before, after)]
-            is_wide = bool(darts) and min(widths) >= LEAST_WIDTH
+            is_wide = bool(darts) and min(widths) >= MIN_DART_WIDTH
             if is_wide and square[1] <= (1.0 - KEPT_SHARE) * square[0]:
                 changes[number] = [
                     describe_dart(pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
@@ -144,29 +146,29 @@ def _add(case: Case, given: Strained) -> RecoveryState:
     return state
 
 
-def _refit(case: Case, given: Strained, cut: CutGarment) -> Strained:
+def _refit(case: Case, given: StrainedState, cut: CutGarment) -> StrainedState:
     """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
     state, strain = given
     graded, nodes = made(state.graded), made(state.meshes)
-    garment, carried = fit_cut(cut, made(state.garment), strain, state, _settings_of(case))
+    garment, carried = refit_with_darts(cut, made(state.garment), strain, state, _settings_of(case))
     fine = mesh_pattern(cut.pattern, len(graded.nodes))
     placed, registered = (cut.place(graded, each, fine) for each in (graded.nodes, nodes.detail))
     meshes = Meshes(placed, registered)
     return replace(state, garment=garment, base=cut.base, graded=fine.at(placed), meshes=meshes), carried
 
 
-def _drape_with_darts(case: Case, given: Strained) -> Strained:
+def _drape_with_darts(case: Case, given: StrainedState) -> StrainedState:
     """Drape the panels on the wearer, and believe of their cloth on the target what that drape is strained by."""
     state, _ = given
     garment, registered = made(state.garment), made(state.meshes).detail
     start, rotation = move_pattern(made(state.graded), garment.pattern), made(state.drape).rotation
-    settings = DrapeSettings(apart=hangs_in_sleeves(state.target, case.body))
+    settings = DrapeSettings(apart=has_hanging_sleeves(state.target, case.body))
     drape, _ = drape_graded(start, state.wearer, state.fabric, state.target, rotation=rotation, settings=settings)
     state = replace(state, graded=drape, meshes=Meshes(drape.nodes, registered))
     return state, strain_on_target(garment, drape, registered)
 
 
-def fit_cut(
+def refit_with_darts(
     cut: CutGarment, before: Garment, strain: np.ndarray, state: RecoveryState, settings: SlideSettings
 ) -> tuple[Garment, np.ndarray]:
     """Mesh a pattern with other darts anew, and fit it to the target by isometry.
@@ -187,10 +189,12 @@ def fit_cut(
     return _fit(start, carried, cut.base, state, settings), carried
 
 
-def _relax(case: Case, given: Strained, panels: set[str]) -> Strained:
-    """Let the darts of some panels open or close as strain asks for, and fit again, `ROUNDS` times."""
+def _relax_darts(case: Case, given: StrainedState, panels: set[str]) -> StrainedState:
+    """Let the darts of some panels open or close as strain asks for, and fit again, `DART_RELAXATION_ITERATIONS`
+    times.
+    """
     state, strain = given
-    for _ in range(ROUNDS):
+    for _ in range(DART_RELAXATION_ITERATIONS):
         garment = made(state.garment)
         pattern, base = relax_panels(garment, wanted_strain(garment, strain), state.base, panels)
         fitted = _fit(move_pattern(garment, pattern), strain, base, state, _settings_of(case))
@@ -199,7 +203,7 @@ def _relax(case: Case, given: Strained, panels: set[str]) -> Strained:
 
 
 def _settings_of(case: Case) -> SlideSettings:
-    return SlideSettings(SETTLED, steps_of(case))
+    return SlideSettings(CONTROL_POINT_TOLERANCE, choose_isometry_settings(case))
 
 
 def _fit(start: Garment, strain: np.ndarray, base: Pattern, state: RecoveryState, settings: SlideSettings) -> Garment:
@@ -209,7 +213,7 @@ def _fit(start: Garment, strain: np.ndarray, base: Pattern, state: RecoveryState
     return solve_isometry(problem, named, settings.settled, lambda step: None)
 
 
-def strains_of(garment: Garment, strain: np.ndarray) -> dict[str, float]:
+def panel_strains(garment: Garment, strain: np.ndarray) -> dict[str, float]:
     """Return the root mean square of the strain that no flat shape takes, by the panel's name.
 
     Args:
@@ -223,7 +227,7 @@ def strains_of(garment: Garment, strain: np.ndarray) -> dict[str, float]:
     return strains
 
 
-def _images(pattern: Pattern, dart: Dart) -> set[Dart]:
+def _mirror_images(pattern: Pattern, dart: Dart) -> set[Dart]:
     """Return the mirror images of a dart."""
     darts = find_darts(pattern)
     number = (dart.first + 1) % len(pattern.panel(dart.panel).points)
@@ -259,6 +263,6 @@ def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain:
     else:
         message = (
             f"A dart of {where} was closed: the scan asks for {1e3 * width:.0f} mm, less than "
-            f"{1e3 * LEAST_WIDTH:.0f}, and without it strain goes from {fall}; --keep-cut leaves it."
+            f"{1e3 * MIN_DART_WIDTH:.0f}, and without it strain goes from {fall}; --keep-cut leaves it."
         )
     return Finding(FindingKind.PANEL_CHANGE, message, width, evidence)

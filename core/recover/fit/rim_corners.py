@@ -9,41 +9,41 @@ import numpy as np
 
 from ...garment import EdgeRef, Garment, Pattern
 from ...garment.editing.partners import mirror_corners
-from ...garment.fairness import SMOOTH, SmoothJoin, boundary_edges, find_smooth_joins
+from ...garment.fairness import MAX_SMOOTH_CORNER_ANGLE, SmoothJoin, boundary_edges, find_smooth_joins
 from ...geometry import rim_turns
 from ...scan.contours import Contour, Target
 from ..proved_corner import ProvedCorner
 
-WINDOW = 0.02
+RIM_WINDOW_LENGTH = 0.02
 """Length on either side of a seam's end within which the rim's corner is sought [m]: registration finds the place of a
 seam on the surface to a centimetre, on two of our targets to 14 mm."""
 
-ARM = 0.04
+RIM_ARM_LENGTH = 0.04
 """Length of rim beyond the window on either side that tells how the rim curves without a corner [m]: with both windows
 and arms 12 cm, a third of the narrowest cuffs."""
 
-SURE = 3.0
-"""Standard deviations by which a corner has to be larger than `SMOOTH`."""
+MIN_CORNER_SIGMA_COUNT = 3.0
+"""Standard deviations by which a corner has to be larger than `MAX_SMOOTH_CORNER_ANGLE`."""
 
-LEAST_STD = np.radians(0.5)
+MIN_CORNER_STD = np.radians(0.5)
 """Standard deviation that no corner falls below [rad]: corners smaller than this are not mended in patterns either."""
 
-MOST_STD = SMOOTH / 2.0
+MAX_CORNER_STD = MAX_SMOOTH_CORNER_ANGLE / 2.0
 """Standard deviation above which no corner is proved [rad]: the angle that the pattern gets has to be told within what
 is smooth. Without it 1 of 60 skirts with 1 mm of noise got a corner of 41 degrees in place of 20."""
 
-LEAST_PLACES = 8
-"""Places on the rim without a seam that are needed to know how much the rim turns by itself."""
+MIN_RIM_PLACE_COUNT = 8
+"""Number of places on the rim without a seam that are needed to know how much the rim turns by itself."""
 
 
 def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pattern) -> tuple[ProvedCorner, ...]:
     """Find the corners of a scan's rim at the ends of seams where the base pattern is smooth.
 
     On a surface that can be laid flat a rim turns by pi less the sum of the faces' angles at each of its vertices: what
-    its flat outline turns by, whatever folds the surface hangs in. A corner is what the rim turns by within `WINDOW` of
-    a seam's end, less what it would at the rate of its arms. How far that is to be trusted is told by the same figure
-    at all other places of the rim, and of the rim on the other side of the body, with the corners themselves taken out:
-    noise, teeth and stretched cloth turn a rim there as much. Mirror images count as one.
+    its flat outline turns by, whatever folds the surface hangs in. A corner is what the rim turns by within
+    `RIM_WINDOW_LENGTH` of a seam's end, less what it would at the rate of its arms. How far that is to be trusted is
+    told by the same figure at all other places of the rim, and of the rim on the other side of the body, with the
+    corners themselves taken out: noise, teeth and stretched cloth turn a rim there as much. Mirror images count as one.
 
     Only contours that the scan shows and that are trusted prove anything.
 
@@ -71,13 +71,13 @@ def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pat
     images = mirror_corners(base) if base.symmetric else {}
     found = []
     for join in measured:
-        same = [measured[other] for other in {join, *_image(join, images, measured)}]
+        same = [measured[other] for other in {join, *_mirror_joins(join, images, measured)}]
         angles = np.array([angle for angle, _, _ in same])
         if not np.isfinite(angles).all():
             continue
         angle = float(angles.mean())
-        std = max(LEAST_STD, max(spread for _, spread, _ in same), float(np.ptp(angles)) / 2.0)
-        if std <= MOST_STD and abs(angle) - SURE * std > SMOOTH:
+        std = max(MIN_CORNER_STD, max(spread for _, spread, _ in same), float(np.ptp(angles)) / 2.0)
+        if std <= MAX_CORNER_STD and abs(angle) - MIN_CORNER_SIGMA_COUNT * std > MAX_SMOOTH_CORNER_ANGLE:
             name = measured[join][2]
             found.append(ProvedCorner(join, name.partition(".")[0], angle, std))
     return tuple(found)
@@ -114,10 +114,12 @@ class _Rim:
         return float(self.part.sum())
 
     def nearest(self, place: np.ndarray) -> float | None:
-        """Return the arc length of the nearest vertex to a place [m]; None where it is farther than `WINDOW`."""
+        """Return the arc length of the nearest vertex to a place [m]; None where it is farther than
+        `RIM_WINDOW_LENGTH`.
+        """
         distance = np.linalg.norm(self.points - place, axis=1)
         nearest = int(np.argmin(distance))
-        return float(self.arc[nearest]) if distance[nearest] <= WINDOW else None
+        return float(self.arc[nearest]) if distance[nearest] <= RIM_WINDOW_LENGTH else None
 
     def apart(self, at: float) -> np.ndarray:
         """Return how far each vertex is from an arc length along the rim [m], shape [count]."""
@@ -127,8 +129,11 @@ class _Rim:
     def corner(self, at: float) -> float:
         """Return how far the rim turns within the window beyond the rate of its arms [rad]; NaN on too short a rim."""
         apart = self.apart(at)
-        window, arms = apart <= WINDOW, (apart > WINDOW) & (apart <= WINDOW + ARM)
-        if self.length < 2.0 * (WINDOW + ARM) or not window.any() or arms.sum() < 2:
+        window, arms = (
+            apart <= RIM_WINDOW_LENGTH,
+            (apart > RIM_WINDOW_LENGTH) & (apart <= RIM_WINDOW_LENGTH + RIM_ARM_LENGTH),
+        )
+        if self.length < 2.0 * (RIM_WINDOW_LENGTH + RIM_ARM_LENGTH) or not window.any() or arms.sum() < 2:
             return float("nan")
         rate = self.turn[arms].sum() / self.part[arms].sum()
         return float(self.turn[window].sum() - rate * self.part[window].sum())
@@ -138,8 +143,8 @@ class _Rim:
         turn, free = self.turn.copy(), np.ones(len(self.turn), dtype=bool)
         for at in places:
             apart = self.apart(at)
-            window = apart <= WINDOW
-            free &= apart > 2.0 * WINDOW
+            window = apart <= RIM_WINDOW_LENGTH
+            free &= apart > 2.0 * RIM_WINDOW_LENGTH
             corner = self.corner(at)
             if np.isfinite(corner):
                 even = (self.turn[window].sum() - corner) / self.part[window].sum()
@@ -161,7 +166,7 @@ def _spreads(rims: Mapping[str, _Rim], places: Mapping[SmoothJoin, tuple[str, fl
     spreads = {}
     for name in rims:
         corners = np.concatenate(sides[name.partition(".")[0]])
-        enough = len(corners) >= LEAST_PLACES
+        enough = len(corners) >= MIN_RIM_PLACE_COUNT
         spreads[name] = float(np.sqrt(np.mean(corners**2))) if enough else float("inf")
     return spreads
 
@@ -172,7 +177,7 @@ def _is_free(base: Pattern, join: SmoothJoin) -> bool:
     return not any(edge in sewn for edge in boundary_edges(base, join))
 
 
-def _image(
+def _mirror_joins(
     join: SmoothJoin,
     images: Mapping[tuple[str, int], list[tuple[tuple[str, int], np.ndarray]]],
     among: Iterable[SmoothJoin],

@@ -11,11 +11,11 @@ from ...cloth import Fabric
 from ...garment import Garment, Pattern, Symmetry, check_outline, find_symmetry, map_controls
 from ...garment.errors import PanelCrossing, PanelDegenerate
 from ...geometry import signed_areas
-from .locks import keep_held
+from .locks import restore_locked
 
 if TYPE_CHECKING:
     from ...body import DistanceGrid
-    from ...cloth import AtRest, Parameters, Scene, Solver
+    from ...cloth import FactoredEquilibrium, Parameters, Scene, Solver
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class FitScene:
         """Return the scene so far from the first parameters, shape [p]."""
         return self.parameters.move(self.first, away)
 
-    def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> AtRest:
+    def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> FactoredEquilibrium:
         """Return the derivative of the drape that stopped at nodes and friction's anchors [m], [node_count, 3] each."""
         from ...cloth import linearise_at
 
@@ -107,7 +107,7 @@ class FitScene:
 
     def with_locks(self, pattern: Pattern) -> Pattern:
         """Return a pattern with what is locked as it was first."""
-        return keep_held(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
+        return restore_locked(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
 
     def is_sound(self, pattern: Pattern, least: float = 0.0) -> bool:
         """Check that no panel folds over, and that every triangle of the mesh keeps more than a share of its area."""

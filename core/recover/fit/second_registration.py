@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from ...garment import Garment, resample
-from ...run.best import best
+from ...run.best import choose_best
 from ...run.hooks import Hooks
 from ..case import Case
 from ..deform import DeformSettings, deform
-from ..drape.motion import miss
+from ..drape.motion import surface_rms
 from ..state import RecoveryState
 
-FURTHER = 1.1
-"""Times the distance of the first registration that the second may have. Of four garments with the library's base
-patterns two had 1.0, trousers 1.2, shorts 1.7; from the first registration on it came to 1.0 on the shorts, to 1.8 on
-the trousers."""
+MAX_SECOND_DISTANCE_RATIO = 1.1
+"""Ratio of the distance of the second registration to that of the first, up to which the second is taken. Of four
+garments with the base patterns of the library two had 1.0, trousers 1.2, shorts 1.7; from the first registration on it
+came to 1.0 on the shorts, to 1.8 on the trousers."""
 
 
 def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
@@ -22,7 +22,9 @@ def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hook
     return start.at(deform(start, state.target, state.wearer.exposed, settings=settings, hooks=hooks.quiet()).nodes)
 
 
-def find_nearer(first: Garment, second: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
+def choose_nearer_registration(
+    first: Garment, second: Garment, case: Case, state: RecoveryState, hooks: Hooks
+) -> Garment:
     """Return the second registration, or its mesh registered from the first on where that is nearer to the scan.
 
     Args:
@@ -32,8 +34,8 @@ def find_nearer(first: Garment, second: Garment, case: Case, state: RecoveryStat
         state: The target, and the wearer; cloth is kept outside.
         hooks: Cancellation.
     """
-    if miss(second, state.target) <= FURTHER * miss(first, state.target):
+    if surface_rms(second, state.target) <= MAX_SECOND_DISTANCE_RATIO * surface_rms(first, state.target):
         return second
     other = register_again(second.at(resample(first, first.nodes, second)), case, state, hooks)
     starts = {"from the fitted pattern": second, "from the first": other}
-    return best("second registration", starts, lambda one: miss(one, state.target), hooks)
+    return choose_best("second registration", starts, lambda one: surface_rms(one, state.target), hooks)

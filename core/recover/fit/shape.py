@@ -9,9 +9,9 @@ import numpy as np
 
 from ...cloth import Drape, Fabric
 from ...garment import Garment, Pattern, equalise_seams, find_symmetry, seam_constraints
-from ...garment.seams import LEAST_SINGULAR
+from ...garment.seams import MIN_SINGULAR_VALUE_SHARE
 from ...run.checkpoints import load, save
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ..grade import area_growth, find_proportions, mean_width
 from .independence import count_independent
 from .losses import RegisteredLoss
@@ -87,7 +87,7 @@ class ShapeProblem:
         """Return the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
         parameters = replace(self.scene.parameters, fabric=("k",))
         scene = replace(self.scene, parameters=parameters)
-        return replace(self, scene=scene, precision=_joined(self.precision, std**-2), bending=std)
+        return replace(self, scene=scene, precision=_append_diagonal(self.precision, std**-2), bending=std)
 
     def away(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
         """Return how far the parameters are from the first ones [m; 1 for ln k], shape [p]."""
@@ -98,7 +98,9 @@ class ShapeProblem:
         """Return the scene with the cloth, with another k where k is fitted, cut by a pattern."""
         return self.scene.at(self.away(pattern, fabric or self.fabric))
 
-    def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT, fabric: Fabric | None = None) -> Drape:
+    def drape(
+        self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT_HOOKS, fabric: Fabric | None = None
+    ) -> Drape:
         """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
         from ...cloth import equilibrium
 
@@ -134,9 +136,9 @@ class ShapeProblem:
         gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
         curvature = matrix + self.precision
         matrix = curvature + damping * np.diag(np.diag(matrix))
-        free = keep_seams(pattern, self.scene.like, self.scene.locked)
+        free = seam_null_space(pattern, self.scene.like, self.scene.locked)
         if self.bending is not None:
-            free = _joined(free, 1.0)
+            free = _append_diagonal(free, 1.0)
         step = np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
         return step, -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
 
@@ -172,17 +174,17 @@ def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.n
     return np.asarray(np.diag(spread**-2.0) + rates.T @ rates)
 
 
-def _joined(matrix: np.ndarray, last: float) -> np.ndarray:
+def _append_diagonal(matrix: np.ndarray, last: float) -> np.ndarray:
     """Add a row and a column that are zero but for their common end."""
     from scipy.linalg import block_diag
 
     return np.asarray(block_diag(matrix, last))
 
 
-def keep_seams(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
+def seam_null_space(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
     """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count].
 
-    Seams that repeat others up to what a file rounds (`LEAST_SINGULAR`) take no motion away.
+    Seams that repeat others up to what a file rounds (`MIN_SINGULAR_VALUE_SHARE`) take no motion away.
     """
     rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
     if locked is not None:
@@ -190,11 +192,11 @@ def keep_seams(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None
     if not len(rows):
         return np.eye(rows.shape[1])
     _, values, right = np.linalg.svd(rows)
-    return np.asarray(right[int((values > LEAST_SINGULAR * values[0]).sum()) :].T)
+    return np.asarray(right[int((values > MIN_SINGULAR_VALUE_SHARE * values[0]).sum()) :].T)
 
 
 @dataclass(frozen=True)
-class _Reached:
+class _ShapeCheckpoint:
     """What the next iteration starts from: the checkpoint `fit.shape`.
 
     Attributes:
@@ -214,7 +216,7 @@ class _Reached:
     settled: bool
 
 
-def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
+def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT_HOOKS) -> ShapeFit:
     """Fit control points, and k where the problem asks for it, so that the equilibrium comes to lie on the target.
 
     Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the parameters p,
@@ -227,11 +229,13 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     """
     settings, outcome = problem.settings, "iterations"
     inputs = (problem.garment.nodes, problem.fabric.k)
-    kept = load(hooks, "fit.shape", _Reached, *inputs)
+    kept = load(hooks, "fit.shape", _ShapeCheckpoint, *inputs)
     if kept is None:
         drape = problem.drape(problem.garment.pattern, problem.garment.nodes, hooks)
         misfit = float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))
-        kept = _Reached(problem.garment.pattern.points, problem.fabric.k, drape, settings.damping, (misfit,), False)
+        kept = _ShapeCheckpoint(
+            problem.garment.pattern.points, problem.fabric.k, drape, settings.damping, (misfit,), False
+        )
     pattern, fabric = problem.scene.like.with_points(kept.points), replace(problem.fabric, k=kept.k)
     drape, damping, misfits, settled = kept.drape, kept.damping, list(kept.misfits), kept.settled
     first = len(misfits) - 1
@@ -261,7 +265,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
                 settled = before - after < least
-                reached = _Reached(pattern.points, fabric.k, drape, damping, tuple(misfits), settled)
+                reached = _ShapeCheckpoint(pattern.points, fabric.k, drape, damping, tuple(misfits), settled)
                 save(hooks, "fit.shape", reached, *inputs)
                 break
         else:

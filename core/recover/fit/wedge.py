@@ -18,8 +18,9 @@ from ...geometry import (
     signed_areas,
 )
 
-HOLD = 1e-9
-"""Stiffness that takes a panel's rigid motions, by the mean of its matrix's diagonal: nothing pulls along them."""
+PANEL_REGULARISATION_SHARE = 1e-9
+"""Share of the mean diagonal of the matrix that is added to its diagonal, as a stiffness against the rigid motions of a
+panel: nothing pulls along them."""
 
 
 @dataclass(frozen=True)
@@ -106,8 +107,10 @@ class FlatPanel:
         entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         operator = sp.csr_matrix(entries, shape=shape)
         matrix = sp.csc_matrix(operator.T @ operator)
-        factor = factor_symmetric(matrix + HOLD * matrix.diagonal().mean() * sp.identity(shape[1], format="csc"))
-        wanted = _pack(strain, area)
+        factor = factor_symmetric(
+            matrix + PANEL_REGULARISATION_SHARE * matrix.diagonal().mean() * sp.identity(shape[1], format="csc")
+        )
+        wanted = _to_mandel(strain, area)
         motion = factor.solve(operator.T @ wanted)
         return cls(uv, faces, operator, factor, wanted - operator @ motion, motion.reshape(-1, 2))
 
@@ -138,7 +141,7 @@ class FlatPanel:
             slope = np.einsum("fci,fcj->fij", jump, gradients[faces])
             strain = 0.5 * (slope + np.swapaxes(slope, 1, 2))
             rows = (3 * faces[:, None] + np.arange(3)).reshape(-1)
-            found[rows, k] = _pack(strain, area[faces])
+            found[rows, k] = _to_mandel(strain, area[faces])
         return found
 
     def respond(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -156,7 +159,7 @@ class FlatPanel:
         return -loads.T @ self.left, stiffness
 
 
-def _pack(strain: np.ndarray, area: np.ndarray) -> np.ndarray:
+def _to_mandel(strain: np.ndarray, area: np.ndarray) -> np.ndarray:
     """Return symmetric strains as (xx, yy, sqrt(2) xy) times the root of the area, shape [3 face_count]."""
     found = np.stack([strain[:, 0, 0], strain[:, 1, 1], np.sqrt(2.0) * strain[:, 0, 1]], axis=1)
     return (np.sqrt(area)[:, None] * found).ravel()

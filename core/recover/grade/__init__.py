@@ -11,7 +11,7 @@ from .flattening import (
     mean_width,
     narrow_panels,
     seam_rows,
-    solve_sewn,
+    solve_with_seams,
     stretch_between,
 )
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
@@ -20,8 +20,8 @@ from .isometry import Isometry, IsometrySettings
 from .parts import find_parts
 from .proportion import Proportions, area_growth, find_proportions
 from .registration import RegistrationSettings, register_coarsely
-from .sliding import SlideSettings, can_be_meshed, lay_coarsely, slide_seams, solve_isometry
-from .strain import believed_strain, hidden_folds
+from .sliding import SlideSettings, can_be_meshed, mesh_coarsely, slide_seams, solve_isometry
+from .strain import clamp_stretch, subgrid_stretch
 from .trunk_curvature import TrunkCurvature
 
 __all__ = [
@@ -41,10 +41,10 @@ __all__ = [
     "TemplateMissing",
     "TrunkCurvature",
     "area_growth",
-    "believed_strain",
     "can_be_meshed",
     "choose_cut",
     "choose_template",
+    "clamp_stretch",
     "compare_contours",
     "complete_target",
     "describe_cut_change",
@@ -53,9 +53,8 @@ __all__ = [
     "find_proportions",
     "fit_control_points",
     "grade_pattern",
-    "hidden_folds",
-    "lay_coarsely",
     "mean_width",
+    "mesh_coarsely",
     "move_pattern",
     "name_recovered",
     "narrow_panels",
@@ -65,7 +64,8 @@ __all__ = [
     "share_by_hems",
     "slide_seams",
     "solve_isometry",
-    "solve_sewn",
+    "solve_with_seams",
     "step_without_folds",
     "stretch_between",
+    "subgrid_stretch",
 ]

@@ -12,24 +12,24 @@ import numpy as np
 from ...body import Body
 from ...garment import Pattern, flat_contours, list_templates, load_template, name_cut
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck
+from ...garment.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck_width
 from ...run.errors import BadInput
 from ...run.finding import Finding, FindingKind
 from ...scan.contours import Target
-from ..drape import outgrown_measures
+from ..drape import oversize_measures
 from .cut_search import search_cuts
 from .hem_gores import HemGores, find_gores
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
 
-STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
+STAND_IN_CATEGORIES = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
 shorter, but no seam is added."""
 
 
-KEPT = 3
-"""Cuts that a result names, the chosen one among them."""
+MAX_NAMED_CUT_COUNT = 3
+"""Largest number of cuts that a result names, the chosen one among them."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
             found.setdefault(name, (one.missing, candidate, named))
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))
-    name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:KEPT]
+    name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:MAX_NAMED_CUT_COUNT]
     notes = [
         f"A {target.category} has no {part}; '{part}={word}' was left out."
         for part, word in wanted.items()
@@ -116,14 +116,14 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     ]
     if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
         notes.append(gores.describe(cut))
-    measures = outgrown_measures(body)
+    measures = oversize_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)
     return Choice(name, pattern, candidates, tuple(notes))
 
 
 @dataclass(frozen=True)
-class _Ranked:
+class _RankedCut:
     """A cut but for its necklines: contours that only it or the scan has, its misfit, and whether that is of girths."""
 
     template: str
@@ -133,7 +133,7 @@ class _Ranked:
     girths: float | None = None
 
 
-def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_Ranked]:
+def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_RankedCut]:
     """Rank the cuts but for their necklines, the chosen one first.
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
@@ -148,14 +148,16 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: Hem
         cut = CUTS[template].choose(fixed)
         cut = cut if gores is None else gores.flare(cut)
         cut = sew_waist(cut, wanted) if curved else cut
-        ranked.append(_Ranked(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit))
+        ranked.append(
+            _RankedCut(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit)
+        )
     least = ranked[0].missing
     fitting = [(one.template, one.cut) for one in ranked if one.missing == least]
     fits = search_cuts(target, body, fitting, wanted, curved=curved)
     if not fits:
         return ranked
     rest = [one for one in ranked if one.missing > least]
-    return [_Ranked(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
+    return [_RankedCut(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
 
 
 def choose_template(target: Target, names: Sequence[str]) -> str:
@@ -186,7 +188,7 @@ def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int,
     """
     infos = [info for info in list_templates() if info.name in names]
     fitting = [info.name for info in infos if info.category == target.category]
-    fitting = fitting or [info.name for info in infos if info.category == STAND_IN.get(target.category)]
+    fitting = fitting or [info.name for info in infos if info.category == STAND_IN_CATEGORIES.get(target.category)]
     if not fitting:
         raise TemplateMissing(
             f"no template fits the category '{target.category}'; name one of {', '.join(names)} with --template."
@@ -212,7 +214,7 @@ def _with_necklines(
         yield cut, None
         return
     fronts, backs = (
-        _unfixed(ranked, part in fixed, getattr(cut, part))
+        _allowed_fits(ranked, part in fixed, getattr(cut, part))
         for part, ranked in (("neckline", fits.front), ("back_neckline", fits.back))
     )
     for front, back in product(fronts, backs):
@@ -222,24 +224,24 @@ def _with_necklines(
         )
 
 
-def _unfixed(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
+def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
     """Return the fits that are candidates: all, or the fixed neckline's own where it is among them."""
     if not fixed:
         return ranked
-    return tuple(fit for fit in ranked if _is_one(fit.throat.kind, own)) or ranked[:1]
+    return tuple(fit for fit in ranked if _is_same_line(fit.throat.kind, own)) or ranked[:1]
 
 
 def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
     """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
     kind = fit.throat.kind
-    if _is_one(kind, getattr(cut, part)):
+    if _is_same_line(kind, getattr(cut, part)):
         return cut
     changed = cut.choose({part: str(kind)})
-    depth = half_neck(changed) * fit.throat.depth / fit.half_width
+    depth = half_neck_width(changed) * fit.throat.depth / fit.half_width
     return replace(changed, neck_depth=depth) if part == "neckline" else replace(changed, back_depth=depth)
 
 
-def _is_one(one: Neckline, other: Neckline) -> bool:
+def _is_same_line(one: Neckline, other: Neckline) -> bool:
     """Check whether two necklines are the same line, in depths that grading turns into each other."""
     return one is other or {one, other} == {Neckline.CREW, Neckline.SCOOP}
 

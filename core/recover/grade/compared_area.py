@@ -11,9 +11,9 @@ from ...garment import EdgeRef, Panel, Pattern, polygon_area
 from ...garment.curves import chord, edge_area
 from .parts import edges_until
 
-STRAIGHT = 1e-3
-"""Area beside a row of edges, in squares of the distance between its ends, below which it is straight: a hem that is a
-rounding hollow is a hem."""
+MAX_STRAIGHT_AREA_RATIO = 1e-3
+"""Ratio of the area beside a row of edges to the square of the distance between its ends, below which the row is
+straight: a hem that is hollow by rounding is a hem."""
 
 
 @dataclass(frozen=True)
@@ -44,15 +44,15 @@ class ComparedArea:
         panel, hems = pattern.panel(name), list[int]()
         for row in _open_rows(pattern, panel):
             corners = panel.points[[*row, (row[-1] + 1) % len(panel.edges)]]
-            outside = polygon_area(corners) + sum(_beside(panel, i) for i in row)
-            if outside >= -STRAIGHT * float(((corners[-1] - corners[0]) ** 2).sum()):
+            outside = polygon_area(corners) + sum(_segment_area(panel, i) for i in row)
+            if outside >= -MAX_STRAIGHT_AREA_RATIO * float(((corners[-1] - corners[0]) ** 2).sum()):
                 hems += row
         return cls(name, tuple(hems))
 
     def measure(self, pattern: Pattern) -> float:
         """Return the area [m2]."""
         panel = pattern.panel(self.panel)
-        return polygon_area(panel.points) + sum(_beside(panel, i) for i in self.hems)
+        return polygon_area(panel.points) + sum(_segment_area(panel, i) for i in self.hems)
 
     def rates(self, pattern: Pattern) -> np.ndarray:
         """Return the derivative of the area by all points [m], shape [point_count, 2]."""
@@ -94,7 +94,7 @@ def _open_rows(pattern: Pattern, panel: Panel) -> Iterator[list[int]]:
             yield row
 
 
-def _beside(panel: Panel, index: int) -> float:
+def _segment_area(panel: Panel, index: int) -> float:
     """Return the area between an edge and its chord [m2]."""
     start, end = chord(panel, index)
     return edge_area(panel.edges[index]) * float((end - start) @ (end - start))

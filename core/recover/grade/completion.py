@@ -8,24 +8,25 @@ import numpy as np
 
 from ...body import ExposedSurface, project_outside
 from ...garment import Garment
-from ...geometry import HalfEdges, Rim, TriangleSurface, shortest_ways, vertex_normals
-from ...run.hooks import SILENT, Hooks
+from ...geometry import HalfEdges, Rim, TriangleSurface, shortest_paths, vertex_normals
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Contour, Target, smoothed_length
 from .registration import HiddenCloth, RegistrationSettings, register_coarsely
 
-AHEAD = 0.3
-"""Share of a template's contour that lies ahead of the hidden border from which that contour is hidden: the share from
-which a scan's is. A neckline below hair is seen for the rest; a base pattern that ends before the border ends there."""
+MIN_HIDDEN_CONTOUR_SHARE = 0.3
+"""Share of the contour of a template that lies beyond the hidden border from which that contour is hidden: the share
+from which that of a scan is. A neckline below hair is seen for the rest; a base pattern that ends before the border
+ends there."""
 
 
-KEPT = 0.5
+HIDDEN_WAIST_HEIGHT_SHARE = 0.5
 """Share by which a hidden waist keeps the height at which its own band holds the base pattern; what is seen carries it
-for the rest. Three wearers' bands held it 52, 8 and 34 mm above the true waist, of 20 garments that other simulators
-dressed 37 mm (standard deviation 36); carried along with the legs, whose base pattern is too short, it came out 30, 27
-and 17 mm below."""
+for the rest. The bands of three wearers held it 52, 8 and 34 mm above the true waist, of 20 garments that other
+simulators dressed 37 mm (standard deviation 36); carried along with the legs, whose base pattern is too short, it came
+out 30, 27 and 17 mm below."""
 
 
-def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: Hooks = SILENT) -> Target:
+def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: Hooks = SILENT_HOOKS) -> Target:
     """Complete a target below what covers it with the cloth of a base pattern that is worn by the same wearer.
 
     What is hidden can only be guessed, and is guessed as the base pattern has it: the visible part is registered, and
@@ -58,7 +59,7 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
         nodes = register_coarsely(worn, _hold_ends(target, nodes, lifts), settings, hooks)
     nodes = project_outside(nodes, skin, worn.faces)
     beyond = border.lies_ahead(seen, seen.closest(nodes))
-    ends = [end for end in ends if beyond[end.vertices].mean() > AHEAD]
+    ends = [end for end in ends if beyond[end.vertices].mean() > MIN_HIDDEN_CONTOUR_SHARE]
     links = HalfEdges.of(worn.faces, len(nodes)).adjacency
     for end in ends:  # where a part of it is seen, the strip along it lies on the scan
         rim = np.bincount(end.vertices, minlength=len(nodes))
@@ -103,20 +104,21 @@ def _hold_ends(target: Target, nodes: np.ndarray, lifts: list[tuple[Contour, flo
 def _lift_end(worn: Garment, nodes: np.ndarray, beyond: np.ndarray, end: Contour) -> float:
     """Return by how much a hidden end belongs above where what is seen carried it [m].
 
-    A waist: by `KEPT` of the way back to where its own band holds it. The hem of a top: by as much as the way down to
-    it is longer, where it is seen, than the base pattern is there; a top too small for its wearer is drawn down by that
-    when it is dressed. At most by half of the hidden way: a top that is tucked in goes on below the waistband.
+    A waist: by `HIDDEN_WAIST_HEIGHT_SHARE` of the way back to where its own band holds it. The hem of a top: by as much
+    as the way down to it is longer, where it is seen, than the base pattern is there; a top too small for its wearer is
+    drawn down by that when it is dressed. At most by half of the hidden way: a top that is tucked in goes on below the
+    waistband.
     """
     if end.name == "waist":
-        return KEPT * float((worn.nodes[end.vertices, 1] - nodes[end.vertices, 1]).mean())
+        return HIDDEN_WAIST_HEIGHT_SHARE * float((worn.nodes[end.vertices, 1] - nodes[end.vertices, 1]).mean())
     neck = next((contour for contour in worn.contours if contour.name == "neck"), None)
     if end.name != "hem" or neck is None:
         return 0.0
-    longer, hidden = _follow_down(worn, nodes, beyond, neck.vertices)
+    longer, hidden = _measure_downward_paths(worn, nodes, beyond, neck.vertices)
     return float(np.clip(longer[end.vertices].mean(), 0.0, 0.5 * hidden[end.vertices].mean()))
 
 
-def _follow_down(
+def _measure_downward_paths(
     worn: Garment, nodes: np.ndarray, beyond: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute along the shortest way over the flat panels from some nodes to each: what is longer, what is hidden.
@@ -128,7 +130,7 @@ def _follow_down(
     count, edges = len(nodes), HalfEdges.of(worn.faces, len(nodes))
     sides = np.linalg.norm(np.roll(worn.rest, -1, axis=1) - worn.rest, axis=2).ravel()
     flat = np.bincount(edges.edge, sides) / edges.face_counts  # both sides of a gathered seam count
-    way, before, _ = shortest_ways(edges, flat, start)
+    way, before, _ = shortest_paths(edges, flat, start)
     longer, hidden = np.zeros(count), np.zeros(count)
     for node in np.argsort(way):
         last = before[node]

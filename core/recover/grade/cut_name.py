@@ -8,9 +8,9 @@ from ...body import Body
 from ...garment import Pattern, find_cut, name_cut
 from ...garment.parts import CUTS, PARTS, Cut, differing_parts
 from ..drape import measure_wearer
-from .cut_search import NEAR, fit_cut, is_sewn_otherwise, other_cuts, profile_flat, rank_fits
+from .cut_search import RIVAL_MISFIT_SHARE, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
 
-PROPORTIONED = ("skirt", "legs")
+PROPORTION_PARTS = ("skirt", "legs")
 """Parts whose choices differ in nothing but widths, as far as they are sewn alike."""
 
 
@@ -18,8 +18,8 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
     """Return the name of the cut that a pattern graded from a template of the library has.
 
     The cut stays the template's unless another one that is sewn alike and differs in the line of its skirt or its legs
-    has girths clearly nearer to the pattern's: its misfit, together with what the right cut's is, too, is below `NEAR`
-    of the template's.
+    has girths clearly nearer to the pattern's: its misfit, together with what the right cut's is, too, is below
+    `RIVAL_MISFIT_SHARE` of the template's.
 
     Args:
         pattern: The recovered pattern.
@@ -28,14 +28,14 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
         fixed: Parts that the user chose, which stay.
     """
     own = find_cut(template)
-    kept = (set(PARTS) - set(PROPORTIONED)) | set(fixed)
-    alike = [cut for cut in other_cuts(own, kept) if not is_sewn_otherwise(cut, own)]
+    kept = (set(PARTS) - set(PROPORTION_PARTS)) | set(fixed)
+    alike = [cut for cut in other_cuts(own, kept) if not has_other_seams(cut, own)]
     seen = profile_flat(pattern) if len(alike) > 1 else None
     if seen is None:
         return template
     measures = measure_wearer(body)
     fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures)) is not None]
-    ranked = rank_fits(fits, own, NEAR)
+    ranked = rank_fits(fits, own, RIVAL_MISFIT_SHARE)
     return template if not ranked or ranked[0].cut == own else _name(ranked[0].cut)
 
 

@@ -17,34 +17,36 @@ from ..drape import measure_wearer
 from .girth_profile import GirthProfile, profile_pattern, profile_target
 from .waist_seam import sew_waist
 
-VERTICES = 400
-"""Of a candidate's flat mesh: its girths are within 0.1 to 0.5 % of those of 1500 vertices."""
+PROFILE_VERTEX_COUNT = 400
+"""Number of vertices of the flat mesh of a candidate: its girths are within 0.1 to 0.5 % of those of 1500 vertices."""
 
-STATIONS = 40
-"""Places along the garment at which two profiles are compared."""
+PROFILE_STATION_COUNT = 40
+"""Number of places along the garment at which two profiles are compared."""
 
-BELOW_ARMS = 0.02
-"""How far below the sleeves the comparison begins [m]: above, level lines run into them."""
+PROFILE_START_MARGIN = 0.02
+"""Distance below the sleeves at which the comparison begins [m]: above, level lines run into them."""
 
-LAST = 0.03
-"""How far above the lower end the comparison ends [m]: hems rest on feet, and teeth of a cut are there."""
+PROFILE_END_MARGIN = 0.03
+"""Distance above the lower end at which the comparison ends [m]: hems rest on feet, and teeth of a cut are there."""
 
-DILATIONS = np.linspace(0.90, 1.20, 31)
-"""Factors of a garment's length by its draft's that are tried: it may be made for a shorter or a taller wearer."""
+GARMENT_LENGTH_RATIOS = np.linspace(0.90, 1.20, 31)
+"""Ratios of the length of a garment to that of its draft that are tried: it may be made for a shorter or a taller
+wearer."""
 
-UNLIKE = 0.02
-"""What the girths of the right cut differ by all the same, relative: stretch, folds cut short and a garment that is not
-made for its wearer leave 0.01 to 0.04."""
+GIRTH_MISFIT_FLOOR = 0.02
+"""Relative difference of girths that even the right cut has: stretch, folds cut short and a garment that is not made
+for its wearer leave 0.01 to 0.04."""
 
-CLEAR_SHAPE, CLEAR_SEAMS = 0.5, 0.6
+SHAPE_MISFIT_SHARE, SEAM_MISFIT_SHARE = 0.5, 0.6
 """Shares of its misfit below which the cut that contours chose is left: for one of other proportions, and for one that
 is sewn otherwise. Grading mends proportions and adds no seam, so seams need less. Of 52 drawn cuts none then has fewer
 right parts than by contours alone; at 0.7 for both, of 110 parts 93 are right instead of 84, and one cut has fewer."""
 
-NEAR = 0.85
-"""Of the others, one with fewer changes is chosen as long as none has a misfit below this share of its own."""
+RIVAL_MISFIT_SHARE = 0.85
+"""Share of the misfit of a cut: of the clearly better cuts the one with the fewest changes is chosen, as long as no
+other has a misfit below this share of its own."""
 
-SEWN_OTHERWISE = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
+SPECIAL_SEAM_SKIRTS = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
 """Skirts whose seams are not those of two plain panels."""
 
 
@@ -65,7 +67,7 @@ class CutFit:
     @property
     def total(self) -> float:
         """Return the misfit together with what the right cut's is, too."""
-        return float(np.hypot(self.misfit, UNLIKE))
+        return float(np.hypot(self.misfit, GIRTH_MISFIT_FLOOR))
 
 
 def search_cuts(
@@ -104,34 +106,34 @@ def search_cuts(
 
     for template, cut in templates:
         fit(template, cut)
-    if fits and CLEAR_SEAMS * fits[0].total > UNLIKE:  # else no cut can be clearly better
+    if fits and SEAM_MISFIT_SHARE * fits[0].total > GIRTH_MISFIT_FLOOR:  # else no cut can be clearly better
         for template, cut in _variants(templates, set(fixed), curved):
             fit(template, cut)
-    return rank_fits(fits, usual, NEAR if curved else CLEAR_SHAPE)
+    return rank_fits(fits, usual, RIVAL_MISFIT_SHARE if curved else SHAPE_MISFIT_SHARE)
 
 
 def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
     """Return the standard deviation of ln(seen / drawn girth) along the garment.
 
-    Both begin at the waist, or below the arms, and the drawn one is as much longer or shorter, within `DILATIONS`, as
-    fits best: crotch and hips of a garment sit lower or higher than its wearer's. A drawn garment that ends sooner goes
-    on as it ends; one that ends later is cut off, for grading makes it longer or shorter. A common factor is size,
-    which any cut takes on.
+    Both begin at the waist, or below the arms, and the drawn one is as much longer or shorter, within
+    `GARMENT_LENGTH_RATIOS`, as fits best: crotch and hips of a garment sit lower or higher than its wearer's. A drawn
+    garment that ends sooner goes on as it ends; one that ends later is cut off, for grading makes it longer or shorter.
+    A common factor is size, which any cut takes on.
     """
-    begin = seen.arms + BELOW_ARMS
-    end = max(float(seen.distances[-1]) - LAST, begin + LAST)
-    at = np.linspace(begin, end, STATIONS)
+    begin = seen.arms + PROFILE_START_MARGIN
+    end = max(float(seen.distances[-1]) - PROFILE_END_MARGIN, begin + PROFILE_END_MARGIN)
+    at = np.linspace(begin, end, PROFILE_STATION_COUNT)
     wanted = np.log(np.interp(at, seen.distances, seen.girths))
     last = len(drawn.distances) // 6
     slope = (drawn.girths[-1] - drawn.girths[-last]) / (drawn.distances[-1] - drawn.distances[-last])
-    there = drawn.arms + (at - seen.arms) / DILATIONS[:, None]
+    there = drawn.arms + (at - seen.arms) / GARMENT_LENGTH_RATIOS[:, None]
     girths = np.interp(there, drawn.distances, drawn.girths)
     beyond = np.maximum(there - drawn.distances[-1], 0.0)
     girths = np.maximum(girths + slope * beyond, 0.5 * girths)
     return float((wanted - np.log(girths)).std(axis=1).min())
 
 
-def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHAPE) -> tuple[CutFit, ...]:
+def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = SHAPE_MISFIT_SHARE) -> tuple[CutFit, ...]:
     """Return fits by their misfit, the chosen one first; none where the usual cut itself is not among them.
 
     The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
@@ -143,33 +145,33 @@ def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHA
     if chosen is None:
         return ()
     most = chosen.total
-    shares = (CLEAR_SEAMS if is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
+    shares = (SEAM_MISFIT_SHARE if has_other_seams(fit.cut, usual) else clear_shape for fit in ranked)
     clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
     if clear:
-        rivals = [fit for fit in clear if NEAR * fit.total <= clear[0].total]
-        chosen = min(rivals, key=lambda fit: _changes(fit.cut, usual))
+        rivals = [fit for fit in clear if RIVAL_MISFIT_SHARE * fit.total <= clear[0].total]
+        chosen = min(rivals, key=lambda fit: _count_changes(fit.cut, usual))
     return (chosen, *(fit for fit in ranked if fit is not chosen))
 
 
-def is_sewn_otherwise(cut: Cut, usual: Cut) -> bool:
+def has_other_seams(cut: Cut, usual: Cut) -> bool:
     """Check whether a cut has seams that another has not: grading can make none."""
-    changed = cut.skirt is not usual.skirt and (cut.skirt in SEWN_OTHERWISE or usual.skirt in SEWN_OTHERWISE)
+    changed = cut.skirt is not usual.skirt and (cut.skirt in SPECIAL_SEAM_SKIRTS or usual.skirt in SPECIAL_SEAM_SKIRTS)
     return changed or (cut.waist, cut.waistband, cut.panels) != (usual.waist, usual.waistband, usual.panels)
 
 
-def _changes(cut: Cut, usual: Cut) -> int:
+def _count_changes(cut: Cut, usual: Cut) -> int:
     """Count the parts in which a cut is another, and the number of its panels: six gores have the girths of four."""
     return len(differing_parts(cut, usual)) + (cut.panels_around != usual.panels_around)
 
 
 def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:
     """Yield what templates become with other parts that girths show, each cut once."""
-    met = {_plain(cut) for _, cut in templates}
+    met = {_without_neck_depths(cut) for _, cut in templates}
     for template, own in templates:
         for other in other_cuts(own, fixed) if own.panels == 2 else ():
             cut = _at_waist(other, fixed) if curved else other
-            if _plain(cut) not in met:
-                met.add(_plain(cut))
+            if _without_neck_depths(cut) not in met:
+                met.add(_without_neck_depths(cut))
                 yield template, cut
 
 
@@ -178,7 +180,7 @@ def _at_waist(cut: Cut, fixed: set[str]) -> Cut:
     return sew_waist(cut if "shaping" in fixed else replace(cut, shaping=Shaping.NONE), fixed)
 
 
-def _plain(cut: Cut) -> Cut:
+def _without_neck_depths(cut: Cut) -> Cut:
     """Return a cut with the necklines' usual depths, which girths do not tell."""
     return replace(cut, neck_depth=None, back_depth=None)
 
@@ -218,7 +220,7 @@ def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures)
 def profile_flat(pattern: Pattern) -> GirthProfile | None:
     """Return the girths of a pattern; None where it has no two ends or no mesh as coarse as that."""
     try:
-        garment = mesh_pattern(pattern, VERTICES, sweeps=0)
+        garment = mesh_pattern(pattern, PROFILE_VERTEX_COUNT, sweeps=0)
     except BadInput:
         return None
     return profile_pattern(garment)

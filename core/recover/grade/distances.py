@@ -9,8 +9,8 @@ import numpy as np
 from ...body import Body
 from ...scan.contours import Contour
 
-_SPINE = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
-_DOWN = ("spine3", "spine2", "spine1", "pelvis", "hip", "knee", "ankle", "foot")
+_SPINE_JOINTS = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
+_HEM_JOINTS = ("spine3", "spine2", "spine1", "pelvis", "hip", "knee", "ankle", "foot")
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ def limb_chain(name: str, body: Body) -> np.ndarray:
     """
     part, _, side = name.partition(".")
     if part in ("neck", "waist"):
-        return np.array([body.joint(joint) for joint in _SPINE])
+        return np.array([body.joint(joint) for joint in _SPINE_JOINTS])
     if part == "hem":
-        middle = (body.joint(j) if j.startswith(("spine", "pelvis")) else _between_legs(body, j) for j in _DOWN)
+        middle = (body.joint(j) if j.startswith(("spine", "pelvis")) else _between_legs(body, j) for j in _HEM_JOINTS)
         return np.array(list(middle))
     joints = ("hip", "knee", "ankle", "foot") if part == "leg" else ("collar", "shoulder", "elbow", "wrist", "hand")
     return np.array([body.joint(f"{side}_{joint}") for joint in joints])

@@ -8,19 +8,21 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...garment import Garment, Panel, Pattern, edge_length, find_symmetry, map_controls, panel_area
-from ...garment.seams import LEAST_SINGULAR
+from ...garment.seams import MIN_SINGULAR_VALUE_SHARE
 from ...geometry import Factor, deformation_gradients, factor_symmetric, gradient_operator, right_stretch
 
-SHORT = 0.01
-"""Length of an edge below which it is what a drawing program leaves between two corners [m]: half of a mesh's edge, so
-no cloth lies along it that could tell its size. Free, edges of 1 mm between darts turn over, and nothing is graded."""
+MIN_GRADED_EDGE_LENGTH = 0.01
+"""Length of an edge below which it is what a drawing program leaves between two corners, and keeps its vector [m]: half
+of the edge of a mesh, so no cloth lies along it that could tell its size. Free, edges of 1 mm between darts turn over,
+and nothing is graded."""
 
-SHORT_SPREAD = 1e-4
+SHORT_EDGE_STD = 1e-4
 """Standard deviation of the vector along a short edge [m]: it is not graded at all."""
 
-DART_SPREAD = 0.1
-"""The same of the vector across a dart's mouth, as a share of its width: darts are drawn for the body, and published
-patterns graded in ease and length keep theirs to the millimetre. Free, a narrow one closes and its sides cross."""
+DART_WIDTH_STD = 0.1
+"""Standard deviation of the vector across the mouth of a dart, as a share of its width: darts are drawn for the body,
+and published patterns graded in ease and length keep theirs to the millimetre. Free, a narrow one closes and its sides
+cross."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ class FlatPanels:
     reduced: np.ndarray
 
 
-def lay_flat(garment: Garment) -> FlatPanels:
+def assemble_flat_energy(garment: Garment) -> FlatPanels:
     """Prepare the energy of a garment's flat panels."""
     rim = np.zeros(len(garment.uv), dtype=bool)
     for line in garment.edge_uv.values():
@@ -143,7 +145,7 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     Notation: J_f the map of face f from its old flat shape to the new, A_f `stretch`, shape [face_count, 2, 2].
     """
     settings = settings or FlatteningSettings()
-    pattern, flat = garment.pattern, lay_flat(garment)
+    pattern, flat = garment.pattern, assemble_flat_energy(garment)
     symmetry = find_symmetry(pattern)
     free, offset = symmetry.matrix.toarray(), symmetry.offset
     start = pattern.points
@@ -157,7 +159,9 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
         inner = flat.factor.solve(load[flat.inner])
         right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + held @ start.ravel()
         rows = seam_rows(pattern, points)
-        effective = solve_sewn(free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset)
+        effective = solve_with_seams(
+            free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset
+        )
         points = symmetry.expand(effective)
         placed = (flat.follow @ points.ravel()).reshape(-1, 2)
         placed[flat.inner] = inner - (flat.carried @ points.ravel()).reshape(-1, 2)
@@ -191,19 +195,21 @@ def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
 def kept_vectors(pattern: Pattern) -> np.ndarray:
     """Return the vectors that grading keeps, x and y, each in standard deviations, by the points [1/m].
 
-    Those along edges shorter than `SHORT` and across the mouths of darts: two edges of a panel that meet and are sewn
-    to each other. Shape [2 count, 2 point_count].
+    Those along edges shorter than `MIN_GRADED_EDGE_LENGTH` and across the mouths of darts: two edges of a panel that
+    meet and are sewn to each other. Shape [2 count, 2 point_count].
     """
     rows = []
     for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
         count = len(panel.points)
-        ends = [(i, (i + 1) % count, SHORT_SPREAD) for i in range(count) if edge_length(panel, i) < SHORT]
+        ends = [
+            (i, (i + 1) % count, SHORT_EDGE_STD) for i in range(count) if edge_length(panel, i) < MIN_GRADED_EDGE_LENGTH
+        ]
         for seam in pattern.seams:
             for one, other in ((seam.a, seam.b), (seam.b, seam.a)):
                 if one.panel == other.panel == panel.name and other.edge == (one.edge + 1) % count:
                     start, end = one.edge, (one.edge + 2) % count
                     width = float(np.linalg.norm(panel.points[end] - panel.points[start]))
-                    ends.append((start, end, max(DART_SPREAD * width, SHORT_SPREAD)))
+                    ends.append((start, end, max(DART_WIDTH_STD * width, SHORT_EDGE_STD)))
         for start, end, spread in ends:
             for axis in range(2):
                 row = np.zeros((len(pattern.points), 2))
@@ -212,16 +218,16 @@ def kept_vectors(pattern: Pattern) -> np.ndarray:
     return np.array(rows).reshape(-1, 2 * len(pattern.points))
 
 
-def solve_sewn(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
+def solve_with_seams(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
     """Minimise x.(system x)/2 - right.x under rows @ x = sums.
 
-    Rows that repeat others up to a thousandth count once (`LEAST_SINGULAR`): both sides of a wearer are cut alike, but
-    for what a file rounds. Asked to hold by themselves, such remainders moved points by 11 cm.
+    Rows that repeat others up to a thousandth count once (`MIN_SINGULAR_VALUE_SHARE`): both sides of a wearer are cut
+    alike, but for what a file rounds. Asked to hold by themselves, such remainders moved points by 11 cm.
     """
     size = len(system)
     scale = float(np.trace(system)) / size
     left, values, directions = np.linalg.svd(rows, full_matrices=False)
-    kept = values > LEAST_SINGULAR * values.max(initial=0.0)
+    kept = values > MIN_SINGULAR_VALUE_SHARE * values.max(initial=0.0)
     sewn, sums = directions[kept], (left[:, kept].T @ sums) / values[kept]
     whole = np.block([[system / scale, sewn.T], [sewn, np.zeros((len(sewn), len(sewn)))]])
     return np.asarray(np.linalg.lstsq(whole, np.concatenate([right / scale, sums]), rcond=1e-12)[0][:size])

@@ -19,20 +19,21 @@ from ...garment.handles import (
 from .flattening import seam_rows
 from .parts import find_parts
 
-CURVE_SPREAD = 0.3
+CURVE_HANDLE_STD = 0.3
 """Standard deviation of a handle from where the base pattern has it [chords]: one maker's armhole is cut out where
 another's runs straight down, with handles 0.3 to 0.6 of a chord elsewhere. With 1 the panels of GarmentCode's drapes
 are 0.2 % nearer in area, and those of a T-shirt whose cloth is strained by 3 % are 2.4 % further off."""
 
-SMOOTH_SPREAD = np.radians(1.0)
-"""The same of a corner from the base pattern's where that is smooth [rad]; a cutter's knife does not show 5 degrees."""
+SMOOTH_CORNER_STD = np.radians(1.0)
+"""Standard deviation of a corner from that of the base pattern where that is smooth [rad]; the knife of a cutter does
+not show 5 degrees."""
 
-UPPER = ("neck", "armhole")
+FIXED_CONTOUR_PREFIXES = ("neck", "armhole")
 """Beginnings of the names of open contours whose shape the contour itself tells."""
 
 
 @dataclass(frozen=True)
-class Freedom:
+class PatternParameters:
     """Describe what may move: parameters are effective control points [m], then effective handles [chords].
 
     Attributes:
@@ -49,13 +50,13 @@ class Freedom:
     joins: tuple[tuple[SmoothJoin, float], ...]
 
     @classmethod
-    def of(cls, like: Pattern, curves: bool) -> Freedom:
+    def of(cls, like: Pattern, curves: bool) -> PatternParameters:
         """Find what may move within the symmetry of a base pattern, its curves' handles or not."""
         points, shapes = find_symmetry(like).matrix.toarray(), handles_of(like).ravel()
         if not curves:
             return cls(points, np.zeros((len(shapes), 0)), shapes, ())
         joins = tuple((join, measure_corner(like, join)) for join in find_smooth_joins(like))
-        return cls(points, find_free_handles(like, _keeps_shape(like)), shapes, joins)
+        return cls(points, find_free_handles(like, _find_fixed_curves(like)), shapes, joins)
 
     @property
     def has_curves(self) -> bool:
@@ -91,14 +92,14 @@ class Freedom:
         if not self.has_curves:
             return np.zeros(0), np.zeros((0, self.points.shape[1]))
         away = self.handles.T @ (self.shapes - handles_of(pattern).ravel())
-        missing = [away / CURVE_SPREAD]
-        by_points, by_handles = [np.zeros((len(away), len(self.points)))], [self.handles.T / CURVE_SPREAD]
+        missing = [away / CURVE_HANDLE_STD]
+        by_points, by_handles = [np.zeros((len(away), len(self.points)))], [self.handles.T / CURVE_HANDLE_STD]
         for join, corner in self.joins:
             off = (corner - measure_corner(pattern, join) + np.pi) % (2.0 * np.pi) - np.pi
-            missing.append(np.array([off / SMOOTH_SPREAD]))
+            missing.append(np.array([off / SMOOTH_CORNER_STD]))
             of_points, of_handles = corner_rates(pattern, join)
-            by_points.append(of_points.reshape(1, -1) / SMOOTH_SPREAD)
-            by_handles.append(of_handles.reshape(1, -1) / SMOOTH_SPREAD)
+            by_points.append(of_points.reshape(1, -1) / SMOOTH_CORNER_STD)
+            by_handles.append(of_handles.reshape(1, -1) / SMOOTH_CORNER_STD)
         return np.concatenate(missing), self.combine(np.concatenate(by_points), np.concatenate(by_handles))
 
     def move(self, pattern: Pattern, change: np.ndarray) -> Pattern:
@@ -115,7 +116,7 @@ class Freedom:
         return np.concatenate([points, self.handles.T @ (handles_of(pattern) - handles_of(start)).ravel()])
 
 
-def _keeps_shape(like: Pattern) -> set[EdgeRef]:
+def _find_fixed_curves(like: Pattern) -> set[EdgeRef]:
     """Return the edges whose curves stay: seams within a part, as a front's with its back, necklines and open armholes.
 
     A side seam follows the girths, and where it lies on a smooth side cannot be seen: free, it turns in and out with
@@ -128,6 +129,6 @@ def _keeps_shape(like: Pattern) -> set[EdgeRef]:
         EdgeRef(panel.name, i)
         for panel in like.panels
         for i, edge in enumerate(panel.edges)
-        if edge.contour.startswith(UPPER)
+        if edge.contour.startswith(FIXED_CONTOUR_PREFIXES)
     }
     return upper | {ref for seam in within for ref in (seam.a, seam.b)}

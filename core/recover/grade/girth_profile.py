@@ -12,19 +12,19 @@ from ...garment import Garment
 from ...geometry import cotangent_laplacian, face_areas, factor_symmetric, find_components, signed_areas
 from ...scan.contours import Target
 
-LEVELS = 32
-"""Places at which girths are taken: every 2 to 4 cm of a garment."""
+GIRTH_LEVEL_COUNT = 32
+"""Number of places at which girths are taken: every 2 to 4 cm of a garment."""
 
-WITHIN = 4
-"""Level lines over which each girth is averaged, which evens out the teeth of a coarse mesh."""
+GIRTH_LINE_COUNT = 4
+"""Number of level lines over which each girth is averaged, which evens out the teeth of a coarse mesh."""
 
-LEAST_AREA = 1e-12
-"""Twice the area of a face below which it has none [m2]: a needle of 2 cm and a twentieth of a nanometre."""
+MIN_DOUBLE_FACE_AREA = 1e-12
+"""Twice the area below which a face counts as having none [m2]: a needle of 2 cm and a twentieth of a nanometre."""
 
-UPPER, LOWER = ("neck", "waist"), ("hem", "leg.left", "leg.right")
+UPPER_CONTOURS, LOWER_CONTOURS = ("neck", "waist"), ("hem", "leg.left", "leg.right")
 """Contours at which a garment begins and ends; those of the arms lie between."""
 
-ARMS = ("cuff", "armhole")
+ARM_CONTOUR_STEMS = ("cuff", "armhole")
 """Stems of the contours of the arms."""
 
 
@@ -74,7 +74,7 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
     """
     start, end = (
         np.concatenate([loops[name] for name in names if name in loops] or [np.zeros(0, dtype=np.int64)])
-        for names in (UPPER, LOWER)
+        for names in (UPPER_CONTOURS, LOWER_CONTOURS)
     )
     if not (len(start) and len(end) and len(faces)):
         return None
@@ -95,12 +95,16 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
     flow = float(value @ (stiffness @ value))
     if not flow > 0.0:
         return None
-    levels = (np.arange(LEVELS * WITHIN) + 0.5) / (LEVELS * WITHIN)
-    girths = _line_lengths(corners, value[faces], levels).reshape(LEVELS, WITHIN).mean(axis=1)
-    steps = girths / (flow * LEVELS)
+    levels = (np.arange(GIRTH_LEVEL_COUNT * GIRTH_LINE_COUNT) + 0.5) / (GIRTH_LEVEL_COUNT * GIRTH_LINE_COUNT)
+    girths = _line_lengths(corners, value[faces], levels).reshape(GIRTH_LEVEL_COUNT, GIRTH_LINE_COUNT).mean(axis=1)
+    steps = girths / (flow * GIRTH_LEVEL_COUNT)
     distances = np.cumsum(steps) - 0.5 * steps
-    ends = [value[loop].max() for name, loop in loops.items() if name.startswith(ARMS)]
-    arms = float(np.interp(max(ends), (np.arange(LEVELS) + 0.5) / LEVELS, distances)) if ends else 0.0
+    ends = [value[loop].max() for name, loop in loops.items() if name.startswith(ARM_CONTOUR_STEMS)]
+    arms = (
+        float(np.interp(max(ends), (np.arange(GIRTH_LEVEL_COUNT) + 0.5) / GIRTH_LEVEL_COUNT, distances))
+        if ends
+        else 0.0
+    )
     return GirthProfile(girths, distances, arms)
 
 
@@ -109,7 +113,7 @@ def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.n
     own = np.arange(corners.shape[0] * 3).reshape(-1, 3)
     flat = corners.shape[2] == 2
     areas = np.abs(signed_areas(corners)) if flat else face_areas(corners.reshape(-1, 3), own)
-    kept = 2.0 * areas > LEAST_AREA
+    kept = 2.0 * areas > MIN_DOUBLE_FACE_AREA
     return corners[kept], faces[kept]
 
 

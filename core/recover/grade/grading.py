@@ -9,7 +9,7 @@ import numpy as np
 from ...body import Body
 from ...garment import Garment, Pattern, check_outline, equalise_seams, map_controls, panel_area
 from ...garment.errors import PanelCrossing, PanelDegenerate
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from .armpits import Armpits
 from .distances import ContourMeasure, compare_contours
@@ -60,7 +60,7 @@ def grade_pattern(
     body: Body,
     *,
     settings: GradeSettings | None = None,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> Grading:
     """Move the control points of a base pattern so that its drape takes the target's size and proportions.
 

@@ -11,13 +11,13 @@ from ...garment import Pattern, edge_length, equalise_seams
 from ...scan.contours import Contour, Target
 from ...scan.contours.edge_turn import EdgeTurn
 
-WORTH = 0.02
-"""Change of a panel's width that is worth another base pattern: 5 mm of a quarter of the hip, as well as a corner's
-place is known on a mesh of 1 cm."""
+MIN_PANEL_WIDTH_CHANGE = 0.02
+"""Relative change of the width of a panel above which another base pattern is made: 5 mm of a quarter of the hip, as
+well as the place of a corner is known on a mesh of 1 cm."""
 
-MOST = 0.30
-"""Change of a panel's width beyond which what looks like two seams is taken for something else: fronts and backs of
-published trousers differ by up to a half at the hem, a quarter each from their mean."""
+MAX_PANEL_WIDTH_CHANGE = 0.30
+"""Relative change of the width of a panel above which what looks like two seams is taken for something else: fronts and
+backs of published trousers differ by up to a half at the hem, a quarter each from their mean."""
 
 
 @dataclass(frozen=True)
@@ -69,24 +69,24 @@ def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, t
         lengths = _lengths(base, contour.name)
         if "neck" in names or contour.name == "waist" or not contour.trusted or len(lengths) != 2:
             continue
-        seen = find_share(contour, target, body)
+        seen = find_hem_share(contour, target, body)
         if seen is None:
             continue
         front, back = sorted(lengths, key=lambda name: -float(base.panel(name).translation[2]))
         whole = lengths[front] + lengths[back]
         found.append(seen)
         for name, share in ((front, seen.front), (back, 1.0 - seen.front)):
-            factors.setdefault(_face(base, name), []).append(share * whole / lengths[name])
+            factors.setdefault(_facing_side(base, name), []).append(share * whole / lengths[name])
     if not found:
         return base, ()
     means = {face: float(np.mean(each)) for face, each in factors.items()}
     change = max(abs(factor - 1.0) for factor in means.values())
-    if not WORTH < change < MOST:
+    if not MIN_PANEL_WIDTH_CHANGE < change < MAX_PANEL_WIDTH_CHANGE:
         return base, ()
     return _scale(base, means), tuple(found)
 
 
-def find_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
+def find_hem_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
     """Find the two corners of a target's edge, one at each side; None where it has not just these two."""
     edge = EdgeTurn.of_target(contour, target)
     corners = edge.corners()
@@ -113,7 +113,7 @@ def _lengths(base: Pattern, contour: str) -> dict[str, float]:
     return lengths
 
 
-def _face(base: Pattern, name: str) -> str:
+def _facing_side(base: Pattern, name: str) -> str:
     """Return on which side of the wearer a panel is placed."""
     return "front" if float(base.panel(name).translation[2]) > 0.0 else "back"
 
@@ -123,7 +123,7 @@ def _scale(base: Pattern, factors: dict[str, float]) -> Pattern:
     panels = []
     for panel in base.panels:
         upright = np.abs(panel.rotation[1, :2])
-        factor = np.where(upright == upright.max(), 1.0, factors[_face(base, panel.name)])
+        factor = np.where(upright == upright.max(), 1.0, factors[_facing_side(base, panel.name)])
         middle = (panel.points.min(axis=0) + panel.points.max(axis=0)) / 2
         panels.append(replace(panel, points=middle + factor * (panel.points - middle)))
     return equalise_seams(replace(base, panels=tuple(panels)), like=base)

@@ -10,12 +10,12 @@ from ...garment.parts import Bodice, Cut, Gores, Shaping, Skirt
 from ...scan.contours import Target
 from ...scan.contours.edge_turn import EdgeTurn
 
-LEAST = 6
-"""Corners from which a skirt is gored: four are where side and centre seams of a skirt of four panels end."""
+MIN_GORE_COUNT = 6
+"""Number of corners from which a skirt is gored: four are where side and centre seams of a skirt of four panels end."""
 
-EVEN = 0.5
-"""Least ratio of two gores' widths at the hem, and of two corners, of one skirt: below it something else made them, as
-slits or a torn edge do."""
+MIN_GORE_EVENNESS_RATIO = 0.5
+"""Smallest ratio of the widths of two gores at the hem, and of two corners, of one skirt: below it something else made
+them, as slits or a torn edge do."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ def find_gores(target: Target) -> HemGores | None:
         return None
     edge = EdgeTurn.of_target(hem, target)
     corners = edge.corners()
-    if len(corners) < LEAST or str(len(corners)) not in list(Gores) or not edge.is_clear(corners):
+    if len(corners) < MIN_GORE_COUNT or str(len(corners)) not in list(Gores) or not edge.is_clear(corners):
         return None
     places, turns = np.sort(edge.places[corners]), edge.turn[corners]
     widths = np.diff(np.append(places, places[0] + edge.length))
-    if turns.min() < EVEN * turns.max() or widths.min() < EVEN * widths.max():
+    if turns.min() < MIN_GORE_EVENNESS_RATIO * turns.max() or widths.min() < MIN_GORE_EVENNESS_RATIO * widths.max():
         return None
     return HemGores(Gores(str(len(corners))), float(turns.sum()))

@@ -9,12 +9,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...body import Body
-from ...garment import Garment, Pattern, equalise_seams, redraw
+from ...garment import Garment, Pattern, equalise_seams, update_flat_mesh
 from ...geometry import ClosedCurve, TriangleSurface, gradient_operator, lump, shape_gradients
 from ...scan.contours import Target, name_contours
 from .armpits import Armpits
-from .flattening import narrow_panels, solve_sewn
-from .freedom import Freedom
+from .flattening import narrow_panels, solve_with_seams
+from .freedom import PatternParameters
 from .grading import is_sound, move_pattern
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
@@ -33,8 +33,8 @@ them. With 3 % panels of 25 drapes were 0.15 % further off and their outlines 0.
 NEWTON_SEEN = 0.005
 """Their distance of a seam from where the cloth's curvature shows it that costs as much as a strain of 1 [m]."""
 
-HALVINGS = 5
-"""Times that a step is tried, shorter each time."""
+MAX_STEP_TRIAL_COUNT = 5
+"""Largest number of times that a step is tried, half as long each time."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class _Model:
 class Isometry:
     """Describe what stays the same from step to step.
 
-    Minimises over the nodes x and the parameters c of the pattern (`Freedom`) at once
+    Minimises over the nodes x and the parameters c of the pattern (`PatternParameters`) at once
 
         sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + seams + w A sum_k r_k^2
         + sum_f b_f A_f |J_f G_f - I|^2
@@ -142,8 +142,8 @@ class Isometry:
     Notation: E_f by how much the cloth misses what is wanted; F_f the map from face f's present flat shape to 3D, J_f
     the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target, R_f the isometry
     nearest to F_f U_f; q_v, n_v closest point and normal on the target, l `surface`; r_k what the rules of
-    `Proportions` and `Freedom` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at the
-    start, b_f `stay`, `stay_band` or `stay_hidden`.
+    `Proportions` and `PatternParameters` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat
+    shape at the start, b_f `stay`, `stay_band` or `stay_hidden`.
 
     Attributes:
         goal: The target.
@@ -168,7 +168,7 @@ class Isometry:
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
     seams: tuple[SeenSeam, ...]
     strain: np.ndarray
-    freedom: Freedom
+    freedom: PatternParameters
     proportions: Proportions
     start: Pattern
     anchor: np.ndarray
@@ -214,7 +214,7 @@ class Isometry:
         on_border = [node for line, _ in borders for node in line]
         hidden[on_border] = loose[on_border] = False
         hidden &= ~loose
-        freedom = Freedom.of(like, settings.curves)
+        freedom = PatternParameters.of(like, settings.curves)
         coupled, (slots,) = BlockPattern.of(len(garment.nodes), garment.faces)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
@@ -236,10 +236,10 @@ class Isometry:
     def step(self, garment: Garment, reach: float) -> Garment:
         """Return the garment after one step, which is halved until no panel folds over; at last it stays as it is."""
         change, moved = self._solve(self._linearise(garment), garment, reach)
-        share, follow = 1.0, redraw if self.freedom.has_curves else move_pattern
+        share, follow = 1.0, update_flat_mesh if self.freedom.has_curves else move_pattern
         if self.settings.newton:
             share = min(1.0, self.settings.farthest / max(float(np.linalg.norm(moved, axis=1).max()), 1e-9))
-        for _ in range(HALVINGS):
+        for _ in range(MAX_STEP_TRIAL_COUNT):
             pattern = equalise_seams(self.freedom.move(garment.pattern, share * change), like=garment.pattern)
             if is_sound(pattern, garment.pattern):
                 return follow(garment, pattern).at(garment.nodes + share * moved)
@@ -341,7 +341,7 @@ class Isometry:
             matrix = matrix + pull * rates.T @ rates
             right = right + pull * rates.T @ missing
         rows = self.freedom.seam_rows(pattern)
-        return solve_sewn(matrix, right, rows, np.zeros(len(rows)))
+        return solve_with_seams(matrix, right, rows, np.zeros(len(rows)))
 
     def _measure_proportions(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
         """Return what the rules of proportion miss, and its rates by the parameters."""
@@ -351,7 +351,7 @@ class Isometry:
         return missing, self.freedom.combine(by_points, self.proportions.curve_rates(pattern))
 
 
-def _anchor(garment: Garment, freedom: Freedom, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
+def _anchor(garment: Garment, freedom: PatternParameters, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
     """Return the matrix that holds the panels' shape where it is, by the parameters."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
@@ -362,7 +362,7 @@ def _anchor(garment: Garment, freedom: Freedom, loose: np.ndarray, settings: Iso
     return np.asarray(rates.T @ (np.repeat(weight, 4)[:, None] * rates))
 
 
-def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: Freedom) -> np.ndarray:
+def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: PatternParameters) -> np.ndarray:
     """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, parameter_count]."""
     flat = freedom.rates(garment).reshape(len(garment.uv), -1)
     return np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)

@@ -9,17 +9,17 @@ import numpy as np
 
 from ...garment import Panel, Pattern, edge_length
 from ...geometry import find_components
-from .flattening import SHORT
+from .flattening import MIN_GRADED_EDGE_LENGTH
 
-MIRRORED = 0.99
-"""Least ratio of lengths that mirror each other: equal, but for the author's rounding."""
+MIN_MIRROR_LENGTH_RATIO = 0.99
+"""Smallest ratio of lengths that mirror each other: equal, but for the rounding of the author."""
 
 
 def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
     """Count the seams between each two panels, by their names in order.
 
-    Edges that are sewn to the same other panel, and between which only darts or edges shorter than `SHORT` lie, are one
-    seam: programs cut a waist seam into as many edges as there are darts in it.
+    Edges that are sewn to the same other panel, and between which only darts or edges shorter than
+    `MIN_GRADED_EDGE_LENGTH` lie, are one seam: programs cut a waist seam into as many edges as there are darts in it.
     """
     partner = _partners(pattern)
     sides: dict[tuple[str, str], list[int]] = {}
@@ -41,7 +41,7 @@ def find_parts(pattern: Pattern) -> np.ndarray:
     return find_components(len(at), rows[:, 0], rows[:, 1])[1]
 
 
-def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:
+def find_armhole_pairs(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:
     """Find the pairs of control points across from each other at both ends of a panel's two armholes.
 
     A panel of a part of several, as a front with its back, that is sewn to other parts along two stretches which mirror
@@ -92,14 +92,18 @@ def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int
 
     def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
         lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]
-        return min(lengths) > MIRRORED * max(lengths)
+        return min(lengths) > MIN_MIRROR_LENGTH_RATIO * max(lengths)
 
     return alike(one, other) and alike((one[0], other[0]), (one[1], other[1]))
 
 
 def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[str]:
     """Count the edges of a panel that are sewn to each other panel, those joined across darts or short edges as one."""
-    sewn = [(i, partner.get((panel.name, i))) for i in range(len(panel.edges)) if edge_length(panel, i) >= SHORT]
+    sewn = [
+        (i, partner.get((panel.name, i)))
+        for i in range(len(panel.edges))
+        if edge_length(panel, i) >= MIN_GRADED_EDGE_LENGTH
+    ]
     sewn = [(i, name) for i, name in sewn if name != panel.name]
     count: Counter[str] = Counter()
     for n, (i, name) in enumerate(sewn):

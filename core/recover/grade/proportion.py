@@ -10,46 +10,48 @@ import numpy as np
 from ...garment import EdgeRef, Pattern, edge_length, panel_area
 from ...garment.handles import area_rates, handles_of, length_rates
 from .compared_area import ComparedArea, area_rates_by_points
-from .flattening import SHORT, kept_vectors
-from .parts import across_armholes, are_mirrored, count_seams, edges_until
+from .flattening import MIN_GRADED_EDGE_LENGTH, kept_vectors
+from .parts import are_mirrored, count_seams, edges_until, find_armhole_pairs
 
-ALIKE = 0.6
-"""Least ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
+MIN_SISTER_AREA_RATIO = 0.6
+"""Smallest ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
 
-AREA_SPREAD = 0.03
+AREA_RATIO_STD = 0.03
 """Standard deviation that is believed of ln of a ratio of areas; five published patterns, graded by their authors' own
 program by up to a factor of two, keep it within 2.5 %."""
 
-COUNTED = 0.5
-"""Least share of a panel's area that counts where areas are compared: of two discs that are sewn together nothing does,
-of the panels of 60 patterns of three makers 0.56 and more."""
+MIN_COMPARED_AREA_SHARE = 0.5
+"""Smallest share of the area of a panel that counts where areas are compared: of two discs that are sewn together
+nothing does, of the panels of 60 patterns of three makers 0.56 and more."""
 
-LENGTH_SPREAD = 0.05
-"""The same of a ratio of lengths of two edges in the same place of sister panels; there it is within 5 %."""
+LENGTH_RATIO_STD = 0.05
+"""Standard deviation of ln of a ratio of lengths of two edges in the same place of sister panels; there it is within 5
+%."""
 
-NOTCH_SPREAD = 0.2
-"""The same of the lengths of two edges that follow each other on one seam: nothing of the cloth tells where along a
-smooth seam the point between them lies. A dress and shorts that their authors' program graded keep it within 0.3, 0.2
-in the root mean square: the hip stays, the hem goes down."""
+NOTCH_RATIO_STD = 0.2
+"""Standard deviation of ln of the ratio of lengths of two edges that follow each other on one seam: nothing of the
+cloth tells where along a smooth seam the point between them lies. A dress and shorts that the program of their authors
+graded keep it within 0.3, 0.2 in the root mean square: the hip stays, the hem goes down."""
 
-WIDTH_SPREAD = 0.04
-"""The same of a bodice's width across the shoulders by that across the chest, from armhole to armhole: eight garments
-of three makers keep it within 8 %, 3.5 % in the root mean square. Where a shoulder is smooth nothing else tells where
-the armhole crosses it."""
+WIDTH_RATIO_STD = 0.04
+"""Standard deviation of ln of the ratio of the width of a bodice across the shoulders to that across the chest, from
+armhole to armhole: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. Where a shoulder
+is smooth nothing else tells where the armhole crosses it."""
 
-UNLIKE = 1.7
-"""Ratio of lengths from which two sisters' open contours are cut in other lines: a V by its back has twice, a crew neck
-1.5."""
+MIN_UNLIKE_LENGTH_RATIO = 1.7
+"""Ratio of lengths from which the open contours of two sisters are cut in other lines: a V neckline has twice the
+length of the back neckline, a crew neck 1.5 times."""
 
-THREAD_SPREAD = np.radians(1.0)
-"""Standard deviation of the angle between an edge and the thread that it follows: it is drawn along it or it is not."""
+THREAD_ANGLE_STD = np.radians(1.0)
+"""Standard deviation of the angle between an edge and the thread that it follows [rad]: it is drawn along it or it is
+not."""
 
-TURN_SPREAD = np.radians(3.0)
-"""The same of any other edge's direction: there armholes, caps and crotches turn by up to 3 degrees and grow by up to
-half: grading changes lengths more than directions."""
+EDGE_DIRECTION_STD = np.radians(3.0)
+"""Standard deviation of the direction of any other edge [rad]: there armholes, caps and crotches turn by up to 3
+degrees and grow by up to half: grading changes lengths more than directions."""
 
-ON_THREAD = np.radians(1.0)
-"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it: a slip of the pen."""
+MAX_THREAD_ANGLE = np.radians(1.0)
+"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad]: a slip of the pen."""
 
 DIRECTION_SHARE = 0.1
 """Cost of one standard deviation of a direction by that of a ratio: enough where the cloth says nothing, and a tenth of
@@ -62,15 +64,15 @@ class Proportions:
 
     Attributes:
         sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts,
-            where that is at least `COUNTED`.
+            where that is at least `MIN_COMPARED_AREA_SHARE`.
         areas: ln of the compared area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
         notched: Edges that follow each other on one seam between two panels.
         notches: ln of the length of the first by that of the second, shape [notch_count].
         widths: Two pairs of points each: of a panel, across at the one and at the other end of its armholes, as
-            `across_armholes` gives them; then of two sisters, across at the same place of the seams between them, and
-            across an open contour that is far longer on the one.
+            `find_armhole_pairs` gives them; then of two sisters, across at the same place of the seams between them,
+            and across an open contour that is far longer on the one.
         width_ratios: ln of the first distance by the second, shape [width_pair_count].
         vectors: Vectors along short edges and across darts, as `kept_vectors` gives them, shape [k, 2 point_count].
         drawn: Those of the base pattern, in standard deviations, shape [k].
@@ -103,21 +105,21 @@ class Proportions:
         missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
             now, by = a.measure(pattern), b.measure(pattern)
-            missing.append((ratio - np.log(now / by)) / AREA_SPREAD)
-            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / AREA_SPREAD)
+            missing.append((ratio - np.log(now / by)) / AREA_RATIO_STD)
+            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / AREA_RATIO_STD)
         for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, sister))
-            missing.append((ratio - now) / LENGTH_SPREAD)
-            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / LENGTH_SPREAD)
+            missing.append((ratio - now) / LENGTH_RATIO_STD)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / LENGTH_RATIO_STD)
         for (one, other), ratio in zip(self.widths, self.width_ratios, strict=True):
             now, rate = _ln_distance(pattern, one)
             by, by_rate = _ln_distance(pattern, other)
-            missing.append((ratio - (now - by)) / WIDTH_SPREAD)
-            rates.append((rate - by_rate) / WIDTH_SPREAD)
+            missing.append((ratio - (now - by)) / WIDTH_RATIO_STD)
+            rates.append((rate - by_rate) / WIDTH_RATIO_STD)
         for (edge, after), ratio in zip(self.notched, self.notches, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, after))
-            missing.append((ratio - now) / NOTCH_SPREAD)
-            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, after)) / NOTCH_SPREAD)
+            missing.append((ratio - now) / NOTCH_RATIO_STD)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, after)) / NOTCH_RATIO_STD)
         for ref, across, spread in zip(self.directed, self.across, self.spread, strict=True):
             start, end = pattern.ends_of(ref)
             chord = points[end] - points[start]
@@ -149,10 +151,10 @@ class Proportions:
             areas.append(area_rates(pattern, {**dict.fromkeys(a.curves(), now), **dict.fromkeys(b.curves(), by)}))
         return np.concatenate(
             [
-                np.array(areas).reshape(-1, size) / AREA_SPREAD,
-                ratios(self.edges, LENGTH_SPREAD),
+                np.array(areas).reshape(-1, size) / AREA_RATIO_STD,
+                ratios(self.edges, LENGTH_RATIO_STD),
                 np.zeros((len(self.widths), size)),
-                ratios(self.notched, NOTCH_SPREAD),
+                ratios(self.notched, NOTCH_RATIO_STD),
                 np.zeros((len(self.directed) + len(self.drawn), size)),
             ]
         )
@@ -170,12 +172,14 @@ def find_proportions(like: Pattern) -> Proportions:
     sisters, edges = [], []
     for (first, second), count in sorted(seams.items()):
         ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
-        if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
+        if count >= 2 and MIN_SISTER_AREA_RATIO < ratio < 1.0 / MIN_SISTER_AREA_RATIO:
             sisters.append((first, second))
-            edges += _same_place(like, first, second)
+            edges += _match_sister_edges(like, first, second)
     pairs = [(ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters]
     compared = tuple(
-        pair for pair in pairs if all(one.measure(like) >= COUNTED * panel_area(like.panel(one.panel)) for one in pair)
+        pair
+        for pair in pairs
+        if all(one.measure(like) >= MIN_COMPARED_AREA_SHARE * panel_area(like.panel(one.panel)) for one in pair)
     )
     areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
@@ -183,11 +187,11 @@ def find_proportions(like: Pattern) -> Proportions:
     vectors = kept_vectors(like)
     drawn = vectors @ like.points.ravel()
     widths = (
-        *across_armholes(like),
+        *find_armhole_pairs(like),
         *(width for pair in sisters for width in _across_sisters(like, *pair)),
         *(width for pair in sisters for width in _across_openings(like, *pair)),
     )
-    notched = _on_one_seam(like)
+    notched = _consecutive_seam_edges(like)
     notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
     ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
     return Proportions(
@@ -206,18 +210,20 @@ def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[Edge
         warp = np.array([-np.sin(panel.grainline), np.cos(panel.grainline)])
         for i, edge in enumerate(panel.edges):
             ref = EdgeRef(panel.name, i)
-            if ref in between or edge_length(panel, i) < SHORT:
+            if ref in between or edge_length(panel, i) < MIN_GRADED_EDGE_LENGTH:
                 continue
             chord = panel.points[(i + 1) % len(panel.points)] - panel.points[i]
             chord = chord / np.linalg.norm(chord)
             off = min(abs(float(warp @ chord)), abs(float(warp[0] * chord[1] - warp[1] * chord[0])))
             directed.append(ref)
             across.append((-chord[1], chord[0]))
-            spread.append(THREAD_SPREAD if edge.kind == "line" and off < np.sin(ON_THREAD) else TURN_SPREAD)
+            spread.append(
+                THREAD_ANGLE_STD if edge.kind == "line" and off < np.sin(MAX_THREAD_ANGLE) else EDGE_DIRECTION_STD
+            )
     return tuple(directed), np.array(across).reshape(-1, 2), np.array(spread)
 
 
-def _same_place(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
+def _match_sister_edges(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
     """Pair the edges of two sister panels that lie between the same two of their common seams.
 
     The second panel is run through the other way round, as its edges meet the first's along a reversed seam. Stretches
@@ -246,7 +252,7 @@ def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[
     """Pair the widths of two sister panels between the points within two seams that join them and mirror each other.
 
     Where a side is smooth, its seam can wander to the front at the waist and to the back at the hip. The ends of the
-    seams are left out: `_same_place` keeps hems and necklines, `across_armholes` the chest.
+    seams are left out: `_match_sister_edges` keeps hems and necklines, `find_armhole_pairs` the chest.
     """
     panel = like.panel(first)
     mine, theirs = like.first_points[first], like.first_points[second]
@@ -267,7 +273,7 @@ def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple
 
     Both begin where the same two seams end. In the trade's drafts they are as wide within 1 cm (W. Aldrich, Metric
     Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). Contours that are
-    alike in length are kept by it (`_same_place`).
+    alike in length are kept by it (`_match_sister_edges`).
     """
     panel, sister, found = like.panel(first), like.panel(second), []
     mine, theirs = like.first_points[first], like.first_points[second]
@@ -279,7 +285,7 @@ def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple
         if not between or not opposite or not all(panel.edges[i].contour for i in between):
             continue
         lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
-        if max(lengths) > UNLIKE * min(lengths):
+        if max(lengths) > MIN_UNLIKE_LENGTH_RATIO * min(lengths):
             found.append(((mine + start, mine + end), (theirs + there, theirs + back)))
     return found
 
@@ -314,7 +320,7 @@ def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
     }
 
 
-def _on_one_seam(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
+def _consecutive_seam_edges(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
     """Pair the edges that follow each other on one seam between two panels, on the first of both by name.
 
     Closed darts between them are left out: where along a smooth waist a dart lies, the cloth does not tell either.
@@ -322,13 +328,13 @@ def _on_one_seam(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
     sewn = {ref: other for seam in like.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
     found = []
     for ref, other in sewn.items():
-        following, before = _past_darts(like, ref, 1, sewn), _past_darts(like, other, -1, sewn)
+        following, before = _skip_darts(like, ref, 1, sewn), _skip_darts(like, other, -1, sewn)
         if ref.panel < other.panel and sewn.get(following) == before:
             found.append((ref, following))
-    return tuple(pair for pair in found if min(_length(like, each) for each in pair) >= SHORT)
+    return tuple(pair for pair in found if min(_length(like, each) for each in pair) >= MIN_GRADED_EDGE_LENGTH)
 
 
-def _past_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
+def _skip_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
     """Return the edge next to one in a panel, forwards or backwards, past darts, whose two edges are sewn together."""
     count = len(like.panel(ref.panel).edges)
     at = (ref.edge + turn) % count

@@ -10,11 +10,11 @@ import scipy.sparse as sp
 from ...garment import Garment
 from ...geometry import (
     ClosedCurve,
-    Closest,
+    ClosestPoints,
     HalfEdges,
     Rim,
     TriangleSurface,
-    analyse,
+    analyse_pattern,
     bending_matrix,
     cotangent_laplacian,
     factor_symmetric,
@@ -24,7 +24,7 @@ from ...geometry import (
     signed_areas,
     vertex_normals,
 )
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from .armpits import Armpits
 from .parts import find_parts
@@ -55,7 +55,7 @@ class HiddenCloth:
             garment: The garment on the wearer; integrals run over its flat rest shape.
             chosen: True at the nodes that are hidden, shape [node_count]; faces count by their share of these corners.
         """
-        uneven, area = change_operator(garment, chosen)
+        uneven, area = dirichlet_operator(garment, chosen)
         rests = np.abs(vertex_normals(garment.nodes, garment.faces)[:, 1]) > self.level
         return sp.csr_matrix((uneven + sp.diags(area * rests) / self.rest**2) / self.even**2)
 
@@ -100,7 +100,7 @@ def register_coarsely(
     garment: Garment,
     target: Target,
     settings: RegistrationSettings | None = None,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
     armpits: Armpits | None = None,
 ) -> np.ndarray:
     """Move the nodes of a draped template onto the target [m], shape [node_count, 3].
@@ -131,7 +131,7 @@ def register_coarsely(
     fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
     # The bending reaches two rings around a node, all else one.
     edges = HalfEdges.of(garment.faces, len(start))
-    solver = analyse(edges, rings=2)
+    solver = analyse_pattern(edges, rings=2)
     moved = start.copy()
     rim = None if settings.hidden is None or target.hidden is None else Rim.between(goal.faces, target.hidden)
     rims = [line.vertices for line in garment.contours if not pins[line.vertices].any()]
@@ -149,10 +149,10 @@ def register_coarsely(
             beyond = rim.lies_ahead(goal, found)
             weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
             held = fixed + settings.hidden.hold(garment, beyond)
-        beyond = _reach(free, still > 0.0, edges.edges)
+        beyond = _find_reachable(free, still > 0.0, edges.edges)
         if beyond.any():
             still = np.where(beyond, 0.0, still)
-            held = held + change_operator(garment, beyond)[0] / settings.even**2
+            held = held + dirichlet_operator(garment, beyond)[0] / settings.even**2
         lead = moved - start + out * (out * (found.foot - moved)).sum(1)[:, None]
         found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
         on_faces = found.interpolation(here.faces, len(moved))
@@ -178,7 +178,7 @@ def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettin
     return pins, pinned
 
 
-def _reach(ends: np.ndarray, passable: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def _find_reachable(ends: np.ndarray, passable: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Return which passable nodes the edges join to end nodes by passable ones, bool, shape [node_count]."""
     ends = ends[passable[ends]]
     if not len(ends):
@@ -189,7 +189,7 @@ def _reach(ends: np.ndarray, passable: np.ndarray, edges: np.ndarray) -> np.ndar
 
 def match_surface(
     surface: TriangleSurface, points: np.ndarray, normals: np.ndarray, facing: float
-) -> tuple[Closest, np.ndarray]:
+) -> tuple[ClosestPoints, np.ndarray]:
     """Find closest points, and whether each counts: not at an open edge, and its face's normal alike.
 
     At an open edge a closest point means that the surface ends, not that it is near.
@@ -218,7 +218,7 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
     return place, (own.lengths + np.roll(own.lengths, 1)) / 2
 
 
-def change_operator(garment: Garment, chosen: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
+def dirichlet_operator(garment: Garment, chosen: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
     """Return the matrix of int |grad d|^2 dA, [node_count, node_count], and node areas [m2], of a part of a garment.
 
     Args:

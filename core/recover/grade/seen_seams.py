@@ -9,7 +9,7 @@ import numpy as np
 from ...body import Body
 from ...garment import EdgeRef, Garment
 from ...scan.contours import Target
-from .parts import across_armholes
+from .parts import find_armhole_pairs
 from .shoulder_points import find_shoulder_points
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import find_waist_line, is_waist_seam
@@ -47,7 +47,7 @@ def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenS
     """
     pattern = garment.pattern
     waist = [seam.a for seam in pattern.seams if is_waist_seam(pattern, seam)]
-    armholes = across_armholes(pattern)
+    armholes = find_armhole_pairs(pattern)
     if not waist and not armholes:
         return ()
     cloth = TrunkCurvature.of(target, body)

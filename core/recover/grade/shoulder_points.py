@@ -6,26 +6,27 @@ import numpy as np
 
 from .trunk_curvature import TrunkCurvature
 
-REACH = 0.04
-"""How far around a place curvature is counted [m], by the same share as for bust points: no neighbouring point of a
-seam lies as near. No rim may either, for half of what is counted would be missing there: beside the neck of a V-necked
-scan with 4 mm edges the sum is below `HOLLOW` in one of two draws of 0.2 mm of noise, 2 to 8 mm from the rim; the ends
-of armholes lie 54 mm from it and more."""
+SHOULDER_CURVATURE_RADIUS = 0.04
+"""Radius around a place within which curvature is counted [m], with the weights of the bust points: no neighbouring
+point of a seam lies as near. No rim may either, for half of what is counted would be missing there: beside the neck of
+a V-necked scan with 4 mm edges the sum is below `MAX_HOLLOW_CURVATURE` in one of two draws of 0.2 mm of noise, 2 to 8
+mm from the rim; the ends of armholes lie 54 mm from it and more."""
 
-HOLLOW = -0.12
-"""Curvature of each place from which it is a point [rad]. At the ends of the armholes of eleven sleeved drapes by
-another simulator and one of our own it is -0.70 to -0.13, but for two sides -0.08 and -0.10."""
+MAX_HOLLOW_CURVATURE = -0.12
+"""Curvature of each place below which it is a shoulder point [rad]. At the ends of the armholes of eleven sleeved
+drapes by another simulator and one of our own it is -0.70 to -0.13, but for two sides -0.08 and -0.10."""
 
-ALONE = 0.45
-"""Share of it that the next place has at most, `REACH` and further away. Seven of those twelve have 0.09 to 0.36 on
-both sides; on the others, on published and unsleeved ones and on a noisy scan another place is as hollow."""
+MAX_RIVAL_CURVATURE_SHARE = 0.45
+"""Share of the curvature of a shoulder point that the next place has at most, `SHOULDER_CURVATURE_RADIUS` and further
+away. Seven of those twelve have 0.09 to 0.36 on both sides; on the others, on published and unsleeved ones and on a
+noisy scan another place is as hollow."""
 
-INNER, OUTER = 0.12, 0.15
-"""How far inside and outside of the shoulder joint a place may lie [m]: a halter's armhole begins beside the neck, a
-dropped shoulder ends on the arm."""
+MAX_SHOULDER_INWARD_OFFSET, MAX_SHOULDER_OUTWARD_OFFSET = 0.12, 0.15
+"""Largest distances inside and outside of the shoulder joint at which a place may lie [m]: the armhole of a halter
+begins beside the neck, a dropped shoulder ends on the arm."""
 
-DEEP, LOW = 0.08, 0.10
-"""How far before or behind, and below, the joint it may lie [m]."""
+MAX_SHOULDER_DEPTH_OFFSET, MAX_SHOULDER_DROP = 0.08, 0.10
+"""Largest distances before or behind, and below, the shoulder joint at which a place may lie [m]."""
 
 
 def find_shoulder_points(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray] | None:
@@ -50,18 +51,23 @@ def _find_point(cloth: TrunkCurvature, side: int) -> np.ndarray | None:
     """Return the hollow point of the left (0) or right (1) shoulder; None where none is alone, and whole."""
     outwards = (1.0, -1.0)[side]
     away = cloth.points - cloth.shoulders[side]
-    near = np.linalg.norm(away, axis=1) < INNER + OUTER
+    near = np.linalg.norm(away, axis=1) < MAX_SHOULDER_INWARD_OFFSET + MAX_SHOULDER_OUTWARD_OFFSET
     across, up, forwards = away.T
-    offered = near & (outwards * across > -INNER) & (outwards * across < OUTER) & (np.abs(forwards) < DEEP)
-    offered &= (up > -LOW) & cloth.faces_up
+    offered = (
+        near
+        & (outwards * across > -MAX_SHOULDER_INWARD_OFFSET)
+        & (outwards * across < MAX_SHOULDER_OUTWARD_OFFSET)
+        & (np.abs(forwards) < MAX_SHOULDER_DEPTH_OFFSET)
+    )
+    offered &= (up > -MAX_SHOULDER_DROP) & cloth.faces_up
     if not offered.any():
         return None
-    sums = cloth.gather(cloth.points[offered], near, REACH)
+    sums = cloth.gather(cloth.points[offered], near, SHOULDER_CURVATURE_RADIUS)
     least = int(np.argmin(sums))
     place = cloth.points[offered][least]
-    others = sums[np.linalg.norm(cloth.points[offered] - place, axis=1) >= REACH]
-    if sums[least] > HOLLOW or others.min(initial=0.0) < ALONE * sums[least]:
+    others = sums[np.linalg.norm(cloth.points[offered] - place, axis=1) >= SHOULDER_CURVATURE_RADIUS]
+    if sums[least] > MAX_HOLLOW_CURVATURE or others.min(initial=0.0) < MAX_RIVAL_CURVATURE_SHARE * sums[least]:
         return None
     rim = cloth.points[cloth.on_rim]
-    is_whole = np.linalg.norm(rim - place, axis=1).min(initial=np.inf) >= REACH
+    is_whole = np.linalg.norm(rim - place, axis=1).min(initial=np.inf) >= SHOULDER_CURVATURE_RADIUS
     return np.asarray(place) if is_whole else None

@@ -11,16 +11,17 @@ from ...garment.parts import SLEEVES, Cut, Sleeve
 from ...scan.contours import Target
 from .distances import limb_chain, loop_centre, position_along
 
-ARM = 0.49
+DRAFT_ARM_LENGTH = 0.49
 """Length of the arm from shoulder to wrist that sleeves are drafted for [m]: the built-in female body's of 1.70 m."""
 
-FAR = 1.5
-"""Factor by which a sleeve has to be too long or too short to be left: grading mends lengths, and a shoulder seam that
-drops down the arm makes a short sleeve reach 1.3 to 1.5 times as far as it is long."""
+MIN_SLEEVE_MISMATCH_FACTOR = 1.5
+"""Factor by which a sleeve has to be too long or too short to be replaced: grading mends lengths, and a shoulder seam
+that drops down the arm makes a short sleeve reach 1.3 to 1.5 times as far as it is long."""
 
-CLEAR = 1.0 / 3.0
-"""A sleeve is left only for one whose length is nearer than this share of its own distance, in logarithms: halfway
-between two a change gains nothing (a T-shirt's at 0.47: panels 3.0 % off become 3.4 % off)."""
+MAX_SLEEVE_DISTANCE_SHARE = 1.0 / 3.0
+"""Share of the distance of a sleeve from the length of the scan, in logarithms, below which that of another has to be
+to replace it: halfway between two a change gains nothing (that of a T-shirt at 0.47: panels 3.0 % off become 3.4 %
+off)."""
 
 
 def fit_sleeve(target: Target, body: Body, cut: Cut) -> Cut:
@@ -31,9 +32,13 @@ def fit_sleeve(target: Target, body: Body, cut: Cut) -> Cut:
     reach = cuff_reach(target, body)
     if reach is None or cut.sleeve is Sleeve.NONE:
         return cut
-    away = {sleeve: abs(math.log(reach * ARM / drawn.length)) for sleeve, drawn in SLEEVES.items()}
+    away = {sleeve: abs(math.log(reach * DRAFT_ARM_LENGTH / drawn.length)) for sleeve, drawn in SLEEVES.items()}
     nearest, own = min(away, key=away.__getitem__), away[cut.sleeve]
-    return cut.choose({"sleeve": str(nearest)}) if own > math.log(FAR) and away[nearest] < CLEAR * own else cut
+    return (
+        cut.choose({"sleeve": str(nearest)})
+        if own > math.log(MIN_SLEEVE_MISMATCH_FACTOR) and away[nearest] < MAX_SLEEVE_DISTANCE_SHARE * own
+        else cut
+    )
 
 
 def cuff_reach(target: Target, body: Body) -> float | None:

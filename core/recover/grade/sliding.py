@@ -9,15 +9,15 @@ import numpy as np
 
 from ...body import Body
 from ...garment import Garment, Pattern, mesh_pattern, resample
-from ...run.best import best
+from ...run.best import choose_best
 from ...run.errors import BadInput
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import Target
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
-from .strain import believed_strain, hidden_folds
+from .strain import clamp_stretch, subgrid_stretch
 
-GROWTH = 2.0
+NEWTON_REACH_GROWTH = 2.0
 """Factor by which the reach of Gauss-Newton steps grows from one to the next."""
 
 
@@ -56,7 +56,7 @@ def slide_seams(
     like: Pattern,
     *,
     settings: SlideSettings | None = None,
-    hooks: Hooks = SILENT,
+    hooks: Hooks = SILENT_HOOKS,
 ) -> Garment:
     """Slide the seams of a graded garment over the target until panels and cloth are isometric.
 
@@ -80,7 +80,7 @@ def slide_seams(
     """
     settings = settings or SlideSettings()
     chosen = settings.isometry
-    found, strain = lay_coarsely(garment, chosen)
+    found, strain = mesh_coarsely(garment, chosen)
     problem = Isometry.of(found, target, body, like, strain, chosen)
 
     def tell(step: int) -> None:
@@ -88,10 +88,10 @@ def slide_seams(
 
     slid = solve_isometry(problem, found, settings.settled, tell)
     tried = {"slid": slid, "as graded": found}
-    return best("seams", tried, lambda one: float(one is slid and not can_be_meshed(one)), hooks)
+    return choose_best("seams", tried, lambda one: float(one is slid and not can_be_meshed(one)), hooks)
 
 
-def lay_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment, np.ndarray]:
+def mesh_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment, np.ndarray]:
     """Return a coarse mesh of a garment on the target, and by how much its faces' cloth is believed to be strained.
 
     Args:
@@ -103,7 +103,7 @@ def lay_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment,
     """
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(garment.nodes)))
     found = coarse.at(resample(garment, garment.nodes, coarse))
-    strain = believed_strain(found, found, settings.believed) @ hidden_folds(found, garment, garment.nodes)
+    strain = clamp_stretch(found, found, settings.believed) @ subgrid_stretch(found, garment, garment.nodes)
     return found, 0.5 * (strain + np.swapaxes(strain, 1, 2))
 
 
@@ -138,7 +138,7 @@ def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Call
         if float(np.linalg.norm(way, axis=1).max()) < settled:
             break
         if chosen.newton:
-            tried, reach = found, min(GROWTH * reach, chosen.reach)
+            tried, reach = found, min(NEWTON_REACH_GROWTH * reach, chosen.reach)
             continue
         ahead = found.nodes - before.nodes
         turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1

@@ -9,11 +9,12 @@ from ...garment import Garment
 from ...geometry import self_intersections, signed_areas
 from .flattening import garment_stretch, narrow_panels
 
-MOST_HIDDEN = 0.8
-"""Least length of a coarse edge by that of the folds under it; tighter ones are crumples of a registration."""
+MIN_COARSE_LENGTH_RATIO = 0.8
+"""Smallest ratio of the length of a coarse edge to that of the folds under it; tighter folds are crumples of a
+registration."""
 
 
-def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
+def clamp_stretch(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
     """Return a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
 
     Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
@@ -26,15 +27,15 @@ def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndar
     values, axes = np.linalg.eigh(_mean_square(coarse, drape, garment_stretch(drape, drape.nodes)))
     values = np.sqrt(values)
     narrow = narrow_panels(coarse.pattern)[coarse.panel_of_face]
-    return _join(np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed)), axes)
+    return _compose_symmetric(np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed)), axes)
 
 
-def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
+def subgrid_stretch(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
     """Return by how much the coarse mesh cuts registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
 
     With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
-    which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening. Around cloth that passes through itself it is 1:
-    what crosses there was crumpled by the registration, or is another layer, and no fold of the scan.
+    which H C H = D; clipped to `MIN_COARSE_LENGTH_RATIO` and to no lengthening. Around cloth that passes through itself
+    it is 1: what crosses there was crumpled by the registration, or is another layer, and no fold of the scan.
     """
     square = _mean_square(coarse, fine, garment_stretch(fine, registered))
     found = _mean_square(coarse, coarse, garment_stretch(coarse, coarse.nodes))
@@ -42,7 +43,7 @@ def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.n
     back = np.linalg.inv(root)
     hidden = back @ _power(root @ found @ root, 0.5) @ back
     values, axes = np.linalg.eigh(hidden)
-    folds = _join(np.clip(values, MOST_HIDDEN, 1.0), axes)
+    folds = _compose_symmetric(np.clip(values, MIN_COARSE_LENGTH_RATIO, 1.0), axes)
     folds[_find_crossed(coarse, fine, registered)] = np.eye(2)
     return folds
 
@@ -81,9 +82,9 @@ def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndar
 def _power(square: np.ndarray, power: float) -> np.ndarray:
     """Raise symmetric positive matrices to a power, shape [n, 2, 2]."""
     values, axes = np.linalg.eigh(square)
-    return _join(values**power, axes)
+    return _compose_symmetric(values**power, axes)
 
 
-def _join(values: np.ndarray, axes: np.ndarray) -> np.ndarray:
+def _compose_symmetric(values: np.ndarray, axes: np.ndarray) -> np.ndarray:
     """Return the symmetric matrices with these eigenvalues and eigenvectors, shape [n, 2, 2]."""
     return np.asarray((axes * values[:, None, :]) @ np.swapaxes(axes, 1, 2))

@@ -11,35 +11,36 @@ from ...garment import Pattern, Seam
 from ...garment.parts import Cut, Skirt
 from .trunk_curvature import TrunkCurvature
 
-BETWEEN = 0.16
-"""How far to both sides of the middle plane curvature is counted, by the waist's girth: 13 cm of 82. Half the width of
-a waist is 0.19 of its girth and more, and at the sides a dress in one piece is curved by its side seams."""
+WAIST_HALF_WIDTH_SHARE = 0.16
+"""Share of the girth of the waist up to which curvature is counted on both sides of the middle plane: 13 cm of 82. Half
+the width of a waist is 0.19 of its girth and more, and at the sides a dress in one piece is curved by its side
+seams."""
 
-BAND, BANDS = 0.04, 8
+CURVATURE_BAND_HEIGHT, CURVATURE_BAND_COUNT = 0.04, 8
 """Height [m] of the bands by which curvature is summed, and their number, half of them below the waist. A seam across
 lies within two of them; together they reach from below the bust to the hips."""
 
-CURVED = 1.0
-"""Curvature [rad] from which a line is believed, of front and back together. Four dresses with darts at a waist seam,
+MIN_WAIST_CURVATURE = 1.0
+"""Curvature of front and back together from which a line is accepted [rad]. Four dresses with darts at a waist seam,
 draped by another simulator, have 2.3 to 5.5; drawn and published garments without one, at up to 1 mm of noise, 0.6 at
 most."""
 
-SHARE = 0.5
-"""Of the absolute curvature of all bands that the line's two have at least: cloth that is strained or crumpled is
-curved everywhere."""
+MIN_LINE_CURVATURE_SHARE = 0.5
+"""Share of the absolute curvature of all bands that the two bands of the line have at least: cloth that is strained or
+crumpled is curved everywhere."""
 
-HEIGHT_STEP, TILT_STEP, MOST_TILT = 0.0025, 0.02, 0.3
+HEIGHT_STEP, TILT_STEP, MAX_WAIST_TILT = 0.0025, 0.02, 0.3
 """Steps in height [m] and slope by which the line is searched, and its largest slope: a waist seam lies by up to 17
 degrees lower in front than behind or higher."""
 
-WIDTH = 0.01
+WAIST_LINE_STD = 0.01
 """Standard deviation of the height over which curvature is counted as the line's [m]: an edge of a scan of 10 000
 faces; with 0.5 mm of noise the line is within 2.5 mm."""
 
-WAIST = "waist."
+WAIST_LABEL_PREFIX = "waist."
 """Beginning of the labels of a draft's edges at its waist seam."""
 
-SHEATHS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
+SHEATH_SKIRTS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
 """Skirts whose upper edge, without darts, is nearly straight, as a bodice's lower one is: sewn together these leave no
 curvature. Circles and gathers do."""
 
@@ -76,13 +77,13 @@ def sew_waist(cut: Cut, fixed: Container[str]) -> Cut:
     """
     if "waist" in fixed or not cut.has_place_for("waist"):
         return cut
-    darts = cut.skirt in SHEATHS and "shaping" not in fixed
+    darts = cut.skirt in SHEATH_SKIRTS and "shaping" not in fixed
     return cut.choose({"waist": "seam", **({"shaping": "darts"} if darts else {})})
 
 
 def is_waist_seam(pattern: Pattern, seam: Seam) -> bool:
     """Return whether a seam of a drafted pattern joins a bodice to what hangs from it."""
-    return pattern.panel(seam.a.panel).edges[seam.a.edge].label.startswith(WAIST)
+    return pattern.panel(seam.a.panel).edges[seam.a.edge].label.startswith(WAIST_LABEL_PREFIX)
 
 
 def has_curved_waist(cloth: TrunkCurvature) -> bool:
@@ -103,38 +104,42 @@ def find_waist_line(cloth: TrunkCurvature) -> WaistLine | None:
     band = _find_band(cloth)
     if band is None:
         return None
-    counted, above = _count(cloth)
+    counted, above = _select_vertices(cloth)
     above, forwards = above[counted], cloth.points[counted, 2]
     middle, curvature = float(np.median(forwards)), cloth.curvature[counted]
-    heights = BAND * (band - BANDS // 2) + np.arange(-BAND, 3.0 * BAND, HEIGHT_STEP)
-    tilts = np.arange(-MOST_TILT, MOST_TILT + TILT_STEP / 2, TILT_STEP)
+    heights = CURVATURE_BAND_HEIGHT * (band - CURVATURE_BAND_COUNT // 2) + np.arange(
+        -CURVATURE_BAND_HEIGHT, 3.0 * CURVATURE_BAND_HEIGHT, HEIGHT_STEP
+    )
+    tilts = np.arange(-MAX_WAIST_TILT, MAX_WAIST_TILT + TILT_STEP / 2, TILT_STEP)
 
     def found_at(height: float, tilt: float) -> float:
         off = above - height - tilt * (forwards - middle)
-        return -float(curvature @ np.exp(-0.5 * (off / WIDTH) ** 2))
+        return -float(curvature @ np.exp(-0.5 * (off / WAIST_LINE_STD) ** 2))
 
     height, tilt = max(((h, t) for h in heights for t in tilts), key=lambda place: found_at(*place))
     normal = cloth.axes[1] - tilt * cloth.axes[2]
     offset = cloth.origin @ normal + cloth.measures.waist_height + height - tilt * middle
     length = float(np.linalg.norm(normal))
     sideways = cloth.axes[0]
-    reach = BETWEEN * cloth.measures.waist
+    reach = WAIST_HALF_WIDTH_SHARE * cloth.measures.waist
     return WaistLine(normal / length, float(offset) / length, sideways, float(cloth.origin @ sideways), reach)
 
 
 def _find_band(cloth: TrunkCurvature) -> int | None:
     """Return the lower of the two bands, counted from below, that the line lies within; None where there is none."""
-    counted, above = _count(cloth)
-    band = np.floor(above / BAND).astype(np.int64) + BANDS // 2
-    counted &= (band >= 0) & (band < BANDS)
-    bands = np.bincount(band[counted], weights=cloth.curvature[counted], minlength=BANDS)
+    counted, above = _select_vertices(cloth)
+    band = np.floor(above / CURVATURE_BAND_HEIGHT).astype(np.int64) + CURVATURE_BAND_COUNT // 2
+    counted &= (band >= 0) & (band < CURVATURE_BAND_COUNT)
+    bands = np.bincount(band[counted], weights=cloth.curvature[counted], minlength=CURVATURE_BAND_COUNT)
     lines = bands[:-1] + bands[1:]
     at = int(np.argmin(lines[1:-1])) + 1  # not where the bands end
-    return at if lines[at] < -CURVED and -lines[at] > SHARE * np.abs(bands).sum() else None
+    return (
+        at if lines[at] < -MIN_WAIST_CURVATURE and -lines[at] > MIN_LINE_CURVATURE_SHARE * np.abs(bands).sum() else None
+    )
 
 
-def _count(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray]:
+def _select_vertices(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray]:
     """Return which vertices lie in front or behind, within the bands' reach, and the heights of all above the waist."""
     above = cloth.points[:, 1] - cloth.measures.waist_height
-    counted = np.abs(cloth.points[:, 0]) < BETWEEN * cloth.measures.waist
-    return counted & (np.abs(above) < BAND * (BANDS // 2)), above
+    counted = np.abs(cloth.points[:, 0]) < WAIST_HALF_WIDTH_SHARE * cloth.measures.waist
+    return counted & (np.abs(above) < CURVATURE_BAND_HEIGHT * (CURVATURE_BAND_COUNT // 2)), above

@@ -1,12 +1,24 @@
 """Cloth in motion: a garment on a wearer who moves."""
 
-from .animation import STAGE, Animation, Verdict, animate, list_times
-from .clearing import Clearing, clear_motion
+from .animation import STAGE, Animation, FrameVerdict, animate, list_times
+from .clearing import LimbSpread, make_room_for_garment
 from .measured import judge_animation, judge_motion, measure_animation
-from .moved import Moved, move_worn
+from .moved import AnimatedGarment, animate_garment
 from .settings import AnimateBad, AnimateSettings
 
 __all__ = [
-    "STAGE", "AnimateBad", "AnimateSettings", "Animation", "Clearing", "Moved", "Verdict", "animate",
-    "clear_motion", "judge_animation", "judge_motion", "list_times", "measure_animation", "move_worn",
+    "STAGE",
+    "AnimateBad",
+    "AnimateSettings",
+    "AnimatedGarment",
+    "Animation",
+    "FrameVerdict",
+    "LimbSpread",
+    "animate",
+    "animate_garment",
+    "judge_animation",
+    "judge_motion",
+    "list_times",
+    "make_room_for_garment",
+    "measure_animation",
 ]  # fmt: skip

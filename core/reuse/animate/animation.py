@@ -11,26 +11,27 @@ import numpy as np
 
 from ...body import pinched_depth, skin, unskin
 from ...body.motion import LeadIn
-from ...cloth import State
+from ...cloth import ClothState
 from ...geometry import self_intersections
 from ...run.checkpoints import load, save
-from ...run.hooks import SILENT, Hooks
-from ..wear import Worn
-from .settings import AnimateBad, AnimateSettings, Pace
-from .stage import Cloth, Moment, Stage
+from ...run.hooks import SILENT_HOOKS, Hooks
+from ..wear import WornGarment
+from .settings import AnimateBad, AnimateSettings, StepLimits
+from .stage import AnimationScene, Cloth, PosedWearer
 
 STAGE = "animate"
 """Name of the stage in progress."""
 
-CHUNK = 5
-"""Frames that are kept together: a run that was killed goes on from the last such group, a few seconds back."""
+CHECKPOINT_FRAME_COUNT = 5
+"""Number of frames that are kept together. A run that was killed goes on from the last such group, a few seconds
+back."""
 
-MOST_VALUES = 200_000_000
-"""Coordinates of all frames at most: 1.6 GB, an hour of 600 vertices or ten minutes of 4000 at 30 Hz."""
+MAX_COORDINATE_COUNT = 200_000_000
+"""Largest number of coordinates of all frames: 1.6 GB, an hour of 600 vertices or ten minutes of 4000 at 30 Hz."""
 
 
 @dataclass(frozen=True)
-class Verdict:
+class FrameVerdict:
     """Judge one frame.
 
     Attributes:
@@ -65,12 +66,12 @@ class Animation:
         verdicts: One for each frame.
     """
 
-    worn: Worn
+    worn: WornGarment
     fps: float
     times: np.ndarray
     frames: np.ndarray
     transforms: np.ndarray
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[FrameVerdict, ...]
 
     def bodies(self, indices: np.ndarray | None = None) -> np.ndarray:
         """Return the wearer's mesh in some frames, all where None [m], shape [count, vertex_count, 3]."""
@@ -81,20 +82,20 @@ class Animation:
 
 
 @dataclass(frozen=True)
-class _Tally:
+class _StepCounts:
     """Count steps and factors, and tell whether all converged."""
 
     converged: bool = True
     steps: int = 0
     factors: int = 0
 
-    def plus(self, other: _Tally) -> _Tally:
+    def plus(self, other: _StepCounts) -> _StepCounts:
         """Return both together."""
-        return _Tally(self.converged and other.converged, self.steps + other.steps, self.factors + other.factors)
+        return _StepCounts(self.converged and other.converged, self.steps + other.steps, self.factors + other.factors)
 
 
 @dataclass(frozen=True)
-class _Chunk:
+class _FrameChunk:
     """Describe frames that were kept together, and the cloth after the last of them."""
 
     nodes: np.ndarray
@@ -102,21 +103,21 @@ class _Chunk:
     anchors: np.ndarray
     folds: np.ndarray
     frames: np.ndarray
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[FrameVerdict, ...]
 
     @classmethod
-    def of(cls, cloth: State, frames: list[np.ndarray], verdicts: list[Verdict]) -> _Chunk:
+    def of(cls, cloth: ClothState, frames: list[np.ndarray], verdicts: list[FrameVerdict]) -> _FrameChunk:
         """Return frames and the cloth after them."""
         assert cloth.folds is not None
         return cls(cloth.nodes, cloth.velocities, cloth.anchors, cloth.folds, np.stack(frames), tuple(verdicts))
 
     @property
-    def cloth(self) -> State:
+    def cloth(self) -> ClothState:
         """Return the cloth after the last frame."""
-        return State(self.nodes, self.velocities, self.anchors, folds=self.folds)
+        return ClothState(self.nodes, self.velocities, self.anchors, folds=self.folds)
 
 
-def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks = SILENT) -> Animation:
+def animate(worn: WornGarment, motion: LeadIn, settings: AnimateSettings, hooks: Hooks = SILENT_HOOKS) -> Animation:
     """Move a wearer, and the garment with it.
 
     From the garment at rest in the wearer's own pose, the wearer goes into the motion in `settings.lead` seconds, which
@@ -133,25 +134,25 @@ def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks 
         AnimateBad: where there are more frames than can be kept.
     """
     times = list_times(motion, settings)
-    if len(times) * worn.garment.nodes.size > MOST_VALUES:
+    if len(times) * worn.garment.nodes.size > MAX_COORDINATE_COUNT:
         raise AnimateBad(
             f"{len(times)} frames of {len(worn.garment.nodes)} vertices are too many: take a part of them."
         )
-    stage = Stage(worn, motion, settings)
+    stage = AnimationScene(worn, motion, settings)
     transforms = np.stack([stage.mover.transforms(motion.at(float(t))) for t in times])
     inputs = (worn.garment.nodes, worn.body.vertices, transforms, times, repr(worn.fabric), repr(settings))
-    kept: list[_Chunk] = []
-    while (chunk := load(hooks, f"{STAGE}.{len(kept)}", _Chunk, *inputs)) is not None:
+    kept: list[_FrameChunk] = []
+    while (chunk := load(hooks, f"{STAGE}.{len(kept)}", _FrameChunk, *inputs)) is not None:
         kept.append(chunk)
     done = sum(len(chunk.frames) for chunk in kept)
     start = kept[-1].cloth if kept else stage.start
     frames: list[np.ndarray] = []
-    verdicts: list[Verdict] = []
+    verdicts: list[FrameVerdict] = []
     for index, state, nodes, verdict in _run(stage, times, done, start, hooks):
         frames.append(nodes)
         verdicts.append(verdict)
-        if len(frames) == CHUNK or index == len(times) - 1:
-            kept.append(_Chunk.of(state, frames, verdicts))
+        if len(frames) == CHECKPOINT_FRAME_COUNT or index == len(times) - 1:
+            kept.append(_FrameChunk.of(state, frames, verdicts))
             save(hooks, f"{STAGE}.{len(kept) - 1}", kept[-1], *inputs)
             frames, verdicts = [], []
     return Animation(
@@ -179,8 +180,8 @@ def list_times(motion: LeadIn, settings: AnimateSettings) -> np.ndarray:
 
 
 def _run(
-    stage: Stage, times: np.ndarray, done: int, state: State, hooks: Hooks
-) -> Iterator[tuple[int, State, np.ndarray, Verdict]]:
+    stage: AnimationScene, times: np.ndarray, done: int, state: ClothState, hooks: Hooks
+) -> Iterator[tuple[int, ClothState, np.ndarray, FrameVerdict]]:
     """Yield index, cloth, delivered nodes and verdict of each frame that is not `done`.
 
     Each group of frames begins with a matrix laid out anew: which pairs touched before decides how a matrix is factored
@@ -193,51 +194,53 @@ def _run(
     now, begun = stage.at(float(path[0]), state.nodes), time.process_time()
     cloth = Cloth(state, stage.layout)
     if done == 0 and lead == 0:
-        yield 0, state, *_judge(stage, state, now, _Tally(), begun)
+        yield 0, state, *_judge_frame(stage, state, now, _StepCounts(), begun)
     for before, after in pairwise(path):
         index = int(np.searchsorted(times, after - 1e-9))
         name = "into the motion" if after < times[0] - 1e-9 else f"frame {index + 1} of {len(times)}"
         hooks.progress(STAGE, index / len(times), name)
         begun = time.process_time()
-        if index % CHUNK == 0 and index > 0:
+        if index % CHECKPOINT_FRAME_COUNT == 0 and index > 0:
             cloth = Cloth(cloth.state, stage.layout)
         pace = settings.pace if before >= times[0] - 1e-9 else settings.lead_pace
         cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)), pace)
         if after >= times[0] - 1e-9:
-            yield index, cloth.state, *_judge(stage, cloth.state, now, tally, begun)
+            yield index, cloth.state, *_judge_frame(stage, cloth.state, now, tally, begun)
 
 
 def _advance(
-    stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], pace: Pace
-) -> tuple[Cloth, Moment, _Tally]:
+    stage: AnimationScene, cloth: Cloth, now: PosedWearer, span: tuple[float, float], pace: StepLimits
+) -> tuple[Cloth, PosedWearer, _StepCounts]:
     """Advance from one time [s] to another, in as many steps as the skin's way asks for."""
     count = stage.count_steps(now, cloth.state.nodes, span, pace)
     marks = [span[0] + (span[1] - span[0]) * n / count for n in range(count)] + [span[1]]
-    tally = _Tally()
+    tally = _StepCounts()
     for start, end in pairwise(marks):
-        cloth, now, found = _take(stage, cloth, now, (start, end), stage.settings.halvings)
+        cloth, now, found = _step_with_halving(stage, cloth, now, (start, end), stage.settings.halvings)
         tally = tally.plus(found)
     return cloth, now, tally
 
 
-def _take(
-    stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], halvings: int
-) -> tuple[Cloth, Moment, _Tally]:
+def _step_with_halving(
+    stage: AnimationScene, cloth: Cloth, now: PosedWearer, span: tuple[float, float], halvings: int
+) -> tuple[Cloth, PosedWearer, _StepCounts]:
     """Take a step; one that does not converge is taken again in two halves."""
     then = stage.at(span[1], cloth.state.nodes)
     step = stage.step(cloth, now, then, span[1] - span[0])
     if step.converged or halvings == 0:
-        return Cloth(step.state, step.layout), then, _Tally(step.converged, 1, step.factors)
+        return Cloth(step.state, step.layout), then, _StepCounts(step.converged, 1, step.factors)
     middle = 0.5 * (span[0] + span[1])
-    cloth, now, first = _take(stage, cloth, now, (span[0], middle), halvings - 1)
-    cloth, now, second = _take(stage, cloth, now, (middle, span[1]), halvings - 1)
-    return cloth, now, _Tally(True, 0, step.factors).plus(first).plus(second)
+    cloth, now, first = _step_with_halving(stage, cloth, now, (span[0], middle), halvings - 1)
+    cloth, now, second = _step_with_halving(stage, cloth, now, (middle, span[1]), halvings - 1)
+    return cloth, now, _StepCounts(True, 0, step.factors).plus(first).plus(second)
 
 
-def _judge(stage: Stage, state: State, now: Moment, tally: _Tally, begun: float) -> tuple[np.ndarray, Verdict]:
+def _judge_frame(
+    stage: AnimationScene, state: ClothState, now: PosedWearer, tally: _StepCounts, begun: float
+) -> tuple[np.ndarray, FrameVerdict]:
     """Return a frame's nodes outside the wearer, and its verdict."""
     faces = stage.worn.garment.faces
     nodes = stage.deliver(state.nodes, now)
     deep, crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
     seconds = time.process_time() - begun
-    return nodes, Verdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.way)
+    return nodes, FrameVerdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.way)

@@ -7,24 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body.motion import GROUPS, LIMIT, Track, clear_limbs
+from ...body.motion import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, Track, clear_limbs
 from ...geometry import TriangleSurface
-from ..wear import Worn
+from ..wear import WornGarment
 from .settings import AnimateSettings
 
-NEAR = 0.02
-"""Distance along the skin from the foot of a node within which it is covered [m]: an edge of cloth of 4000 vertices."""
+COVERED_SKIN_RADIUS = 0.02
+"""Distance along the skin from the foot of a node within which the skin is covered [m]: an edge of cloth of 4000
+vertices."""
 
-TOLD = np.deg2rad(0.5)
-"""Angle from which a spread limb is told [rad]: less is not seen."""
+MIN_REPORTED_SPREAD_ANGLE = np.deg2rad(0.5)
+"""Smallest angle of a spread limb that is reported [rad]: less is not seen."""
 
 
 @dataclass(frozen=True)
-class Clearing:
+class LimbSpread:
     """Describe how limbs were spread.
 
     Attributes:
-        degrees: Largest angle of each limb of `GROUPS` [degrees].
+        degrees: Largest angle of each limb of `LIMB_GROUPS` [degrees].
         spans: First and last time of the motion at which it is spread [s], None where it is not.
         missed: Whether more than the limit would have been needed, by limb.
     """
@@ -46,26 +47,28 @@ class Clearing:
                 "motion, for room between the parts of the body; --keep-motion leaves it."
             )
             if self.missed[name]:
-                text += f" {np.rad2deg(LIMIT):.0f} degrees are the most, and were not enough."
+                text += f" {np.rad2deg(MAX_LIMB_SPREAD_ANGLE):.0f} degrees are the most, and were not enough."
             told.append(text)
         return tuple(told)
 
 
-def find_covered(worn: Worn) -> np.ndarray:
+def find_covered_vertices(worn: WornGarment) -> np.ndarray:
     """Return which vertices of the wearer have cloth on them, bool, shape [vertex_count]."""
     feet = TriangleSurface(worn.body.vertices, worn.body.faces).closest(worn.garment.nodes).foot
-    return np.asarray(cKDTree(feet).query(worn.body.vertices, distance_upper_bound=NEAR)[0] < NEAR)
+    return np.asarray(
+        cKDTree(feet).query(worn.body.vertices, distance_upper_bound=COVERED_SKIN_RADIUS)[0] < COVERED_SKIN_RADIUS
+    )
 
 
-def clear_motion(worn: Worn, track: Track, settings: AnimateSettings) -> tuple[Track, Clearing]:
+def make_room_for_garment(worn: WornGarment, track: Track, settings: AnimateSettings) -> tuple[Track, LimbSpread]:
     """Return a motion that leaves a garment room between its wearer's limbs, and what changed; see `clear_limbs`."""
     end = settings.end if settings.end is not None else track.seconds
-    cleared = clear_limbs(track, worn.body, find_covered(worn), settings.begin, end)
+    cleared = clear_limbs(track, worn.body, find_covered_vertices(worn), settings.begin, end)
     degrees, spans, missed = {}, {}, {}
-    for column, name in enumerate(GROUPS):
+    for column, name in enumerate(LIMB_GROUPS):
         angles = cleared.angles[:, column]
         degrees[name] = float(np.rad2deg(angles.max()))
-        spread = np.flatnonzero(angles > TOLD)
+        spread = np.flatnonzero(angles > MIN_REPORTED_SPREAD_ANGLE)
         spans[name] = (float(spread[0] / track.rate), float(spread[-1] / track.rate)) if len(spread) else None
         missed[name] = bool(cleared.missed[:, column].any())
-    return cleared.track, Clearing(degrees, spans, missed)
+    return cleared.track, LimbSpread(degrees, spans, missed)

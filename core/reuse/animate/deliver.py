@@ -6,40 +6,47 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...body import ExposedSurface, penetration_depth, pinched_depth, project_outside, untangle_outside, ways_out
+from ...body import (
+    ExposedSurface,
+    exit_displacements,
+    penetration_depth,
+    pinched_depth,
+    project_outside,
+    untangle_outside,
+)
 from ...cloth import Energy, Scene
-from ...cloth.carry_step import carry_free
+from ...cloth.carry_step import move_collision_free
 from ...geometry import self_intersections
 
-CLEARANCE = 1e-3
-"""Distance from the skin to which what is nearer goes in the first round [m], as everywhere; after it what is inside
-goes to the skin, for layers that are pressed together have no room for more."""
+FIRST_PUSH_CLEARANCE = 1e-3
+"""Distance from the skin to which nearer cloth is pushed in the first round [m], as everywhere. In later rounds cloth
+inside the body is pushed to the skin alone: layers that are pressed together have no room for more."""
 
-ROUNDS = 12
-"""Rounds at most: in each a layer takes four fifths of the room that the next one leaves. A T-shirt between arm and
-trunk came from 5.8 mm inside to 3.8 in two, 2.9 in six and 2.0 in twelve."""
+MAX_PUSH_ITERATIONS = 12
+"""Largest number of rounds. In each a layer takes four fifths of the room that the next one leaves. A T-shirt between
+arm and trunk came from 5.8 mm inside to 3.8 in two, 2.9 in six and 2.0 in twelve."""
 
-LEFT = 1.9e-3
-"""Depth beyond which the straight way out is tried too [m], a little under what passes (`measured.DEPTH_MM`): what
-crosses then is taken apart by `untangle_outside`, and where it comes apart that is taken, though layers met on the way.
-It takes 1 to 8 s, and is tried from where the rounds began and from where they ended: of trousers between thighs
-either came apart where the other did not."""
+MAX_REMAINING_DEPTH = 1.9e-3
+"""Depth beyond which the straight way out is tried too [m], a little less than what passes (`MAX_MOTION_DEPTH_MM` in
+`measured.py`). What crosses then is untangled by `untangle_outside`. Where this succeeds its result is taken, though
+layers met on the way. It takes 1 to 8 s, and is tried from the nodes before the rounds and from those after them: of
+trousers between thighs either succeeded where the other did not."""
 
-HOPELESS = 2e-2
+MAX_RESOLVED_PINCH_DEPTH = 2e-2
 """Depth between parts of the wearer that run into each other beyond which cloth is left there [m]: no place is outside
-of both. Of a T-shirt 20 to 27 mm deep between arm and trunk no try came apart, at 20 s a frame; what was 3 to 10 mm
-deep in the crease under an arm, or between thighs, did."""
+of both. Of a T-shirt 20 to 27 mm deep between arm and trunk no try succeeded, at 20 s a frame. Tries succeeded for
+cloth 3 to 10 mm deep in the crease under an arm, or between thighs."""
 
-DEPTH = 1e-4
-"""Depth that stays [m]: nothing of it is seen."""
+PUSH_DEPTH_TOLERANCE = 1e-4
+"""Depth that is left inside the body [m]: nothing of it is seen."""
 
 
-def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.ndarray:
+def resolve_penetration(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.ndarray:
     """Return a frame's nodes outside the wearer [m], shape [node_count, 3], as far as cloth leaves them room.
 
     Nodes closer to the skin than a clearance, and faces whose centre is inside, go out as `project_outside` takes them.
     Where parts of the wearer press layers between them all of these go to one place; on the way there what would meet
-    is held back (`carry_free`): a little inside the wearer is not seen, cloth that passes through itself is.
+    is held back (`move_collision_free`): a little inside the wearer is not seen, cloth that passes through itself is.
 
     Args:
         nodes: Where the steps left the cloth [m], shape [node_count, 3].
@@ -51,27 +58,33 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
     waiting = cloth.wait(self_intersections(nodes, cloth.faces))
     energy, start = Energy(replace(scene, self_contact=waiting)).let_shut(nodes), nodes
     singles, sheets = np.ones(len(nodes), dtype=bool), np.ones(len(cloth.faces), dtype=bool)
-    for turn in range(ROUNDS):
+    for turn in range(MAX_PUSH_ITERATIONS):
         push, (own, middles) = np.zeros_like(nodes), (np.flatnonzero(each) for each in (singles, sheets))
-        distance, push[own] = ways_out(nodes[own], skin, CLEARANCE if turn == 0 else 0.0)
+        distance, push[own] = exit_displacements(nodes[own], skin, FIRST_PUSH_CLEARANCE if turn == 0 else 0.0)
         corners = cloth.faces[middles]
-        depth, way = ways_out(nodes[corners].mean(axis=1), skin, 0.0)
+        depth, way = exit_displacements(nodes[corners].mean(axis=1), skin, 0.0)
         for k in range(3):
             node = corners[:, k]
             further = (way**2).sum(axis=1) > (push[node] ** 2).sum(axis=1)
             push[node[further]] = way[further]
         low = -min(float(distance.min(initial=0.0)), float(depth.min(initial=0.0)))
-        if not push.any() or (turn > 0 and low < DEPTH):
+        if not push.any() or (turn > 0 and low < PUSH_DEPTH_TOLERANCE):
             break
-        before, (energy, nodes) = nodes, carry_free(energy, nodes, nodes + push)
+        before, (energy, nodes) = nodes, move_collision_free(energy, nodes, nodes + push)
         moved = (nodes != before).any(axis=1)
         singles, sheets = moved.copy(), moved[cloth.faces].any(axis=1)
         singles[own[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
-    deep = pinched_depth(nodes, cloth.faces, skin) if low > LEFT else None
-    if deep is not None and (deep.free > LEFT or LEFT < deep.way < HOPELESS):
+    deep = pinched_depth(nodes, cloth.faces, skin) if low > MAX_REMAINING_DEPTH else None
+    if deep is not None and (
+        deep.free > MAX_REMAINING_DEPTH or MAX_REMAINING_DEPTH < deep.way < MAX_RESOLVED_PINCH_DEPTH
+    ):
         for origin in (start, nodes):
             through = untangle_outside(
-                project_outside(origin, skin, cloth.faces), skin, cloth.faces, allowed=LEFT, limit=LEFT
+                project_outside(origin, skin, cloth.faces),
+                skin,
+                cloth.faces,
+                allowed=MAX_REMAINING_DEPTH,
+                limit=MAX_REMAINING_DEPTH,
             )
             if not len(self_intersections(through, cloth.faces)) and (
                 penetration_depth(through, cloth.faces, skin) < penetration_depth(nodes, cloth.faces, skin)

@@ -6,8 +6,8 @@ from ...body.motion import Recording
 from ...run.verdict import Gate, Verdict
 from .animation import Animation
 
-DEPTH_MM = 2.0
-"""Depth in the body that passes in any frame [mm]: in motion nothing of it is seen."""
+MAX_MOTION_DEPTH_MM = 2.0
+"""Largest depth in the body that passes in any frame [mm]: in motion nothing of it is seen."""
 
 LIMBS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder", "spine3")
 """Joints without which a whole limb, or the trunk, does not move as the motion does: garments lie otherwise there."""
@@ -21,7 +21,7 @@ def measure_animation(animation: Animation) -> dict[str, float | None]:
         "vertices": float(animation.frames.shape[1]),
         "max_depth_mm": 1e3 * max(verdict.depth for verdict in verdicts),
         "max_pinched_mm": 1e3 * max(verdict.pinched for verdict in verdicts),
-        "frames_pinched": float(sum(1e3 * verdict.pinched > DEPTH_MM for verdict in verdicts)),
+        "frames_pinched": float(sum(1e3 * verdict.pinched > MAX_MOTION_DEPTH_MM for verdict in verdicts)),
         "crossings": float(max(verdict.crossings for verdict in verdicts)),
         "frames_crossed": float(sum(verdict.crossings > 0 for verdict in verdicts)),
         "frames_not_converged": float(sum(not verdict.converged for verdict in verdicts)),
@@ -47,19 +47,23 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
         ),
         Gate(
             "depth",
-            Verdict.PASS if depth <= DEPTH_MM else Verdict.DOUBTFUL,
+            Verdict.PASS if depth <= MAX_MOTION_DEPTH_MM else Verdict.DOUBTFUL,
             depth,
-            DEPTH_MM,
+            MAX_MOTION_DEPTH_MM,
             f"The cloth lies up to {depth:.1f} mm inside the body"
-            + ("." if depth <= DEPTH_MM else " in a frame: it has no way out that does not lead through other cloth."),
+            + (
+                "."
+                if depth <= MAX_MOTION_DEPTH_MM
+                else " in a frame: it has no way out that does not lead through other cloth."
+            ),
         ),
         Gate(
             "pinched",
-            Verdict.PASS if pinched <= DEPTH_MM else Verdict.DOUBTFUL,
+            Verdict.PASS if pinched <= MAX_MOTION_DEPTH_MM else Verdict.DOUBTFUL,
             pinched,
-            DEPTH_MM,
+            MAX_MOTION_DEPTH_MM,
             "Parts of the body leave the cloth room."
-            if pinched <= DEPTH_MM
+            if pinched <= MAX_MOTION_DEPTH_MM
             else f"Parts of the body run into each other and hold cloth up to {pinched:.1f} mm inside "
             f"({metrics['frames_pinched']:.0f} frames): give the motion more room there.",
         ),

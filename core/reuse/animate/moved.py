@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from ...body.motion import LeadIn, Pose, Recording, retarget
 from ...run.clock import Clock
 from ...run.report import ResultReport
-from ..wear import Worn
+from ..wear import WornGarment
 from .animation import STAGE, Animation, animate
-from .clearing import clear_motion
+from .clearing import make_room_for_garment
 from .measured import judge_animation, judge_motion, measure_animation
 from .settings import AnimateSettings
 
 
 @dataclass(frozen=True)
-class Moved:
+class AnimatedGarment:
     """Describe a garment in motion with everything that was found of it.
 
     Attributes:
@@ -29,7 +29,9 @@ class Moved:
     report: ResultReport
 
 
-def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSettings, clock: Clock) -> Moved:
+def animate_garment(
+    worn: WornGarment, recording: Recording, name: str, settings: AnimateSettings, clock: Clock
+) -> AnimatedGarment:
     """Move a garment on its wearer by a recording.
 
     Args:
@@ -47,7 +49,7 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         track, clearing = retarget(recording, worn.body, settings.begin), None
         if not settings.keep_motion:
             hooks.progress(STAGE, 0.0, "making room between the limbs")
-            track, clearing = clear_motion(worn, track, settings)
+            track, clearing = make_room_for_garment(worn, track, settings)
         lead = LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead)
         animation = animate(worn, lead, settings, hooks)
     with clock.stage("measure", "judging the frames"):
@@ -72,4 +74,4 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         "category": worn.category,
     }
     gates = (judge_motion(recording), *judge_animation(metrics))
-    return Moved(animation, name, ResultReport.of(clock, metrics, gates, warnings, manifest))
+    return AnimatedGarment(animation, name, ResultReport.of(clock, metrics, gates, warnings, manifest))

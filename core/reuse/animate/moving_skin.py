@@ -8,10 +8,11 @@ import numpy as np
 
 from ...body import ExposedSurface
 
-CLEAR = 0.97
-"""Cosine between the way to a point and its foot's normal above which it is outside without a further question. The
-nearest skin is seen from behind by what is inside, but in the sharpest folds: of 20,000 points around a body 6 inside
-it have more than 0.5, 1 has more than 0.9, none more than 0.95. One in ten of those outside is asked about."""
+MIN_OUTSIDE_COSINE = 0.97
+"""Cosine of the angle between the direction from a point's foot to the point and the foot's normal, above which the
+point is outside without a further test. A point inside lies behind its nearest skin, except in the sharpest folds: of
+20,000 points around a body 6 inside it have more than 0.5, 1 has more than 0.9, none more than 0.95. One in ten of
+those outside is tested further."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class MovingSkin:
         found = self.surface.closest(points)
         way = points - found.foot
         normals = self.surface.normals[found.face]
-        doubtful = np.flatnonzero((way * normals).sum(axis=1) < CLEAR * found.distance)
+        doubtful = np.flatnonzero((way * normals).sum(axis=1) < MIN_OUTSIDE_COSINE * found.distance)
         sign = np.ones(len(points))
         sign[doubtful] = np.where(self.surface.contains(points[doubtful]), -1.0, 1.0)
         # below a nanometre the difference of two positions of about 1 m has no direction left in float64

@@ -8,7 +8,7 @@ from ...body import ExposedSurface
 from ...geometry import unit
 
 
-def ride_on_skin(points: np.ndarray, before: np.ndarray, after: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def move_with_triangles(points: np.ndarray, before: np.ndarray, after: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Move points as the triangles below them move.
 
     p' = f' + R (p - f): f the point's foot on its triangle, f' the same place on it later, R the rotation between the
@@ -21,18 +21,18 @@ def ride_on_skin(points: np.ndarray, before: np.ndarray, after: np.ndarray, corn
         corners: Barycentric coordinates of each foot, shape [n, 3].
     """
     foot, later = (np.einsum("nk,nkd->nd", corners, each) for each in (before, after))
-    local = np.einsum("nda,nd->na", _frames(before), points - foot)
-    return later + np.einsum("nda,na->nd", _frames(after), local)
+    local = np.einsum("nda,nd->na", _triangle_frames(before), points - foot)
+    return later + np.einsum("nda,na->nd", _triangle_frames(after), local)
 
 
-def carry_anchors(anchors: np.ndarray, skin: ExposedSurface, later: np.ndarray) -> np.ndarray:
+def move_anchors(anchors: np.ndarray, skin: ExposedSurface, later: np.ndarray) -> np.ndarray:
     """Carry friction's anchors [m], shape [n, 3], with the skin below them; `later` are its vertices after the step."""
     found = skin.closest(anchors)
     corners = skin.faces[found.face]
-    return ride_on_skin(anchors, skin.vertices[corners], later[corners], found.barycentric)
+    return move_with_triangles(anchors, skin.vertices[corners], later[corners], found.barycentric)
 
 
-def _frames(corners: np.ndarray) -> np.ndarray:
+def _triangle_frames(corners: np.ndarray) -> np.ndarray:
     """Return the frames of triangles as columns: first edge, in-plane normal of it, normal; shape [n, 3, 3]."""
     edge = unit(corners[:, 1] - corners[:, 0])
     normal = unit(np.cross(edge, corners[:, 2] - corners[:, 0]))

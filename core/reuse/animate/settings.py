@@ -16,7 +16,7 @@ class AnimateBad(BadInput):
 
 
 @dataclass(frozen=True)
-class Pace:
+class StepLimits:
     """Limit a step of the wearer.
 
     Attributes:
@@ -55,8 +55,8 @@ class AnimateSettings:
     begin: float = 0.0
     end: float | None = None
     lead: float = 1.0
-    pace: Pace = Pace()
-    lead_pace: Pace = Pace()
+    pace: StepLimits = StepLimits()
+    lead_pace: StepLimits = StepLimits()
     halvings: int = 3
     step: StepSettings = field(default_factory=StepSettings)
     contact: ContactSettings = field(default_factory=ContactSettings)

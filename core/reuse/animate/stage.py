@@ -9,32 +9,32 @@ import numpy as np
 
 from ...body import ExposedSurface, project_outside, skin, unskin, weights_at
 from ...body.motion import LeadIn, MovingBody
-from ...cloth import BendingFriction, Pins, Scene, SelfContact, State, Topology, soften
-from ...cloth.motion_step import Layout, Step, step_in_motion
+from ...cloth import BendingFriction, ClothState, Pins, Scene, SelfContact, Topology, reduce_membrane_stiffness
+from ...cloth.motion_step import SolverLayout, StepResult, step_in_motion
 from ...geometry import self_intersections
 from ...recover.drape import pin_waist
-from ..wear import Worn
-from .deliver import take_outside
+from ..wear import WornGarment
+from .deliver import resolve_penetration
 from .moving_skin import MovingSkin
-from .ride import carry_anchors
-from .settings import AnimateSettings, Pace
+from .ride import move_anchors
+from .settings import AnimateSettings, StepLimits
 
 
 @dataclass(frozen=True)
 class Cloth:
     """Describe the cloth between two steps: where it is and how fast, and the matrix of the next step laid out."""
 
-    state: State
-    layout: Layout
+    state: ClothState
+    layout: SolverLayout
 
 
-NEAR = 0.03
-"""Distance to the cloth within which the skin's motion bounds a step [m]: what is further does not reach the cloth in
-it."""
+SKIN_MOTION_RADIUS = 0.03
+"""Distance to the cloth within which the skin's motion limits a step [m]: skin further off does not reach the cloth in
+the step."""
 
 
 @dataclass(frozen=True)
-class Moment:
+class PosedWearer:
     """Describe the wearer at one moment.
 
     Attributes:
@@ -47,7 +47,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Stage:
+class AnimationScene:
     """Describe what does not change in an animation.
 
     Attributes:
@@ -56,7 +56,7 @@ class Stage:
         settings: Choices.
     """
 
-    worn: Worn
+    worn: WornGarment
     motion: LeadIn
     settings: AnimateSettings
 
@@ -69,7 +69,7 @@ class Stage:
     def scene(self) -> Scene:
         """Return the scene without the body; the waist is pinned where it starts."""
         topology = Topology.from_garment(self.worn.garment)
-        fabric = soften(self.worn.fabric)
+        fabric = reduce_membrane_stiffness(self.worn.fabric)
         folds = BendingFriction.at(topology, self.worn.garment.nodes)
         return Scene(
             topology,
@@ -83,16 +83,16 @@ class Stage:
         )
 
     @property
-    def start(self) -> State:
+    def start(self) -> ClothState:
         """Return the cloth at rest where the garment is, held in its folds."""
         nodes, held = np.array(self.worn.garment.nodes), self.scene.bending_friction
         assert held is not None
-        return State(nodes, np.zeros_like(nodes), nodes.copy(), folds=held.angles)
+        return ClothState(nodes, np.zeros_like(nodes), nodes.copy(), folds=held.angles)
 
     @cached_property
-    def layout(self) -> Layout:
+    def layout(self) -> SolverLayout:
         """Return the matrix laid out for the scene alone: what a group of frames begins with."""
-        return Layout.of(self.scene)
+        return SolverLayout.of(self.scene)
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -106,13 +106,13 @@ class Stage:
         assert pins is not None
         return unskin(np.asarray(pins.points), self.weights[pins.nodes], self.worn.body.transforms)
 
-    def at(self, time: float, nodes: np.ndarray) -> Moment:
+    def at(self, time: float, nodes: np.ndarray) -> PosedWearer:
         """Return the wearer at a time of the motion [s], to be asked near cloth that is about at nodes [m], [n, 3]."""
         transforms = self.mover.transforms(self.motion.at(time))
         vertices = skin(self.mover.at_rest, self.worn.body.weights, transforms)
-        return Moment(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, near=nodes))
+        return PosedWearer(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, near=nodes))
 
-    def move_pins(self, moment: Moment) -> Pins | None:
+    def move_pins(self, moment: PosedWearer) -> Pins | None:
         """Return the waist's pins where the skin takes them, out of the body."""
         pins = self.scene.pins
         if pins is None:
@@ -120,27 +120,27 @@ class Stage:
         points = skin(self._waist, self.weights[pins.nodes], moment.transforms)
         return replace(pins, points=project_outside(points, moment.surface))
 
-    def deliver(self, nodes: np.ndarray, moment: Moment) -> np.ndarray:
-        """Return a frame's nodes outside the wearer [m], shape [node_count, 3]; see `take_outside`."""
+    def deliver(self, nodes: np.ndarray, moment: PosedWearer) -> np.ndarray:
+        """Return a frame's nodes outside the wearer [m], shape [node_count, 3]; see `resolve_penetration`."""
         if self.scene.self_contact is None:
             return project_outside(nodes, moment.surface, self.worn.garment.faces)
-        return take_outside(nodes, moment.surface, self.scene)
+        return resolve_penetration(nodes, moment.surface, self.scene)
 
-    def count_steps(self, now: Moment, nodes: np.ndarray, span: tuple[float, float], pace: Pace) -> int:
+    def count_steps(self, now: PosedWearer, nodes: np.ndarray, span: tuple[float, float], pace: StepLimits) -> int:
         """Return in how many steps the wearer goes from a moment, the first of two times [s], to the other."""
         later = self.mover.vertices(self.motion.at(span[1]))
         found = now.surface.closest(nodes)
-        near = found.distance < NEAR
+        near = found.distance < SKIN_MOTION_RADIUS
         corners = now.surface.faces[found.face[near]]
         way = np.linalg.norm((later - now.surface.vertices)[corners].mean(axis=1), axis=1).max(initial=0.0)
         return max(1, int(np.ceil(way / pace.travel - 1e-9)), int(np.ceil((span[1] - span[0]) / pace.longest - 1e-9)))
 
-    def step(self, cloth: Cloth, now: Moment, then: Moment, dt: float) -> Step:
+    def step(self, cloth: Cloth, now: PosedWearer, then: PosedWearer, dt: float) -> StepResult:
         """Take a step of the cloth while the wearer goes from one moment to another in `dt` [s]."""
         state = cloth.state
         own = unskin(state.nodes, self.weights, now.transforms)
         carried = skin(own, self.weights, then.transforms)
-        anchors = carry_anchors(state.anchors, now.surface, then.surface.vertices)
+        anchors = move_anchors(state.anchors, now.surface, then.surface.vertices)
         pins = self.move_pins(then)
         if pins is not None:
             carried[pins.nodes] = pins.points
@@ -148,5 +148,5 @@ class Stage:
         if contact is not None:
             contact = contact.wait(self_intersections(state.nodes, self.scene.topology.faces))
         layout = cloth.layout.at(pins, contact)
-        start = State(carried, state.velocities, anchors, folds=state.folds)
+        start = ClothState(carried, state.velocities, anchors, folds=state.folds)
         return step_in_motion(layout, state, start, MovingSkin(then.surface), dt, self.settings.step)

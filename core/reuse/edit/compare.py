@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from ...garment import Pattern, Seam, seam_lengths
 from ...judge.comparison import Comparison, compare_patterns
-
-MM = 1e3
+from ...run.units import MM_PER_M
 
 
 @dataclass(frozen=True)
@@ -57,10 +56,10 @@ def compare_versions(version: Pattern, recovered: Pattern) -> PatternDifference:
         recovered: What it was.
     """
     now, was = ([seam_key(pattern, seam) for seam in pattern.seams] for pattern in (version, recovered))
-    lengths = [MM * seam_lengths(pattern) for pattern in (version, recovered)]
-    places = {key: number for number, key in enumerate(_numbered(was))}
+    lengths = [MM_PER_M * seam_lengths(pattern) for pattern in (version, recovered)]
+    places = {key: number for number, key in enumerate(_number_repeats(was))}
     changes, added = [], []
-    for number, key in enumerate(_numbered(now)):
+    for number, key in enumerate(_number_repeats(now)):
         if key not in places:
             added.append(number)
             continue
@@ -81,7 +80,7 @@ def seam_key(pattern: Pattern, seam: Seam) -> tuple[tuple[str, str], ...]:
     return tuple(sides)
 
 
-def _numbered(keys: list[tuple[tuple[str, str], ...]]) -> list[tuple[object, int]]:
+def _number_repeats(keys: list[tuple[tuple[str, str], ...]]) -> list[tuple[object, int]]:
     """Return keys each with how many equal ones stand before it."""
     seen: Counter[object] = Counter()
     found: list[tuple[object, int]] = []

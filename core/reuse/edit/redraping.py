@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...cloth import Drape, Fabric, soften
-from ...garment import Garment, Pattern, lay_over, mesh_pattern, panel_area
+from ...cloth import Drape, Fabric, reduce_membrane_stiffness
+from ...garment import Garment, Pattern, mesh_pattern, panel_area, transfer_nodes
 from ...geometry import ClosedCurve
 from ...judge.patterns import measure_seams
 from ...recover.drape import DrapeSettings, WearerGeometry, drape_graded, flat_length, redrape
@@ -16,27 +16,27 @@ from ...run.hooks import Hooks
 from ...run.report import ResultReport
 from ...run.verdict import Gate, Verdict
 from ...scan.contours import Contour
-from ..wear import Ease, Worn, judge_wear, measure_ease, measure_pressure, measure_strain, measure_worn
+from ..wear import Ease, WornGarment, judge_wear, measure_ease, measure_pressure, measure_strain, measure_worn
 from ..wear.dressing import tabulate_ease
-from ..wear.parting import part_layers
+from ..wear.parting import separate_layers
 from .compare import PatternDifference, compare_versions
 
 STAGES = ("drape", "measure")
 """Stages of an edit, after those that read its input."""
 
-WARM = DrapeSettings(settle_steps=0, apart=True)
+WARM_START_SETTINGS = DrapeSettings(settle_steps=0, apart=True)
 """Drapes from where the cloth hangs: no node is moved before the search for the equilibrium, so that cloth that nobody
 edited stays in its folds."""
 
-EQUAL_MM = 0.5
-"""Difference of a seam's sides [mm] that passes, as in the verdicts of a recovery."""
+MAX_SEAM_MISMATCH_MM = 0.5
+"""Largest difference in length of a seam's sides that passes [mm], as in the verdicts of a recovery."""
 
-COLD = "a panel comes from nowhere in the present garment, so the pattern was draped from its placement."
+COLD_START_WARNING = "a panel comes from nowhere in the present garment, so the pattern was draped from its placement."
 """What is said where there is nothing to start from."""
 
 
 @dataclass(frozen=True)
-class Edited:
+class EditedGarment:
     """Describe a version of a result.
 
     Attributes:
@@ -51,8 +51,8 @@ class Edited:
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
 
-    before: Worn
-    worn: Worn
+    before: WornGarment
+    worn: WornGarment
     drape: Drape
     is_warm: bool
     difference: PatternDifference
@@ -62,7 +62,7 @@ class Edited:
     report: ResultReport
 
 
-def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -> Edited:
+def drape_edit(worn: WornGarment, pattern: Pattern, recovered: Pattern, clock: Clock) -> EditedGarment:
     """Drape an edited pattern on the wearer of the present one, starting from where that hangs.
 
     The cloth keeps apart from itself. Fabric, wearer, waist and rotation are the present garment's.
@@ -79,7 +79,7 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
     """
     wearer = WearerGeometry(worn.body)
     with clock.stage("drape", "draping from where the garment hangs") as hooks:
-        start = lay_over(worn.garment, pattern)
+        start = transfer_nodes(worn.garment, pattern)
         garment, drape = _drape(worn, pattern, start, wearer, hooks)
     with clock.stage("measure", "comparing with the recovered pattern"):
         now = replace(worn, garment=garment)
@@ -91,10 +91,10 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
         }
         metrics |= _measure_change(worn.garment, garment, worn.fabric) | {"drape.warm": float(start is not None)}
         difference = compare_versions(pattern, recovered)
-    warnings = [COLD] if start is None else []
+    warnings = [COLD_START_WARNING] if start is None else []
     warnings += [] if drape.at_rest else [f"the garment is {drape.advice}"]
     manifest = {"fabric": worn.fabric.name, "template": worn.template, "category": worn.category}
-    return Edited(
+    return EditedGarment(
         before=worn,
         worn=now,
         drape=drape,
@@ -108,7 +108,7 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
 
 
 def _drape(
-    worn: Worn, pattern: Pattern, start: Garment | None, wearer: WearerGeometry, hooks: Hooks
+    worn: WornGarment, pattern: Pattern, start: Garment | None, wearer: WearerGeometry, hooks: Hooks
 ) -> tuple[Garment, Drape]:
     """Return the edited garment at rest: from a start, or from nothing but its placement."""
     target, fabric = worn.target, worn.fabric
@@ -116,8 +116,10 @@ def _drape(
         mesh = mesh_pattern(pattern, len(worn.garment.nodes))
         nodes, drape = redrape(mesh, wearer, fabric, target, rotation=worn.rotation, hooks=hooks)
         start = mesh.at(nodes)
-    garment, drape = drape_graded(start, wearer, fabric, target, rotation=worn.rotation, settings=WARM, hooks=hooks)
-    nodes, drape = part_layers(replace(worn, garment=garment), wearer, drape, hooks)
+    garment, drape = drape_graded(
+        start, wearer, fabric, target, rotation=worn.rotation, settings=WARM_START_SETTINGS, hooks=hooks
+    )
+    nodes, drape = separate_layers(replace(worn, garment=garment), wearer, drape, hooks)
     return garment.at(nodes), drape
 
 
@@ -138,21 +140,22 @@ def worn_length(garment: Garment, contour: Contour, fabric: Fabric) -> float:
 
         L' = P - (1 - s) max(P - F, 0)
 
-    A drape's membrane is s times as stiff as the fabric's (`soften`), so that the same tension stretches it 1 / s times
-    as much. That a garment's weight stretches a hem on the hips by 1 % in a drape is 0.1 % in poplin.
+    A drape's membrane is s times as stiff as the fabric's (`reduce_membrane_stiffness`), so that the same tension
+    stretches it 1 / s times as much. That a garment's weight stretches a hem on the hips by 1 % in a drape is 0.1 % in
+    poplin.
 
     Notation: P the length of the contour's polygon, F of the same cloth laid flat, s the share.
     """
     length = ClosedCurve(garment.nodes[contour.vertices]).length
     stretch = length - flat_length(garment, contour.vertices)
-    return length - (1.0 - soften(fabric).H00 / fabric.H00) * max(stretch, 0.0)
+    return length - (1.0 - reduce_membrane_stiffness(fabric).H00 / fabric.H00) * max(stretch, 0.0)
 
 
 def _judge_seams(metrics: dict[str, float | None]) -> Gate:
     """Judge whether both sides of every seam are of one length."""
     apart = metrics["seam_mismatch_mm"] or 0.0
-    verdict = Verdict.PASS if apart <= EQUAL_MM else Verdict.DOUBTFUL
+    verdict = Verdict.PASS if apart <= MAX_SEAM_MISMATCH_MM else Verdict.DOUBTFUL
     message = f"The two sides of a seam differ by up to {apart:.2f} mm in length" + (
         "." if verdict is Verdict.PASS else ": make them equal, or mark the seam as gathered."
     )
-    return Gate("seams", verdict, apart, EQUAL_MM, message)
+    return Gate("seams", verdict, apart, MAX_SEAM_MISMATCH_MM, message)

@@ -1,39 +1,48 @@
 """A recovered garment worn again: on another body, made to measure, with what it needs of a stored result."""
 
 from .bodies import BodyFile, describe_body_file, find_wearer, read_body_file
-from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
-from .ease import Ease, cut_cloth, measure_ease
+from .dressing import STAGES, DressedGarment, dress_body, is_valid_drape, measure_worn
+from .ease import Ease, measure_ease, slice_cloth
 from .load import measure_pressure, measure_strain
 from .outfit import DressedOutfit, dress_outfit
-from .over import dress_over, lay_each, rest_together
-from .refit import Refitted, make_to_measure, refit_pattern
+from .over import drape_in_order, drape_together, dress_over
+from .refit import RefittedPattern, make_to_measure, refit_pattern
 from .verdicts import judge_wear
-from .waist import carry_curve, match_models
-from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, wear_template, worn_of
+from .waist import match_models, transfer_curve
+from .worn import (
+    WORN_FILE_NAME,
+    ResultOld,
+    WornGarment,
+    load_worn,
+    load_worn_template,
+    make_waist_target,
+    save_worn,
+    worn_from_recovery,
+)
 
 __all__ = [
     "STAGES",
-    "WORN",
+    "WORN_FILE_NAME",
     "BodyFile",
-    "Dressed",
+    "DressedGarment",
     "DressedOutfit",
     "Ease",
-    "Refitted",
+    "RefittedPattern",
     "ResultOld",
-    "Worn",
-    "carry_curve",
-    "cut_cloth",
+    "WornGarment",
     "describe_body_file",
+    "drape_in_order",
+    "drape_together",
     "dress_body",
     "dress_outfit",
     "dress_over",
     "find_wearer",
-    "hang_from",
-    "is_sound",
+    "is_valid_drape",
     "judge_wear",
-    "lay_each",
     "load_worn",
+    "load_worn_template",
     "make_to_measure",
+    "make_waist_target",
     "match_models",
     "measure_ease",
     "measure_pressure",
@@ -41,8 +50,8 @@ __all__ = [
     "measure_worn",
     "read_body_file",
     "refit_pattern",
-    "rest_together",
     "save_worn",
-    "wear_template",
-    "worn_of",
+    "slice_cloth",
+    "transfer_curve",
+    "worn_from_recovery",
 ]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...body import Body, BuiltinWearer, builtin_body, is_smpl, load_smpl, pose_body, register_body
-from ...run.hooks import SILENT, Hooks
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan import Limits, Scan, describe_scan, load_scan
 
 
@@ -47,7 +47,7 @@ def describe_body_file(given: BodyFile) -> dict[str, Any]:
 
 
 def find_wearer(
-    wanted: BodyFile | BuiltinWearer | None, own: Body, pose: str | None = None, hooks: Hooks = SILENT
+    wanted: BodyFile | BuiltinWearer | None, own: Body, pose: str | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> Body:
     """Return the body that is to wear a garment.
 

@@ -17,17 +17,17 @@ from ...run.report import ResultReport
 from ...scan.contours import name_contours
 from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
-from .parting import part_layers
+from .parting import separate_layers
 from .verdicts import judge_wear
-from .waist import carry_curve, is_same_body
-from .worn import Worn
+from .waist import is_same_body, transfer_curve
+from .worn import WornGarment
 
 STAGES = ("drape", "measure")
 """Stages of dressing, after those that read its input."""
 
 
 @dataclass(frozen=True)
-class Dressed:
+class DressedGarment:
     """Describe a garment on another body.
 
     Attributes:
@@ -42,18 +42,18 @@ class Dressed:
         under: The garment below it at rest with it, or None where it is worn alone.
     """
 
-    before: Worn
-    worn: Worn
+    before: WornGarment
+    worn: WornGarment
     drape: Drape
     ease: tuple[Ease, ...]
     strain: np.ndarray
     pressure: np.ndarray
     report: ResultReport
     pieces: tuple[PieceNumbers, ...] = ()
-    under: Worn | None = None
+    under: WornGarment | None = None
 
 
-def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+def dress_body(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
     """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
 
     A garment that was scanned while its wearer turned turns with him again; on anybody else it hangs at rest.
@@ -71,11 +71,11 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in the pattern") as hooks:
-        now, drape = drape_worn(carry_alone(worn, body, fabric), wearer, hooks)
+        now, drape = drape_worn(transfer_alone_to_body(worn, body, fabric), wearer, hooks)
     return judge_dressed(worn, now, drape, wearer, clock)
 
 
-def carry_worn(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
+def transfer_to_body(worn: WornGarment, body: Body, fabric: Fabric | None) -> WornGarment:
     """Return a garment that is to hang on another body, its waist carried there and its nodes as they were.
 
     Args:
@@ -83,32 +83,34 @@ def carry_worn(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
         body: Who is to wear it.
         fabric: The cloth, or None for the garment's own.
     """
-    waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
+    waist = None if worn.waist is None else transfer_curve(worn.waist, worn.body, body)
     return replace(worn, fabric=fabric or worn.fabric, body=body, waist=waist, rotation=None)
 
 
-def carry_alone(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
-    """Return a garment as `carry_worn` does, that is to hang alone: on its own wearer in the rotation it came in."""
-    carried = carry_worn(worn, body, fabric)
+def transfer_alone_to_body(worn: WornGarment, body: Body, fabric: Fabric | None) -> WornGarment:
+    """Return a garment as `transfer_to_body` does, that is to hang alone: on its own wearer in the rotation it came
+    in.
+    """
+    carried = transfer_to_body(worn, body, fabric)
     return replace(carried, rotation=worn.rotation) if is_same_body(worn.body, body) else carried
 
 
-def drape_worn(worn: Worn, wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, Drape]:
+def drape_worn(worn: WornGarment, wearer: WearerGeometry, hooks: Hooks) -> tuple[WornGarment, Drape]:
     """Drape a garment on its wearer from its pattern's rest placement, and part its layers; give it and its rest."""
     nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
     draped = replace(worn, garment=worn.garment.at(nodes))
-    nodes, drape = part_layers(draped, wearer, drape, hooks)
+    nodes, drape = separate_layers(draped, wearer, drape, hooks)
     return replace(draped, garment=draped.garment.at(nodes)), drape
 
 
 def judge_dressed(
-    before: Worn,
-    draped: Worn,
+    before: WornGarment,
+    draped: WornGarment,
     drape: Drape,
     wearer: WearerGeometry,
     clock: Clock,
     layers: dict[str, float | None] | None = None,
-) -> Dressed:
+) -> DressedGarment:
     """Measure and judge how a garment fits that came to rest on another body.
 
     Args:
@@ -135,7 +137,7 @@ def judge_dressed(
     if before.rotation is not None and draped.rotation is None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
     manifest = {"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category}
-    return Dressed(
+    return DressedGarment(
         before=before,
         worn=now,
         drape=drape,
@@ -147,7 +149,7 @@ def judge_dressed(
     )
 
 
-def measure_worn(worn: Worn, wearer: WearerGeometry, drape: Drape) -> dict[str, float | None]:
+def measure_worn(worn: WornGarment, wearer: WearerGeometry, drape: Drape) -> dict[str, float | None]:
     """Measure rest, depth and crossings of a garment on its wearer; units in the names."""
     nodes, faces = worn.garment.nodes, worn.garment.faces
     return {
@@ -168,7 +170,7 @@ def tabulate_ease(ease: tuple[Ease, ...]) -> dict[str, float | None]:
     return found
 
 
-def is_sound(metrics: dict[str, float | None]) -> bool:
+def is_valid_drape(metrics: dict[str, float | None]) -> bool:
     """Return whether a garment is at rest, crosses itself nowhere, and is at most 1 mm inside the body."""
     values = [metrics[name] for name in ("body_penetration_mm", "self_intersecting_faces", "drape.at_rest")]
     return bool(np.all([values[0] <= 1.0, values[1] == 0.0, values[2] == 1.0]))  # type: ignore[operator]

@@ -8,20 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import GIRTHS, Body, Girth, Tape, unskin, weights_at
+from ...body import GIRTHS, Body, Girth, TapeMeasure, unskin, weights_at
 from ...garment import Garment
 from ...geometry import find_components, self_intersections
 from ...recover.drape import flat_length
 
-APART = 0.5
-"""Share of the hip joint's distance from the middle beyond which cloth is one leg's: a skirt's is in the middle."""
+LEG_OFFSET_SHARE = 0.5
+"""Share of the hip joint's distance from the middle beyond which cloth belongs to one leg: a skirt's line is in the
+middle."""
 
 
-HAND = (0.0, 0.02, 0.04, 0.06)
-"""Distances over a hand's breadth [m], in which cloth is looked for: below the body's level at chest and thigh, above
-it at the hips, further out along the arm. A wide sleeve joins the line of the chest's level, so the shortest line
-counts. Elsewhere the least ease does, where the garment binds: a line at a fork (a crotch that hangs low, the end of an
-armhole) is longer than those beside it, and jumps when the cloth moves by a millimetre."""
+EASE_LEVEL_OFFSETS = (0.0, 0.02, 0.04, 0.06)
+"""Offsets of the levels at which cloth is measured from the body's level [m], over a hand's breadth: below it at chest
+and thigh, above it at the hips, further out along the arm. At the chest the shortest line counts, since a wide sleeve
+joins the line of the chest's level. Elsewhere the least ease counts, where the garment binds: a line at a fork (a
+crotch that hangs low, the end of an armhole) is longer than those beside it, and jumps when the cloth moves by a
+millimetre."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Ease:
 
 
 @dataclass(frozen=True)
-class Figure:
+class MeasuredBody:
     """Describe a body as a tailor measures it, taken once for many garments.
 
     Attributes:
@@ -53,19 +55,19 @@ class Figure:
         taken: Its girths by place.
     """
 
-    tape: Tape
+    tape: TapeMeasure
     taken: Mapping[str, Girth]
 
     @classmethod
-    def of(cls, body: Body) -> Figure:
+    def of(cls, body: Body) -> MeasuredBody:
         """Measure a body."""
-        tape = Tape.of(body)
+        tape = TapeMeasure.of(body)
         return cls(tape, {place: tape.measure(place) for place in GIRTHS})
 
     @property
     def apart(self) -> float:
         """Return how far from the middle cloth is one leg's [m]."""
-        return APART * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
+        return LEG_OFFSET_SHARE * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
 
     @property
     def centre(self) -> float:
@@ -95,10 +97,10 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
         garment: The garment, nodes on the body.
         body: The wearer.
     """
-    return ease_at(_without_crossed(garment), carry_back(garment.nodes, body), Figure.of(body))
+    return measure_unposed_ease(_drop_crossed_faces(garment), unpose_points(garment.nodes, body), MeasuredBody.of(body))
 
 
-def _without_crossed(garment: Garment) -> Garment:
+def _drop_crossed_faces(garment: Garment) -> Garment:
     """Return the cloth without what is within a hand's breadth of faces that cross others: lines end there.
 
     Around such faces cloth is crumpled, and a level line runs up and down in it.
@@ -106,7 +108,7 @@ def _without_crossed(garment: Garment) -> Garment:
     crossed = self_intersections(garment.nodes, garment.faces)
     if not len(crossed):
         return garment
-    far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > HAND[-1]
+    far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > EASE_LEVEL_OFFSETS[-1]
     kept = far[garment.faces].any(axis=1)
     return replace(
         garment,
@@ -116,12 +118,12 @@ def _without_crossed(garment: Garment) -> Garment:
     )
 
 
-def carry_back(nodes: np.ndarray, body: Body) -> np.ndarray:
+def unpose_points(nodes: np.ndarray, body: Body) -> np.ndarray:
     """Return points on a wearer [m], shape [n, 3], carried with the skin to the T-pose."""
     return unskin(nodes, weights_at(body, nodes, rest=False), body.transforms)
 
 
-def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, ...]:
+def measure_unposed_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody) -> tuple[Ease, ...]:
     """Measure the ease as `measure_ease` does, of cloth that lies on a body's T-pose.
 
     Args:
@@ -135,7 +137,7 @@ def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, 
             girth = figure.tape.trunk(float(nodes[waist.vertices, 1].mean())).value
             found.append(Ease(place, flat_length(garment, waist.vertices), girth))
             continue
-        around = {"hip": _round_hips, "thigh": _round_thighs, "upper_arm": _round_arms}.get(place, _round_trunk)
+        around = {"hip": _hip_ease, "thigh": _thigh_ease, "upper_arm": _arm_ease}.get(place, _trunk_ease)
         one = around(garment, nodes, figure, place)
         if one is not None:
             found.append(one)
@@ -143,7 +145,7 @@ def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, 
 
 
 @dataclass(frozen=True)
-class ClothCut:
+class ClothSlice:
     """Describe the closed lines along which a plane cuts cloth.
 
     Attributes:
@@ -169,7 +171,7 @@ class ClothCut:
         return np.array([_crosses_ray(piece - point) % 2 == 1 for piece in self.pieces], dtype=bool)
 
 
-def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> ClothCut:
+def slice_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> ClothSlice:
     """Cut cloth by the plane across an axis at a level [m]; lines that end at the cloth's border are left out.
 
     Args:
@@ -182,18 +184,18 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     inside = side[garment.faces]
     cut = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
     if not len(cut):
-        return ClothCut(np.zeros(0), np.zeros(0))
+        return ClothSlice(np.zeros(0), np.zeros(0))
     faces, flat = garment.faces[cut], garment.rest[cut]
     ahead = np.roll(faces, -1, axis=1)
     crossed = side[faces] != side[ahead]  # two of a face's three edges
     share = (level - nodes[faces, axis]) / np.where(crossed, nodes[ahead, axis] - nodes[faces, axis], 1.0)
     points = flat + share[..., None] * (np.roll(flat, -1, axis=1) - flat)
     ends = points[crossed].reshape(-1, 2, 2)
-    number, part = _join(faces, crossed, len(nodes))
+    number, part = _join_segments(faces, crossed, len(nodes))
     of_face = part[number[:, 0]]
     count = int(part.max()) + 1
     lengths = np.zeros(count)
-    for line, length in _rule(ends, garment.uv_faces[cut], crossed, len(garment.uv), of_face):
+    for line, length in _measure_panel_chords(ends, garment.uv_faces[cut], crossed, len(garment.uv), of_face):
         lengths[line] += length
     beside = nodes[faces, 1 - axis].mean(axis=1)
     middles = np.bincount(of_face, beside, count) / np.maximum(np.bincount(of_face), 1)
@@ -201,7 +203,7 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     within = nodes[faces][..., [1 - axis, 2]]
     worn = (within + share[..., None] * (np.roll(within, -1, axis=1) - within))[crossed].reshape(-1, 2, 2)
     pieces = tuple(worn[of_face == line] for line in np.flatnonzero(closed))
-    return ClothCut(lengths[closed], middles[closed], pieces)
+    return ClothSlice(lengths[closed], middles[closed], pieces)
 
 
 def _crosses_ray(pieces: np.ndarray) -> int:
@@ -213,7 +215,7 @@ def _crosses_ray(pieces: np.ndarray) -> int:
     return int((along > 0.0).sum())
 
 
-def _join(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+def _join_segments(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of the two cut edges of each cut face, [face_count, 2], and the line of each edge.
 
     Args:
@@ -227,7 +229,7 @@ def _join(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndar
     return number, find_components(len(edges), number[:, 0], number[:, 1])[1]
 
 
-def _rule(
+def _measure_panel_chords(
     ends: np.ndarray, corners: np.ndarray, crossed: np.ndarray, count: int, of_face: np.ndarray
 ) -> list[tuple[int, float]]:
     """Return the line and the length [m] of each piece of a line in one panel: straight from border to border.
@@ -242,7 +244,7 @@ def _rule(
         count: Of corners.
         of_face: The line of each face.
     """
-    number, piece = _join(corners, crossed, count)
+    number, piece = _join_segments(corners, crossed, count)
     times = np.bincount(number.ravel())
     at_border = times[number] == 1
     of_piece = piece[number[:, 0]]
@@ -256,21 +258,21 @@ def _rule(
     return found
 
 
-def _round_trunk(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+def _trunk_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the ease at chest or waist, or None where no cloth goes round."""
-    below = HAND if place == "chest" else HAND[:1]
+    below = EASE_LEVEL_OFFSETS if place == "chest" else EASE_LEVEL_OFFSETS[:1]
     taken = figure.taken[place]
-    lengths = [_line(garment, nodes, figure, taken.level - down) for down in below]
+    lengths = [_trunk_length(garment, nodes, figure, taken.level - down) for down in below]
     length = min((length for length in lengths if length is not None), default=None)
     return None if length is None else Ease(place, length, taken.value)
 
 
-def _round_hips(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+def _hip_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the least ease at the hips and above, or None where no cloth goes round them."""
     found = []
-    for up in HAND:
+    for up in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level + up
-        cut = cut_cloth(garment, nodes, 1, level)
+        cut = slice_cloth(garment, nodes, 1, level)
         if not len(cut.lengths):
             break
         length = cut.length(np.abs(cut.middles - figure.centre) < figure.apart)
@@ -279,21 +281,21 @@ def _round_hips(garment: Garment, nodes: np.ndarray, figure: Figure, place: str)
     return min(found, key=lambda ease: ease.value, default=None)
 
 
-def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> float | None:
+def _trunk_length(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, level: float) -> float | None:
     """Return the length of the cloth round the trunk at a height [m], or None where none goes round."""
-    cut = cut_cloth(garment, nodes, 1, level)
+    cut = slice_cloth(garment, nodes, 1, level)
     return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is no girth
 
 
-def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+def _arm_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the least ease of the sleeves there and further out, the mean of both, or None where an arm has none."""
     found = []
-    for out in HAND:
+    for out in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level + out
         lengths = []
         for side in ("left", "right"):
             middle = figure.arm(side, level)
-            cut = cut_cloth(garment, nodes, 0, float(middle[0]))
+            cut = slice_cloth(garment, nodes, 0, float(middle[0]))
             lengths.append(cut.length(cut.goes_round(middle[1:])))  # cloth of the hips beside a hand is carried along
         length = _mean(lengths)
         if length is not None:
@@ -301,12 +303,12 @@ def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str)
     return min(found, key=lambda ease: ease.value, default=None)
 
 
-def _round_thighs(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+def _thigh_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the least ease at the thighs and below, the mean of both, or None where a leg has no cloth of its own."""
     found = []
-    for down in HAND:
+    for down in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level - down
-        cut = cut_cloth(garment, nodes, 1, level)
+        cut = slice_cloth(garment, nodes, 1, level)
         length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.apart) for sign in (1.0, -1.0)])
         if length is not None:  # else the crotch hangs lower
             found.append(Ease(place, length, figure.tape.thighs(level).value))

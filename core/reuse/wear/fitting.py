@@ -12,20 +12,20 @@ from ...cloth import get_fabric
 from ...garment import Garment, Pattern, draft_template, load_draped_template, mesh_pattern, move_by_drafts
 from ...garment.templates import DRAPED_VERTICES
 from ...recover.drape import WearerGeometry, measure_wearer
-from ...recover.drape.shipped import FABRIC, WEARER
-from ...run.hooks import SILENT, Hooks
+from ...recover.drape.shipped import TEMPLATE_FABRIC, TEMPLATE_WEARER
+from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours import name_contours
-from .dressing import carry_worn, drape_worn
-from .kept_ease import Laid, keep_ease, largest_change
-from .widening import widen_rules
-from .worn import Worn
+from .dressing import drape_worn, transfer_to_body
+from .kept_ease import EasePrediction, max_ease_change, preserve_ease
+from .widening import widening_rules
+from .worn import WornGarment
 
-FITTED = 2e-3
-"""Difference of the ease on a drape that is left as it is [m]: what a drape done anew on the same body shows."""
+EASE_FIT_TOLERANCE = 2e-3
+"""Difference of the ease on a drape that is left as it is [m]: a drape done anew on the same body shows as much."""
 
-FITTINGS = 3
-"""Most drapes of a draft; three on bodies at the ends of the range, for whose thighs the draft lacks a tenth of a
-metre."""
+MAX_FITTING_ITERATIONS = 3
+"""Largest number of drapes of a draft. Three are needed on bodies at the ends of the range, for whose thighs the draft
+lacks a tenth of a metre."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,15 @@ class FittedDraft:
     def foresee(self, other: FittedDraft) -> Mapping[str, float]:
         """Return how much more ease is foreseen for another fitting than there is on this body [m], by place.
 
-        Both have the same ease, so this is by how much the foresight (`Laid`) errs from one body to the other.
+        Both have the same ease, so this is by how much the foresight (`EasePrediction`) errs from one body to the
+        other.
         """
         if self.garment is None or other.garment is None:
             return {}
-        return Laid.of(self.garment, self.body, self.waist, other.body).foresee(other.pattern)
+        return EasePrediction.of(self.garment, self.body, self.waist, other.body).foresee(other.pattern)
 
 
-def fit_draft(template: str, body: Body, hooks: Hooks = SILENT) -> FittedDraft:
+def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedDraft:
     """Fit a template's draft to a body.
 
     A draft alone does not know every girth: the sleeves', the thighs', the girth where a waistband sits. It is widened
@@ -71,27 +72,29 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT) -> FittedDraft:
         TemplateUnknown: where there is no template of that name.
         Cancelled: as soon as the hooks say so.
     """
-    found, shipped = foresee_draft(template, body), load_draped_template(template)
+    found, shipped = widen_draft(template, body), load_draped_template(template)
     if shipped is None or found.garment is not None:
         return found
-    pattern, rest, rules = found.pattern, found.body, widen_rules(template)
-    wearer, waist = builtin_body(WEARER), _waist_of(shipped)
-    wanted = Laid.of(shipped, wearer, waist, rest).ease
+    pattern, rest, rules = found.pattern, found.body, widening_rules(template)
+    wearer, waist = builtin_body(TEMPLATE_WEARER), _waist_curve(shipped)
+    wanted = EasePrediction.of(shipped, wearer, waist, rest).ease
     geometry = WearerGeometry(rest)
-    for _ in range(FITTINGS):
+    for _ in range(MAX_FITTING_ITERATIONS):
         mesh = mesh_pattern(pattern, DRAPED_VERTICES)
-        worn = Worn(mesh, get_fabric(FABRIC), wearer, waist, None, template, pattern.category or template)
-        draped, _ = drape_worn(carry_worn(worn, rest, None), geometry, hooks)
+        worn = WornGarment(
+            mesh, get_fabric(TEMPLATE_FABRIC), wearer, waist, None, template, pattern.category or template
+        )
+        draped, _ = drape_worn(transfer_to_body(worn, rest, None), geometry, hooks)
         contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, rest)
-        hung = Laid.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
+        hung = EasePrediction.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
         hung = replace(hung, ease=wanted)
-        if largest_change(hung, pattern) <= FITTED:
+        if max_ease_change(hung, pattern) <= EASE_FIT_TOLERANCE:
             break
-        pattern = keep_ease(pattern, hung, rules)
+        pattern = preserve_ease(pattern, hung, rules)
     return FittedDraft(pattern, hung.lay(pattern), rest, draped.waist)
 
 
-def foresee_draft(template: str, body: Body) -> FittedDraft:
+def widen_draft(template: str, body: Body) -> FittedDraft:
     """Return a template's draft for a body, widened until its ease is foreseen to be that on the body of the library.
 
     Raises:
@@ -101,16 +104,16 @@ def foresee_draft(template: str, body: Body) -> FittedDraft:
     drafted, shipped = draft_template(template, measures), load_draped_template(template)
     if shipped is None:
         return FittedDraft(drafted, None, rest, None)
-    wearer, waist = builtin_body(WEARER), _waist_of(shipped)
+    wearer, waist = builtin_body(TEMPLATE_WEARER), _waist_curve(shipped)
     if measures == measure_wearer(wearer):
         return FittedDraft(shipped.pattern, shipped, wearer, waist)
     # with the curves that a refit leaves to the pattern: a draft draws its own anew
     drafted = move_by_drafts(shipped.pattern, shipped.pattern, drafted) or drafted
-    laid = Laid.of(shipped, wearer, waist, rest)
-    return FittedDraft(keep_ease(drafted, laid, widen_rules(template)), None, rest, None)
+    laid = EasePrediction.of(shipped, wearer, waist, rest)
+    return FittedDraft(preserve_ease(drafted, laid, widening_rules(template)), None, rest, None)
 
 
-def _waist_of(garment: Garment) -> np.ndarray | None:
+def _waist_curve(garment: Garment) -> np.ndarray | None:
     """Return the curve that a shipped garment hangs from [m], shape [n, 3], or None."""
     contour = garment.contour("waist")
     return None if contour is None else garment.nodes[contour.vertices]

@@ -8,10 +8,10 @@ from ...cloth import Scene, Topology
 from ...cloth.contact import contact_forces
 from ...geometry import deformation_gradients, lump, principal_stretches
 from ...recover.drape import WearerGeometry
-from .worn import Worn
+from .worn import WornGarment
 
 
-def measure_strain(worn: Worn) -> np.ndarray:
+def measure_strain(worn: WornGarment) -> np.ndarray:
     """Return the largest principal strain of the cloth at each node, 0 where it is as cut, shape [node_count].
 
     The mean over the faces around a node, by their flat areas; negative where the cloth is pressed together.
@@ -25,7 +25,7 @@ def measure_strain(worn: Worn) -> np.ndarray:
     return np.asarray(lump(areas * (stretch - 1.0), garment.faces, count) / np.maximum(whole, 1e-15))
 
 
-def measure_pressure(worn: Worn, wearer: WearerGeometry) -> np.ndarray:
+def measure_pressure(worn: WornGarment, wearer: WearerGeometry) -> np.ndarray:
     """Return the pressure of the cloth on its wearer at each node [Pa], shape [node_count]."""
     scene = Scene(Topology.from_garment(worn.garment), worn.fabric, wearer.grid)
     forces = contact_forces(scene, worn.garment.nodes)

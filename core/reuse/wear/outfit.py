@@ -11,20 +11,20 @@ from ...cloth import Drape
 from ...recover.drape import WearerGeometry
 from ...run.clock import Clock
 from ...run.report import ResultReport
-from .dressing import Dressed, carry_alone, carry_worn, drape_worn, judge_dressed
-from .over import lay_each, rest_together
+from .dressing import DressedGarment, drape_worn, judge_dressed, transfer_alone_to_body, transfer_to_body
+from .over import drape_in_order, drape_together
 from .underneath import measure_layers
-from .worn import Worn
+from .worn import WornGarment
 
 Metrics = dict[str, float | None]
 
-SHARED = ("drape.residual", "drape.residual_rms", "drape.iterations", "drape.at_rest")
+SHARED_METRICS = ("drape.residual", "drape.residual_rms", "drape.iterations", "drape.at_rest")
 """Metrics of the equilibrium, which all garments have in common."""
 
-WORST = ("body_penetration_mm", "layers.depth_mm")
+MAXIMUM_METRICS = ("body_penetration_mm", "layers.depth_mm")
 """Metrics of which the outfit's is the largest of its garments'."""
 
-SUMMED = ("vertices", "faces", "self_intersecting_faces", "layers.crossing_faces")
+SUMMED_METRICS = ("vertices", "faces", "self_intersecting_faces", "layers.crossing_faces")
 """Metrics of which the outfit's is the sum of its garments'."""
 
 
@@ -39,13 +39,13 @@ class DressedOutfit:
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
 
-    garments: Mapping[str, Dressed]
+    garments: Mapping[str, DressedGarment]
     body: Body
     drape: Drape
     report: ResultReport
 
 
-def dress_outfit(outfit: Mapping[str, Worn], body: Body, clock: Clock) -> DressedOutfit:
+def dress_outfit(outfit: Mapping[str, WornGarment], body: Body, clock: Clock) -> DressedOutfit:
     """Dress a body in several garments, each in its own cloth over the one before, all at rest together.
 
     Args:
@@ -60,19 +60,19 @@ def dress_outfit(outfit: Mapping[str, Worn], body: Body, clock: Clock) -> Dresse
     with clock.stage("drape", "dressing the body in all garments") as hooks:
         if len(outfit) == 1:  # as `dress_body` has it
             (only,) = outfit.values()
-            alone, drape = drape_worn(carry_alone(only, body, None), wearer, hooks)
-            rest: tuple[Worn, ...] = (alone,)
+            alone, drape = drape_worn(transfer_alone_to_body(only, body, None), wearer, hooks)
+            rest: tuple[WornGarment, ...] = (alone,)
         else:
-            carried = [carry_worn(worn, body, None) for worn in outfit.values()]
-            rest, drape = rest_together(lay_each(carried, wearer, hooks), wearer, hooks)
+            carried = [transfer_to_body(worn, body, None) for worn in outfit.values()]
+            rest, drape = drape_together(drape_in_order(carried, wearer, hooks), wearer, hooks)
     judged = {}
     for place, ((word, before), now) in enumerate(zip(outfit.items(), rest, strict=True)):
         layers = _measure_over(rest[:place], now, wearer)
         judged[word] = judge_dressed(before, now, drape, wearer, clock, layers)
-    return _gather(judged, body, drape, clock)
+    return _combine_results(judged, body, drape, clock)
 
 
-def _measure_over(below: tuple[Worn, ...], above: Worn, wearer: WearerGeometry) -> Metrics | None:
+def _measure_over(below: tuple[WornGarment, ...], above: WornGarment, wearer: WearerGeometry) -> Metrics | None:
     """Measure how a garment lies over those below it, the worst of all; None where nothing is below."""
     if not below:
         return None
@@ -83,17 +83,17 @@ def _measure_over(below: tuple[Worn, ...], above: Worn, wearer: WearerGeometry) 
     }
 
 
-def _gather(judged: Mapping[str, Dressed], body: Body, drape: Drape, clock: Clock) -> DressedOutfit:
+def _combine_results(judged: Mapping[str, DressedGarment], body: Body, drape: Drape, clock: Clock) -> DressedOutfit:
     """Return garments that were judged one by one as one result."""
     each = [one.report.metrics for one in judged.values()]
-    metrics: Metrics = {name: each[0][name] for name in SHARED} | {"garments": float(len(judged))}
-    for name in (*WORST, *SUMMED):
+    metrics: Metrics = {name: each[0][name] for name in SHARED_METRICS} | {"garments": float(len(judged))}
+    for name in (*MAXIMUM_METRICS, *SUMMED_METRICS):
         values = [value for one in each if (value := one.get(name)) is not None]
         if values:
-            metrics[name] = max(values) if name in WORST else sum(values)
+            metrics[name] = max(values) if name in MAXIMUM_METRICS else sum(values)
     gates = [gate for gate in next(iter(judged.values())).report.gates if gate.name == "at_rest"]
     for word, one in judged.items():
-        metrics |= {f"{word}.{name}": value for name, value in one.report.metrics.items() if name not in SHARED}
+        metrics |= {f"{word}.{name}": value for name, value in one.report.metrics.items() if name not in SHARED_METRICS}
         others = [gate for gate in one.report.gates if gate.name != "at_rest"]
         gates += [replace(gate, name=f"{word}.{gate.name}", message=f"{word}: {gate.message}") for gate in others]
     told = itertools.chain.from_iterable(one.report.warnings for one in judged.values())

@@ -8,16 +8,28 @@ from dataclasses import replace
 import numpy as np
 
 from ...body import Body, penetration_depth, project_outside, untangle_outside
-from ...cloth import Drape, Fabric, Pins, Scene, SelfContact, Topology, equilibrium, lay_over, soften
+from ...cloth import (
+    Drape,
+    Fabric,
+    Pins,
+    Scene,
+    SelfContact,
+    Topology,
+    equilibrium,
+    reduce_membrane_stiffness,
+    stack_garments,
+)
 from ...recover.drape import WearerGeometry, redrape, waist_loop
 from ...run.clock import Clock
 from ...run.hooks import Hooks
-from .dressing import Dressed, carry_worn, drape_worn, judge_dressed
-from .underneath import measure_layers, raise_over
-from .worn import Worn
+from .dressing import DressedGarment, drape_worn, judge_dressed, transfer_to_body
+from .underneath import measure_layers, raise_skin_over
+from .worn import WornGarment
 
 
-def dress_over(worn: Worn, under: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+def dress_over(
+    worn: WornGarment, under: WornGarment, body: Body, fabric: Fabric | None, clock: Clock
+) -> DressedGarment:
     """Dress a body in a garment over another one, both at rest together under their weight, patterns unchanged.
 
     Args:
@@ -35,8 +47,8 @@ def dress_over(worn: Worn, under: Worn, body: Body, fabric: Fabric | None, clock
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in both garments") as hooks:
-        pair = (carry_worn(under, body, None), carry_worn(worn, body, fabric))
-        (below, above), drape = rest_together(lay_each(pair, wearer, hooks), wearer, hooks)
+        pair = (transfer_to_body(under, body, None), transfer_to_body(worn, body, fabric))
+        (below, above), drape = drape_together(drape_in_order(pair, wearer, hooks), wearer, hooks)
     layers = measure_layers(below.garment, above.garment, wearer.exposed)
     layers["under.body_penetration_mm"] = 1e3 * penetration_depth(
         below.garment.nodes, below.garment.faces, wearer.exposed
@@ -45,7 +57,7 @@ def dress_over(worn: Worn, under: Worn, body: Body, fabric: Fabric | None, clock
     return replace(dressed, under=below)
 
 
-def lay_each(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, ...]:
+def drape_in_order(garments: Sequence[WornGarment], wearer: WearerGeometry, hooks: Hooks) -> tuple[WornGarment, ...]:
     """Drape garments one after the other, each alone on the wearer raised to those below it.
 
     Args:
@@ -59,7 +71,7 @@ def lay_each(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> 
     innermost, _ = drape_worn(garments[0], wearer, hooks)
     laid, raised = [innermost], wearer
     for above in garments[1:]:
-        raised = raise_over(raised, laid[-1].garment)
+        raised = raise_skin_over(raised, laid[-1].garment)
         if above.waist is not None:
             above = replace(above, waist=project_outside(above.waist, raised.exposed))
         nodes, _ = redrape(above.garment, raised, above.fabric, above.target, hooks=hooks)
@@ -67,7 +79,9 @@ def lay_each(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> 
     return tuple(laid)
 
 
-def rest_together(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks) -> tuple[tuple[Worn, ...], Drape]:
+def drape_together(
+    garments: Sequence[WornGarment], wearer: WearerGeometry, hooks: Hooks
+) -> tuple[tuple[WornGarment, ...], Drape]:
     """Bring garments to rest on a wearer, each in its own fabric, in contact with each other and with themselves.
 
     What still crosses is untangled first. Waists are held where they lie, and not where each was tied when it was
@@ -75,7 +89,7 @@ def rest_together(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks
     layers over them, for ever where these have nowhere to go.
 
     Args:
-        garments: From the innermost to the outermost, nodes near their rest (`lay_each`).
+        garments: From the innermost to the outermost, nodes near their rest (`drape_in_order`).
         wearer: The wearer's geometry.
         hooks: Progress and cancellation.
 
@@ -84,8 +98,8 @@ def rest_together(garments: Sequence[Worn], wearer: WearerGeometry, hooks: Hooks
     """
     hooks.progress("drape", 0.7, "all garments together")
     starts = np.cumsum([0, *(len(one.garment.nodes) for one in garments)])
-    cloths = [soften(one.fabric) for one in garments]
-    topology, layers = lay_over([Topology.from_garment(one.garment) for one in garments], cloths)
+    cloths = [reduce_membrane_stiffness(one.fabric) for one in garments]
+    topology, layers = stack_garments([Topology.from_garment(one.garment) for one in garments], cloths)
     nodes = np.concatenate([one.garment.nodes for one in garments])
     waists = [(waist_loop(one.garment), start) for one, start in zip(garments, starts, strict=False)]
     held = np.concatenate([np.zeros(0, dtype=np.int64), *(loop + start for loop, start in waists if loop is not None)])

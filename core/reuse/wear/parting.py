@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ...body import project_outside
-from ...cloth import Drape, Scene, SelfContact, Topology, equilibrium, soften
+from ...cloth import Drape, Scene, SelfContact, Topology, equilibrium, reduce_membrane_stiffness
 from ...geometry import self_intersections
 from ...recover.drape import WearerGeometry, pin_waist
-from ...run.hooks import SILENT, Hooks
-from .worn import Worn
+from ...run.hooks import SILENT_HOOKS, Hooks
+from .worn import WornGarment
 
 
-def part_layers(worn: Worn, wearer: WearerGeometry, drape: Drape, hooks: Hooks = SILENT) -> tuple[np.ndarray, Drape]:
+def separate_layers(
+    worn: WornGarment, wearer: WearerGeometry, drape: Drape, hooks: Hooks = SILENT_HOOKS
+) -> tuple[np.ndarray, Drape]:
     """Bring worn cloth that crosses itself to rest anew, in contact with itself and untangled first.
 
     Cloth that crosses itself nowhere stays as it is, and so does cloth of which as many faces cross after that.
@@ -33,7 +35,9 @@ def part_layers(worn: Worn, wearer: WearerGeometry, drape: Drape, hooks: Hooks =
     hooks.progress("drape", 0.8, "parting layers that cross")
     topology, pins = Topology.from_garment(garment), pin_waist(garment, worn.target)
     contact = SelfContact.of(topology)
-    scene = Scene(topology, soften(worn.fabric), wearer.grid, pins, worn.rotation, self_contact=contact)
+    scene = Scene(
+        topology, reduce_membrane_stiffness(worn.fabric), wearer.grid, pins, worn.rotation, self_contact=contact
+    )
     parted = equilibrium(scene, garment.nodes, hooks=hooks)
     nodes = project_outside(parted.nodes, wearer.exposed, garment.faces)
     if len(self_intersections(nodes, garment.faces)) >= crossed:

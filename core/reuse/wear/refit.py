@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body, Tape
+from ...body import Body, TapeMeasure
 from ...cloth import Fabric
 from ...garment import (
     Pattern,
@@ -17,27 +17,27 @@ from ...garment import (
 )
 from ...recover.drape import measure_wearer
 from ...run.clock import Clock
-from ...run.hooks import SILENT, Hooks
-from .dressing import Dressed, dress_body
+from ...run.hooks import SILENT_HOOKS, Hooks
+from .dressing import DressedGarment, dress_body
 from .ease import Ease, measure_ease
 from .fitting import fit_draft
-from .kept_ease import Laid, keep_ease, largest_change
-from .widening import widen_rules
-from .worn import Worn
+from .kept_ease import EasePrediction, max_ease_change, preserve_ease
+from .widening import widening_rules
+from .worn import WornGarment
 
-KEPT = 5e-3
-"""Change of the ease up to which it counts as kept [m]."""
+EASE_CHANGE_TOLERANCE = 5e-3
+"""Largest change of the ease at which it counts as kept [m]."""
 
-FOREIGN = 1e-2
-"""Change of the ease from which on a pattern counts as of another form than its draft [m]: where cloth will hang is
-foreseen to 5.5 mm at the thighs of the library's own trousers, which are their draft."""
+MAX_DRAFT_EASE_CHANGE = 1e-2
+"""Change of the ease beyond which a pattern counts as of another form than its draft [m]. How cloth will hang is
+predicted to 5.5 mm at the thighs of the library's own trousers, which are their draft."""
 
-SIDES = 8
-"""Most edges of panels round a place, front and back in halves: a pattern whose control points are d off its draft's
-loses at most 8 d more than it. More is foreseen where a line comes upon the crotch on one of the bodies (148 mm at the
-thighs of shorts that are 8 mm off), and means nothing."""
+MAX_GIRTH_EDGE_COUNT = 8
+"""Largest number of panel edges around a place, front and back in halves. A pattern whose control points are d off its
+draft's loses at most 8 d more ease than it. More is predicted where a line meets the crotch on one of the bodies (148
+mm at the thighs of shorts that are 8 mm off), and means nothing."""
 
-APPROXIMATE = (
+SCALED_PATTERN_WARNING = (
     "the pattern is no shipped template's, so nobody knows its draft: its panels were scaled by the ratios of both "
     "bodies' girths and heights, which is approximate."
 )
@@ -45,7 +45,7 @@ APPROXIMATE = (
 
 
 @dataclass(frozen=True)
-class Refitted:
+class RefittedPattern:
     """Describe a pattern made to measure.
 
     Attributes:
@@ -57,14 +57,14 @@ class Refitted:
     is_drafted: bool
 
 
-def refit_pattern(worn: Worn, body: Body, hooks: Hooks = SILENT) -> Refitted:
+def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) -> RefittedPattern:
     """Return a worn garment's pattern made to the measures of another body.
 
     Control points move by what the draft changes, p + D(b1) - D(b0) with b0 the wearer, b1 the other body, and D the
     template's draft fitted to a body (`fit_draft`), as grade rules do; handles are relative and follow. There and back
-    is therefore where it was. Where a pattern is of so much another form than its draft that more than `FOREIGN` of the
-    ease is foreseen to be lost beyond what is foreseen for the draft, and no more than that form can lose, it is
-    widened itself. Seams are equalised. On a body of the wearer's own measures nothing moves.
+    is therefore where it was. Where a pattern is of so much another form than its draft that more than
+    `MAX_DRAFT_EASE_CHANGE` of the ease is foreseen to be lost beyond what is foreseen for the draft, and no more than
+    that form can lose, it is widened itself. Seams are equalised. On a body of the wearer's own measures nothing moves.
 
     Args:
         worn: The garment on its wearer.
@@ -76,23 +76,23 @@ def refit_pattern(worn: Worn, body: Body, hooks: Hooks = SILENT) -> Refitted:
     """
     pattern = worn.pattern
     if measure_wearer(worn.body) == measure_wearer(body):
-        return Refitted(pattern, True)
+        return RefittedPattern(pattern, True)
     try:
         old, new = (fit_draft(worn.template, each, hooks) for each in (worn.body, body))
     except TemplateUnknown:
-        return Refitted(_scale(worn, body), False)
+        return RefittedPattern(_scale(worn, body), False)
     moved = move_by_drafts(pattern, old.pattern, new.pattern)
     if moved is None:
-        return Refitted(_scale(worn, body), False)
-    laid, error = Laid.of(worn.garment, worn.body, worn.waist, body), old.foresee(new)
+        return RefittedPattern(_scale(worn, body), False)
+    laid, error = EasePrediction.of(worn.garment, worn.body, worn.waist, body), old.foresee(new)
     laid = replace(laid, ease={place: ease + error.get(place, 0.0) for place, ease in laid.ease.items()})
     off = float(np.linalg.norm(pattern.points - old.pattern.points, axis=1).max())
-    if FOREIGN < largest_change(laid, moved) <= SIDES * off:
-        moved = keep_ease(moved, laid, widen_rules(worn.template))
-    return Refitted(moved, True)
+    if MAX_DRAFT_EASE_CHANGE < max_ease_change(laid, moved) <= MAX_GIRTH_EDGE_COUNT * off:
+        moved = preserve_ease(moved, laid, widening_rules(worn.template))
+    return RefittedPattern(moved, True)
 
 
-def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+def make_to_measure(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
     """Make a garment to measure and dress the body in it; what of the ease is not kept is said.
 
     Args:
@@ -111,9 +111,13 @@ def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock)
             mesh = mesh_pattern(found.pattern, len(worn.garment.nodes))
             made = replace(worn, garment=mesh)
     dressed = dress_body(made, body, fabric, clock)
-    notes = () if found.is_drafted else (APPROXIMATE,)
-    changes = {one.place: one.value - was for one, was in _pair(dressed.ease, before)}
-    told = [f"{1e3 * change:+.0f} mm at the {place}" for place, change in changes.items() if abs(change) > KEPT]
+    notes = () if found.is_drafted else (SCALED_PATTERN_WARNING,)
+    changes = {one.place: one.value - was for one, was in _pair_ease(dressed.ease, before)}
+    told = [
+        f"{1e3 * change:+.0f} mm at the {place}"
+        for place, change in changes.items()
+        if abs(change) > EASE_CHANGE_TOLERANCE
+    ]
     if told:
         notes = (*notes, f"the ease is not the wearer's: {', '.join(told)}.".replace("_", " "))
     metrics: dict[str, float | None] = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
@@ -122,15 +126,15 @@ def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock)
     return replace(dressed, before=worn, report=report)
 
 
-def _pair(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ease, float]]:
+def _pair_ease(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ease, float]]:
     """Return what was measured on both bodies, each with the ease on the first [m]."""
     was = {one.place: one.value for one in before}
     return [(one, was[one.place]) for one in now if one.place in was]
 
 
-def _scale(worn: Worn, body: Body) -> Pattern:
+def _scale(worn: WornGarment, body: Body) -> Pattern:
     """Return the pattern scaled by the ratios of both bodies: across by the mean ratio of girths, along by heights'."""
-    tapes = [Tape.of(one) for one in (worn.body, body)]
+    tapes = [TapeMeasure.of(one) for one in (worn.body, body)]
     places = [one.place for one in measure_ease(worn.garment, worn.body)] or ["chest", "waist", "hip"]
     across = float(np.mean([tapes[1].measure(place).value / tapes[0].measure(place).value for place in places]))
     tall = [float(np.ptp(tape.body.vertices[:, 1])) for tape in tapes]

@@ -11,25 +11,25 @@ from ...garment import Garment
 from ...geometry import HalfEdges, TriangleSurface, intersecting_pairs, vertex_normals
 from ...recover.drape import WearerGeometry
 
-GAP = 2.0 * SelfContactSettings().thickness
-"""Distance of the raised skin from the cloth under it [m]: two thicknesses, so that what is cleared of it touches none
-of the cloth's faces, which lie between their nodes."""
+RAISED_SKIN_CLEARANCE = 2.0 * SelfContactSettings().thickness
+"""Distance of the raised skin from the cloth under it [m]: two thicknesses. What is cleared of the raised skin then
+touches none of the cloth's faces, which lie between their nodes."""
 
-AROUND = 0.04
+SKIN_RAISING_RADIUS = 0.04
 """Distance of feet on the skin up to which they raise a place of it [m]: a body's vertices are 2 to 3 cm apart, and
 feet of coarse cloth as well."""
 
-HIGHEST = 0.06
-"""Most by which skin is raised [m]: cloth that hangs further off (a skirt) is no place that other cloth rests on."""
+MAX_SKIN_RAISE = 0.06
+"""Largest height by which skin is raised [m]: no other cloth rests on cloth that hangs further off (a skirt)."""
 
-SMOOTHINGS = 4
-"""Times that heights are averaged with their neighbours', never below what the cloth needs."""
+HEIGHT_SMOOTHING_ITERATIONS = 4
+"""Number of times that heights are averaged with their neighbours', never below what the cloth needs."""
 
 
-def raise_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
+def raise_skin_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
     """Return the geometry of a wearer whose skin lies outside of what he wears, for cloth that goes over it.
 
-    Each place of the skin is raised as high as the cloth around it lies, up to `HIGHEST`.
+    Each place of the skin is raised as high as the cloth around it lies, up to `MAX_SKIN_RAISE`.
 
     Args:
         wearer: The wearer.
@@ -41,18 +41,20 @@ def raise_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
     facing = np.concatenate([normals, normals[faces].mean(axis=1)])
     found = wearer.exposed.closest(points)
     lies = (facing * wearer.exposed.normals[found.face]).sum(axis=1) > 0.0  # a hand beside trousers is not under them
-    lies &= found.distance < HIGHEST
+    lies &= found.distance < MAX_SKIN_RAISE
     needed = np.zeros(len(body.vertices))
     if lies.any():
         tree, feet = cKDTree(body.vertices), found.foot[lies]
-        for vertices, height in zip(tree.query_ball_point(feet, AROUND), found.distance[lies] + GAP, strict=True):
+        for vertices, height in zip(
+            tree.query_ball_point(feet, SKIN_RAISING_RADIUS), found.distance[lies] + RAISED_SKIN_CLEARANCE, strict=True
+        ):
             needed[vertices] = np.maximum(needed[vertices], height)
     heights, edges = needed, HalfEdges.of(body.faces, len(body.vertices)).edges
     count = np.maximum(np.bincount(edges.ravel(), minlength=len(heights)), 1)
-    for _ in range(SMOOTHINGS):
+    for _ in range(HEIGHT_SMOOTHING_ITERATIONS):
         around = np.bincount(edges.ravel(), heights[edges[:, ::-1]].ravel(), minlength=len(heights)) / count
         heights = np.maximum(needed, 0.5 * (heights + around))
-    return wearer.raised(np.minimum(heights, HIGHEST + GAP))
+    return wearer.raised(np.minimum(heights, MAX_SKIN_RAISE + RAISED_SKIN_CLEARANCE))
 
 
 def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[str, float | None]:
@@ -62,8 +64,8 @@ def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[
     `under.self_intersecting_faces` those of the one below that pass through itself; `layers.depth_mm` is how deep the
     one above lies under it.
     Depth is the greatest distance of a node or face centre of the one above from the one below where it sees that from
-    its back, and where the way out from the skin meets the one below within `HIGHEST`: it lies between cloth and skin
-    there. What lies beyond a waistband that stands off sees its back as well, but is not under it.
+    its back, and where the way out from the skin meets the one below within `MAX_SKIN_RAISE`: it lies between cloth and
+    skin there. What lies beyond a waistband that stands off sees its back as well, but is not under it.
     """
     first, faces = len(under.faces), np.concatenate([under.faces, over.faces + len(under.nodes)])
     pairs = intersecting_pairs(np.concatenate([under.nodes, over.nodes]), faces)
@@ -85,7 +87,7 @@ def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[
 def is_covered(points: np.ndarray, skin: ExposedSurface, cloth: Garment) -> np.ndarray:
     """Check for each point [m], shape [n, 3], whether the way out from the skin through it meets cloth behind it.
 
-    The way is a straight line of `HIGHEST` away from the nearest skin (Moeller and Trumbore 1997).
+    The way is a straight line of `MAX_SKIN_RAISE` away from the nearest skin (Moeller and Trumbore 1997).
     """
     _, ways = skin.measure(points)
     corner, *others = (cloth.nodes[cloth.faces[:, k]] for k in range(3))
@@ -99,6 +101,6 @@ def is_covered(points: np.ndarray, skin: ExposedSurface, cloth: Garment) -> np.n
         turned = np.cross(point - corner, sides[0])
         second = (turned @ way) / volume
         along = (turned * sides[1]).sum(axis=1) / volume
-        meets = (first >= 0.0) & (second >= 0.0) & (first + second <= 1.0) & (along > 0.0) & (along < HIGHEST)
+        meets = (first >= 0.0) & (second >= 0.0) & (first + second <= 1.0) & (along > 0.0) & (along < MAX_SKIN_RAISE)
         covered[n] = meets.any()
     return covered

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...cloth import RESTING
+from ...cloth import MAX_REST_RESIDUAL
 from ...run.verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
 
-DEPTH_MM = 1.0
-"""Depth in the body that passes [mm]: nothing of it shows in a picture."""
+MAX_WORN_DEPTH_MM = 1.0
+"""Largest depth in the body that passes [mm]: nothing of it shows in a picture."""
 
 
 def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
@@ -22,7 +22,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             "at_rest",
             Verdict.PASS if rests else Verdict.FAIL,
             residual,
-            RESTING,
+            MAX_REST_RESIDUAL,
             "The garment is at rest."
             if rests
             else f"The garment is not at rest: its least balanced node feels "
@@ -30,11 +30,11 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
         ),
         Gate(
             "depth",
-            Verdict.PASS if depth <= DEPTH_MM else Verdict.FAIL,
+            Verdict.PASS if depth <= MAX_WORN_DEPTH_MM else Verdict.FAIL,
             depth,
-            DEPTH_MM,
+            MAX_WORN_DEPTH_MM,
             f"The garment lies up to {depth:.1f} mm inside the body"
-            + ("." if depth <= DEPTH_MM else ": it is too small, or the body's parts press it between them."),
+            + ("." if depth <= MAX_WORN_DEPTH_MM else ": it is too small, or the body's parts press it between them."),
         ),
         _judge_width(metrics),
         Gate(
@@ -57,14 +57,14 @@ def _judge_layers(metrics: Metrics) -> tuple[Gate, ...]:
         return ()
     crossed += metrics.get("under.self_intersecting_faces") or 0.0
     deepest = max(depth, metrics.get("under.body_penetration_mm") or 0.0)
-    lies = crossed == 0.0 and deepest <= DEPTH_MM
+    lies = crossed == 0.0 and deepest <= MAX_WORN_DEPTH_MM
     message = "It lies over the other garment."
     if not lies:
         message = (
             f"{crossed:.0f} faces of it and the garment below pass through the other or through themselves, or it lies "
             f"{depth:.1f} mm under that, or that in the body: change their order, or take a wider size."
         )
-    return (Gate("layers", Verdict.PASS if lies else Verdict.FAIL, max(crossed, deepest), DEPTH_MM, message),)
+    return (Gate("layers", Verdict.PASS if lies else Verdict.FAIL, max(crossed, deepest), MAX_WORN_DEPTH_MM, message),)
 
 
 def _judge_width(metrics: Metrics) -> Gate:

@@ -8,7 +8,7 @@ from ...body import Body, register_body, skin, unskin, weights_at
 from ...geometry import TriangleSurface
 
 
-def carry_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:
+def transfer_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:
     """Carry points on a wearer to the same place of another body, as far from the skin, and return them [m], [n, 3].
 
     Both bodies' fitted models have one topology, so a place of the skin is a face and weights of its corners. The

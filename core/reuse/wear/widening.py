@@ -9,15 +9,16 @@ import numpy as np
 from ...body import BELOW_ARMPIT
 from ...garment import BodyMeasures, Panel, Pattern, draft_template
 
-TOGETHER = 5e-3
-"""Distance of two placed control points up to which they are sewn together [m]; a back's corner that was moved until
+SEWN_POINT_TOLERANCE = 5e-3
+"""Distance of two placed control points up to which they are sewn together [m]. A back's corner that was moved until
 its seams are equal lies within it."""
 
-NEAR = 0.1
-"""How far from where a place is measured its control points may lie [m]: those that are further shape another place."""
+MAX_CONTROL_POINT_DISTANCE = 0.1
+"""Largest distance of a place's control points from where the place is measured [m]. Those that are further off shape
+another place."""
 
 
-def widen_rules(template: str) -> dict[str, np.ndarray]:
+def widening_rules(template: str) -> dict[str, np.ndarray]:
     """Return how control points move for a line of cloth that is longer by its unit, by the place where it lies.
 
     Round trunk and legs each place has the height of control points, the nearest to where the draft measures it; a
@@ -43,11 +44,11 @@ def widen_rules(template: str) -> dict[str, np.ndarray]:
 def _rules(template: str) -> tuple[tuple[str, np.ndarray], ...]:
     measures = BodyMeasures()
     pattern = draft_template(template, measures)
-    placed = _place(pattern)
+    placed = _place_points(pattern)
     sleeve = np.concatenate([np.full(len(panel.points), panel.label == "sleeve") for panel in pattern.panels])
-    rules = _round_body(pattern, placed, sleeve, measures)
+    rules = _body_rules(pattern, placed, sleeve, measures)
     if sleeve.any():
-        rules["upper_arm"] = _round_arms(pattern, placed, sleeve)
+        rules["upper_arm"] = _arm_rule(pattern, placed, sleeve)
     found = []
     for name, moves in rules.items():
         turned = np.einsum("nij,ni->nj", _axes(pattern), moves)  # the world's x, y to the panels' axes
@@ -61,7 +62,7 @@ def _axes(pattern: Pattern) -> np.ndarray:
     return np.concatenate([np.tile(panel.rotation[:2, :2], (len(panel.points), 1, 1)) for panel in pattern.panels])
 
 
-def _place(pattern: Pattern) -> np.ndarray:
+def _place_points(pattern: Pattern) -> np.ndarray:
     """Return the control points where the draft places them: across and up [m], shape [point_count, 2]."""
     return np.concatenate([_place_panel(panel) for panel in pattern.panels])
 
@@ -70,20 +71,20 @@ def _place_panel(panel: Panel) -> np.ndarray:
     return np.asarray(panel.points @ panel.rotation[:2, :2].T + panel.translation[:2])
 
 
-def _round_body(
+def _body_rules(
     pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray, measures: BodyMeasures
 ) -> dict[str, np.ndarray]:
     """Return the rules of all places round trunk and legs, moves in the world's x, y, shape [point_count, 2] each."""
-    knots = _find_knots(pattern, placed[~sleeve, 1], measures)
+    knots = _find_girth_heights(pattern, placed[~sleeve, 1], measures)
     heights = placed[:, 1]
     order = sorted(knots, key=lambda name: knots[name])  # from below
     levels = [knots[name] for name in order]
     tops = np.concatenate([np.full(len(panel.points), _place_panel(panel)[:, 1].max()) for panel in pattern.panels])
-    fade = np.clip((tops - heights) / np.maximum(tops - levels[-1], TOGETHER), 0.0, 1.0)
+    fade = np.clip((tops - heights) / np.maximum(tops - levels[-1], SEWN_POINT_TOLERANCE), 0.0, 1.0)
     rules = {}
     for index, name in enumerate(order):
         weights = np.interp(heights, levels, np.eye(len(order))[index])
-        if index == len(order) - 1 and not _hangs(pattern):
+        if index == len(order) - 1 and not _hangs_from_waist(pattern):
             weights = np.where(heights > levels[-1], fade, weights)
         middles, widths = _chords(pattern, placed, levels[index])
         moves = np.zeros_like(placed)
@@ -93,20 +94,20 @@ def _round_body(
     return rules
 
 
-def _find_knots(pattern: Pattern, heights: np.ndarray, measures: BodyMeasures) -> dict[str, float]:
+def _find_girth_heights(pattern: Pattern, heights: np.ndarray, measures: BodyMeasures) -> dict[str, float]:
     """Return the height of each place that has control points of its own [m]."""
     wanted = {"chest": measures.armpit_height - BELOW_ARMPIT, "waist": measures.waist_height}
     wanted |= {"hip": measures.hip_height}
     if any(edge.contour.startswith("leg") for panel in pattern.panels for edge in panel.edges):
         wanted["thigh"] = measures.crotch_height
     known: dict[str, float] = {}
-    if _hangs(pattern):
+    if _hangs_from_waist(pattern):
         del wanted["chest"], wanted["waist"]
         known["waist"] = _lowest_of_waist(pattern)
     pairs = [(abs(float(height) - at), name, float(height)) for name, at in wanted.items() for height in heights]
     for distance, name, height in sorted(pairs):
-        is_free = all(abs(height - other) > TOGETHER for other in known.values())
-        if distance <= NEAR and name not in known and is_free:
+        is_free = all(abs(height - other) > SEWN_POINT_TOLERANCE for other in known.values())
+        if distance <= MAX_CONTROL_POINT_DISTANCE and name not in known and is_free:
             known[name] = height
     return known
 
@@ -121,7 +122,7 @@ def _lowest_of_waist(pattern: Pattern) -> float:
     return min(heights)
 
 
-def _hangs(pattern: Pattern) -> bool:
+def _hangs_from_waist(pattern: Pattern) -> bool:
     """Return whether a pattern's garment hangs from the waist."""
     return any(edge.contour == "waist" for panel in pattern.panels for edge in panel.edges)
 
@@ -131,7 +132,7 @@ def _chords(pattern: Pattern, placed: np.ndarray, height: float) -> tuple[np.nda
     middles, whole = [], 0.0
     for panel in pattern.panels:
         points = _place_panel(panel)
-        ends = _cross(points, height)
+        ends = _cross_at_height(points, height)
         if ends is None:
             ends = float(points[:, 0].min()), float(points[:, 0].max())
         elif panel.label != "sleeve":
@@ -140,7 +141,7 @@ def _chords(pattern: Pattern, placed: np.ndarray, height: float) -> tuple[np.nda
     return np.concatenate(middles), whole
 
 
-def _cross(points: np.ndarray, height: float) -> tuple[float, float] | None:
+def _cross_at_height(points: np.ndarray, height: float) -> tuple[float, float] | None:
     """Return where the outermost chords of a closed polygon cross a height [m], or None where it lies elsewhere."""
     after = np.roll(points, -1, axis=0)
     low, high = np.minimum(points[:, 1], after[:, 1]), np.maximum(points[:, 1], after[:, 1])
@@ -152,7 +153,7 @@ def _cross(points: np.ndarray, height: float) -> tuple[float, float] | None:
     return float(found.min()), float(found.max())
 
 
-def _round_arms(pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray) -> np.ndarray:
+def _arm_rule(pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray) -> np.ndarray:
     """Return the rule of the upper arms: the underarm goes down by half, for each line crosses two half sleeves."""
     moves = np.zeros_like(placed)
     starts = pattern.point_starts
@@ -163,5 +164,5 @@ def _round_arms(pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray) -> np.
             moves[low, 1] = -0.5
     lowered = placed[moves[:, 1] < 0.0]
     apart = np.linalg.norm(placed[:, None] - lowered[None], axis=2).min(axis=1)
-    moves[~sleeve & (apart < TOGETHER), 1] = -0.5
+    moves[~sleeve & (apart < SEWN_POINT_TOLERANCE), 1] = -0.5
     return moves

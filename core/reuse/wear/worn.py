@@ -13,19 +13,20 @@ from ...body import Body, builtin_body
 from ...cloth import Fabric, SteadyRotation
 from ...garment import EdgeRef, Garment, Pattern, load_draped_template
 from ...recover.drape import waist_loop
-from ...recover.drape.shipped import WEARER
+from ...recover.drape.shipped import TEMPLATE_WEARER
 from ...recover.recovery import Recovery
 from ...run.checkpoints import pack, unpack
 from ...run.errors import BadInput
 from ...scan.contours import Contour, Target
 
-WORN = "worn.npz"
+WORN_FILE_NAME = "worn.npz"
 """Name of the file in the folder of a result."""
 
-VERSION = 1
-"""Version of the file: one higher whenever a field of what it holds is added, removed or changed (`_Kept`)."""
+WORN_FORMAT_VERSION = 1
+"""Version of the file's format. It rises by one whenever a field of what the file holds is added, removed or changed
+(`_StoredWorn`)."""
 
-_VERSION = "version"
+_VERSION_KEY = "version"
 """Key of the version beside the fields."""
 
 
@@ -36,7 +37,7 @@ class ResultOld(BadInput):
 
 
 @dataclass(frozen=True)
-class Worn:
+class WornGarment:
     """Describe a garment at rest on its wearer, with all that dressing another body or moving this one needs.
 
     Attributes:
@@ -70,10 +71,10 @@ class Worn:
     @property
     def target(self) -> Target:
         """Return what a drape asks of a scan: the waist, and nothing where the garment has none."""
-        return hang_from(self.waist, self.category)
+        return make_waist_target(self.waist, self.category)
 
 
-def hang_from(waist: np.ndarray | None, category: str) -> Target:
+def make_waist_target(waist: np.ndarray | None, category: str) -> Target:
     """Return a target without a surface: a garment's category, and the curve that it hangs from.
 
     Args:
@@ -87,7 +88,7 @@ def hang_from(waist: np.ndarray | None, category: str) -> Target:
     return Target(points, faces, np.zeros_like(points), contours, (), category)
 
 
-def wear_template(name: str, fabric: Fabric) -> Worn | None:
+def load_worn_template(name: str, fabric: Fabric) -> WornGarment | None:
     """Return a shipped template on the built-in female body that it hangs on; None where no drape of it is shipped.
 
     Args:
@@ -102,14 +103,16 @@ def wear_template(name: str, fabric: Fabric) -> Worn | None:
         return None
     waist = garment.contour("waist")
     curve = None if waist is None else garment.nodes[waist.vertices]
-    return Worn(garment, fabric, builtin_body(WEARER), curve, None, name, garment.pattern.category or name)
+    return WornGarment(
+        garment, fabric, builtin_body(TEMPLATE_WEARER), curve, None, name, garment.pattern.category or name
+    )
 
 
-def worn_of(recovery: Recovery) -> Worn:
+def worn_from_recovery(recovery: Recovery) -> WornGarment:
     """Return the recovered garment at rest: its simulation mesh, or where the method makes none the graded drape."""
     meshes = recovery.meshes
     garment = recovery.garment.at(meshes.graded if meshes.simulation is None else meshes.simulation)
-    return Worn(
+    return WornGarment(
         garment=garment,
         fabric=recovery.fabric,
         body=recovery.body,
@@ -137,7 +140,7 @@ def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
 
 
 @dataclass(frozen=True)
-class _KeptGarment:
+class _StoredGarment:
     """A garment whose edges' uv vertices stand in two lists, for names of arrays are texts; the rest as `Garment`."""
 
     pattern: Pattern
@@ -154,7 +157,7 @@ class _KeptGarment:
     contours: tuple[Contour, ...]
 
     @classmethod
-    def of(cls, garment: Garment) -> _KeptGarment:
+    def of(cls, garment: Garment) -> _StoredGarment:
         """Return what is kept of a garment."""
         pattern, arrays = garment.pattern, ("nodes", "faces", "uv", "uv_faces", "uv_node")
         return cls(
@@ -179,10 +182,10 @@ class _KeptGarment:
 
 
 @dataclass(frozen=True)
-class _Kept:
-    """What `Worn` holds, each field as there."""
+class _StoredWorn:
+    """What `WornGarment` holds, each field as there."""
 
-    garment: _KeptGarment
+    garment: _StoredGarment
     fabric: Fabric
     body: Body
     waist: np.ndarray | None
@@ -191,30 +194,30 @@ class _Kept:
     category: str
 
 
-def save_worn(worn: Worn, folder: Path) -> Path:
+def save_worn(worn: WornGarment, folder: Path) -> Path:
     """Write a worn garment as compressed arrays into a folder, and return the file."""
     names = ("fabric", "body", "waist", "rotation", "template", "category")
-    kept = _Kept(_KeptGarment.of(worn.garment), **{name: getattr(worn, name) for name in names})
-    path = folder / WORN
+    kept = _StoredWorn(_StoredGarment.of(worn.garment), **{name: getattr(worn, name) for name in names})
+    path = folder / WORN_FILE_NAME
     with path.open("wb") as file:
-        np.savez_compressed(file, **pack(kept), **{_VERSION: np.array(VERSION)})  # type: ignore[arg-type]
+        np.savez_compressed(file, **pack(kept), **{_VERSION_KEY: np.array(WORN_FORMAT_VERSION)})  # type: ignore[arg-type]
     return path
 
 
-def load_worn(folder: Path) -> Worn:
+def load_worn(folder: Path) -> WornGarment:
     """Read the worn garment of a stored result from the folder of its files.
 
     Raises:
         ResultOld: where the result has none, or one of another version.
     """
     try:
-        with (folder / WORN).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            if _VERSION not in arrays.files or not np.array_equal(arrays[_VERSION], VERSION):
+        with (folder / WORN_FILE_NAME).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            if _VERSION_KEY not in arrays.files or not np.array_equal(arrays[_VERSION_KEY], WORN_FORMAT_VERSION):
                 raise ResultOld()
-            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files if name != _VERSION})
+            kept = unpack(_StoredWorn, {name: arrays[name] for name in arrays.files if name != _VERSION_KEY})
     except (OSError, ValueError, zipfile.BadZipFile) as error:
         raise ResultOld() from error
     if kept is None:
         raise ResultOld()
     names = ("fabric", "body", "waist", "rotation", "template", "category")
-    return Worn(kept.garment.restore(), **{name: getattr(kept, name) for name in names})
+    return WornGarment(kept.garment.restore(), **{name: getattr(kept, name) for name in names})

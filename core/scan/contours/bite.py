@@ -9,41 +9,43 @@ import numpy as np
 
 from ...geometry import ClosedCurve
 
-NARROW = 2.5
-"""A bite's rim is at least so many times its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: design."""
-SHALLOW = 0.05
-"""A bite reaches into the garment by at least this much [m]; less is a tooth of a cut along triangles."""
-DEEP = 0.25
-"""A bite reaches into the garment by at least this share of its rim; a fold of a hem runs sideways instead."""
-BELLY = 0.6
-"""A bite of a neck has at least this share of the area of the rectangle over its mouth that reaches as deep. A triangle
-has 0.5, and so has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and
-2.7 near the tip where worn; a round hole whose rim is 2.5 times its mouth has 1.0."""
-POINTED = 4.0
-"""What has less area than that is a tear where its rim is so many times its mouth: that of a V is where it is twice as
-deep as wide."""
-SLIT = 0.02
-"""A rim with less area than this share of its squared length is a slit's, whose area vector says nothing."""
-TURNED = 0.1
-"""Least cosine between a bite's area vector and the direction that missing surface gives it: nearer to 0 chance
-decides. A fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
-FINEST = 1000
-"""Points compared in pairs; a longer contour is searched at every second, third, ... point."""
-TRIED = 500
-"""Stretches looked at, narrowest first; the folds of a gathered hem are many, and all of them are turned down."""
+MIN_BITE_RIM_RATIO = 2.5
+"""Least length of a bite's rim over its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: these are
+design."""
+MIN_BITE_DEPTH = 0.05
+"""Least depth of a bite into the garment [m]; less is a tooth of a cut along triangles."""
+MIN_BITE_DEPTH_SHARE = 0.25
+"""Least depth of a bite into the garment, as a share of its rim's length; a fold of a hem runs sideways instead."""
+MIN_BITE_AREA_SHARE = 0.6
+"""Least area of a neck's bite, as a share of the rectangle over its mouth that reaches as deep. A triangle has 0.5, and
+so has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and 2.7 near the
+tip where worn; a round hole whose rim is 2.5 times its mouth has 1.0."""
+MIN_TEAR_RIM_RATIO = 4.0
+"""Length of the rim over the mouth from which a neck's bite with less area than `MIN_BITE_AREA_SHARE` is a tear: a V
+has this ratio where it is twice as deep as wide."""
+MAX_SLIT_AREA_RATIO = 0.02
+"""Area over the squared length of a rim below which it is a slit's, whose area vector has no reliable direction."""
+MIN_BITE_NORMAL_COSINE = 0.1
+"""Least cosine between a bite's area vector and the direction that missing surface gives it: nearer to 0 its sign is
+random. A fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
+MAX_BITE_POINT_COUNT = 1000
+"""Largest number of points that are compared in pairs; a longer contour is searched at every second, third, ...
+point."""
+MAX_BITE_CANDIDATE_COUNT = 500
+"""Largest number of stretches that are checked, narrowest first; the folds of a gathered hem are many, and all of them
+are rejected."""
 
-BAY = 0.3
-"""A bay where the scanner saw nothing has at least so many times the area of the square over its mouth: a half disk has
-0.39."""
-IN_SURFACE = 0.85
+MIN_BAY_AREA_RATIO = 0.3
+"""Least area of a bay where the scanner saw nothing over that of the square on its mouth: a half disk has 0.39."""
+MIN_BAY_NORMAL_COSINE = 0.85
 """Smallest cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
-AROUND = 2.0 / np.pi
+MIN_MEAN_NORMAL_LENGTH = 2.0 / np.pi
 """Least length of the mean of a bay's unit normals: what half a tube's have. A stretch that goes further around is the
-end of the tube, whose normals cancel and say nothing of where its area vector should point."""
-BAY_AREA = 4e-4
+end of the tube, whose normals cancel and do not show where its area vector should point."""
+MIN_BAY_AREA = 4e-4
 """Smallest area of a bay [m2]: less is a tooth of the triangles."""
-SEEN = 0.01
-"""Something seen over a shorter stretch within an unseen one is noise [m]."""
+MIN_SEEN_LENGTH = 0.01
+"""Length below which a seen stretch within an unseen one is noise [m]."""
 
 
 def bridge_bays(
@@ -71,8 +73,10 @@ def bridge_bays(
     for stretch in stretches:
         mouth = points[stretch[-1]] - points[stretch[0]]
         area, missing = _missing_area(points[stretch], normals[stretch])
-        lies_in_surface = missing >= IN_SURFACE * area and _mean_length(normals[stretch]) >= AROUND
-        if lies_in_surface and missing >= max(BAY_AREA, BAY * float(mouth @ mouth)):
+        lies_in_surface = (
+            missing >= MIN_BAY_NORMAL_COSINE * area and _mean_length(normals[stretch]) >= MIN_MEAN_NORMAL_LENGTH
+        )
+        if lies_in_surface and missing >= max(MIN_BAY_AREA, MIN_BAY_AREA_RATIO * float(mouth @ mouth)):
             kept[stretch[1:-1]] = False
             bays.append(stretch)
     return np.flatnonzero(kept), tuple(bays)
@@ -90,7 +94,7 @@ def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray
     gaps = [gap for gap in gaps if gap[1] > gap[0] + 1]
     merged = [gaps[0]]
     for gap in gaps[1:]:
-        if arc[gap[0]] - arc[merged[-1][1]] < SEEN:
+        if arc[gap[0]] - arc[merged[-1][1]] < MIN_SEEN_LENGTH:
             merged[-1][1] = gap[1]
         else:
             merged.append(gap)
@@ -133,7 +137,7 @@ def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
 
 def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
     """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
-    stride = -(-len(points) // FINEST)
+    stride = -(-len(points) // MAX_BITE_POINT_COUNT)
     found = _search_pairs(points[::stride], lambda: normals()[::stride], pointed)
     if found is None:
         return None
@@ -148,24 +152,24 @@ def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray], pointed
     start, span = np.meshgrid(np.arange(count), np.arange(2, count // 2), indexing="ij")
     length = arc[start + span] - arc[start]
     chord = np.linalg.norm(points[(start + span) % count] - points[start], axis=2)
-    narrow = (length >= 2.0 * SHALLOW) & (length > NARROW * chord) & (length < 0.5 * arc[count])
+    narrow = (length >= 2.0 * MIN_BITE_DEPTH) & (length > MIN_BITE_RIM_RATIO * chord) & (length < 0.5 * arc[count])
     if not narrow.any():
         return None
     area = 0.5 * np.cross(points - points.mean(axis=0), np.roll(points, -1, axis=0) - points.mean(axis=0)).sum(axis=0)
     normal = area / max(float(np.linalg.norm(area)), 1e-12)
     candidates = np.argwhere(narrow)
     narrowness = (length / np.maximum(chord, 1e-9))[narrow]
-    for row, column in candidates[np.argsort(-narrowness, kind="stable")][:TRIED].tolist():
+    for row, column in candidates[np.argsort(-narrowness, kind="stable")][:MAX_BITE_CANDIDATE_COUNT].tolist():
         first, steps_taken = row, column + 2
         rim = (first + np.arange(steps_taken + 1)) % count
         inside = points[rim[1:-1]] - points[first]
-        if float((inside @ normal).max()) < max(SHALLOW, DEEP * float(length[row, column])):
+        if float((inside @ normal).max()) < max(MIN_BITE_DEPTH, MIN_BITE_DEPTH_SHARE * float(length[row, column])):
             continue
         area, missing = _missing_area(points[rim], normals()[rim])
-        tear = float(length[row, column]) >= POINTED * float(chord[row, column])
-        if pointed and not tear and area < BELLY * _frame_area(points[rim]):
+        tear = float(length[row, column]) >= MIN_TEAR_RIM_RATIO * float(chord[row, column])
+        if pointed and not tear and area < MIN_BITE_AREA_SHARE * _frame_area(points[rim]):
             continue
-        if missing > TURNED * area or area < SLIT * float(length[row, column]) ** 2:
+        if missing > MIN_BITE_NORMAL_COSINE * area or area < MAX_SLIT_AREA_RATIO * float(length[row, column]) ** 2:
             return first, steps_taken
     return None
 

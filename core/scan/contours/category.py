@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...body import Body
-from .contours import ARM, LEG, limb_place
+from .contours import ARM_BONES, LEG_BONES, limb_place
 from .encirclement import find_crossings
 from .target import Contour
 
@@ -38,7 +38,7 @@ def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: B
     """
     names = {contour.name: contour for contour in contours}
     is_top = any(name == "neck" or name.startswith(("cuff", "armhole")) for name in names)
-    legs = _places(contours, vertices, body, "leg", LEG)
+    legs = _places(contours, vertices, body, "leg", LEG_BONES)
     if legs:
         if is_top:
             return "jumpsuit"
@@ -48,11 +48,11 @@ def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: B
     hem = names.get("hem")
     if hem is not None:
         crossings = find_crossings(vertices[hem.vertices], body)
-        places = [limb_place(crossings, side, LEG) for side in ("left", "right")]
+        places = [limb_place(crossings, side, LEG_BONES) for side in ("left", "right")]
         below = [place for place in places if np.isfinite(place)]
         if below and float(np.mean(below)) > DRESS_START:
             return "dress"
-    cuffs = _places(contours, vertices, body, "cuff", ARM)
+    cuffs = _places(contours, vertices, body, "cuff", ARM_BONES)
     if not cuffs:
         return "tank"
     return "long_sleeve_tshirt" if float(np.mean(cuffs)) > LONG_SLEEVE else "tshirt"

@@ -13,15 +13,15 @@ from ...geometry import unit, vertex_normals
 from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
-from .loop import SMOOTHING, find_loops, smoothed_length
+from .loop import CONTOUR_SMOOTHING_LENGTH, find_loops, smoothed_length
 from .target import Contour
-from .teeth import find_cut
+from .teeth import find_cut_contours
 
-TRUNK = ("spine1", "spine2", "spine3", "neck", "head")
+TRUNK_BONES = ("spine1", "spine2", "spine3", "neck", "head")
 """Bones of the trunk from the pelvis upward."""
-ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
+ARM_BONES = ("collar", "shoulder", "elbow", "wrist", "hand")
 """Bones of an arm from the chest outward, without their side."""
-LEG = ("hip", "knee", "ankle", "foot")
+LEG_BONES = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
 ARMHOLE_END = 0.31
 """A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and the
@@ -29,9 +29,9 @@ shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
 """A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
-SMALLEST = 0.12
-"""Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
-BRIDGED = 0.3
+MIN_CONTOUR_LENGTH = 0.12
+"""Length of a loop below which no part of a body passes through it [m]: a child's wrist has 13 cm."""
+MAX_BRIDGED_SHARE = 0.3
 """Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
 
 
@@ -88,7 +88,7 @@ def name_contours(
     candidates = []
     for loop in find_loops(faces, vertices):
         length = smoothed_length(vertices[loop])
-        crossings = find_crossings(vertices[loop], body) if length >= SMALLEST else ()
+        crossings = find_crossings(vertices[loop], body) if length >= MIN_CONTOUR_LENGTH else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
@@ -97,15 +97,15 @@ def name_contours(
         candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
     loops = {name: c.vertices for name, c in chosen.items()}
-    cut = find_cut(loops, vertices, faces) if scanned and unseen is None else frozenset()
+    cut = find_cut_contours(loops, vertices, faces) if scanned and unseen is None else frozenset()
     contours = tuple(
         Contour(
             name,
             c.vertices,
             c.length,
             tuple(crossing.bone for crossing in c.crossings),
-            max(c.bridged, _share(c.vertices, hidden)) <= BRIDGED and name not in cut,
-            _share(c.vertices, hidden) > BRIDGED,
+            max(c.bridged, _share(c.vertices, hidden)) <= MAX_BRIDGED_SHARE and name not in cut,
+            _share(c.vertices, hidden) > MAX_BRIDGED_SHARE,
         )
         for name, c in sorted(chosen.items())
     )
@@ -141,11 +141,15 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Return unit normals along a contour, each averaged over the surface within `SMOOTHING`, shape [loop_count, 3].
+    """Return unit normals along a contour, each averaged over the surface within `CONTOUR_SMOOTHING_LENGTH`, shape
+    [loop_count, 3].
 
     Noise scatters the vertices' normals, so that their mean is short; only its direction is of the surface.
     """
-    normals, around = vertex_normals(vertices, faces), cKDTree(vertices).query_ball_point(vertices[loop], SMOOTHING)
+    normals, around = (
+        vertex_normals(vertices, faces),
+        cKDTree(vertices).query_ball_point(vertices[loop], CONTOUR_SMOOTHING_LENGTH),
+    )
     return unit(np.array([normals[near].mean(axis=0) for near in around]))
 
 
@@ -169,7 +173,7 @@ def _cut_off(
     loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
     mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
     length = smoothed_length(vertices[loop])
-    if length < SMALLEST:  # the hole took the contour with it: what is left encircles nothing
+    if length < MIN_CONTOUR_LENGTH:  # the hole took the contour with it: what is left encircles nothing
         return [replace(candidate, bridged=1.0)]
     parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
     return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]
@@ -177,9 +181,9 @@ def _cut_off(
 
 def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
     """Name a contour by the bones that cross its disk, or None where it encircles nothing."""
-    legs = {side: _along(crossings, side, LEG) for side in ("left", "right")}
-    arms = {side: _along(crossings, side, ARM) for side in ("left", "right")}
-    trunk = [crossing for crossing in crossings if crossing.bone in TRUNK]
+    legs = {side: _limb_crossings(crossings, side, LEG_BONES) for side in ("left", "right")}
+    arms = {side: _limb_crossings(crossings, side, ARM_BONES) for side in ("left", "right")}
+    trunk = [crossing for crossing in crossings if crossing.bone in TRUNK_BONES]
     if trunk:
         if trunk[-1].distal:
             return "hem"
@@ -190,7 +194,7 @@ def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
         return "hem" if arms["left"][0].distal else "neck"
     for side in ("left", "right"):
         if arms[side]:
-            return f"cuff.{side}" if limb_place(crossings, side, ARM) > ARMHOLE_END else f"armhole.{side}"
+            return f"cuff.{side}" if limb_place(crossings, side, ARM_BONES) > ARMHOLE_END else f"armhole.{side}"
         if legs[side]:
             return None if all(crossing.distal for crossing in legs[side]) else f"leg.{side}"
     return None
@@ -198,10 +202,10 @@ def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
 
 def trunk_place(crossing: Crossing, body: Body) -> float:
     """Place a contour along the spine by arc length: 0 at the pelvis, 1 at the neck joint, more at the head."""
-    joints = np.stack([body.joint(name) for name in ("pelvis", *TRUNK)])
+    joints = np.stack([body.joint(name) for name in ("pelvis", *TRUNK_BONES)])
     lengths = np.linalg.norm(np.diff(joints, axis=0), axis=1)
-    bone = TRUNK.index(crossing.bone)
-    to_neck = float(lengths[: TRUNK.index("neck") + 1].sum())
+    bone = TRUNK_BONES.index(crossing.bone)
+    to_neck = float(lengths[: TRUNK_BONES.index("neck") + 1].sum())
     return (float(lengths[:bone].sum()) + crossing.place * float(lengths[bone])) / to_neck
 
 
@@ -210,12 +214,12 @@ def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]
 
     Where the disk meets several bones of a bent limb, the one nearest to the trunk counts.
     """
-    mine = _along(crossings, side, limb)
-    first = 2 if limb is ARM else 1
+    mine = _limb_crossings(crossings, side, limb)
+    first = 2 if limb is ARM_BONES else 1
     return min((limb.index(c.bone.split("_", 1)[1]) - first + c.place for c in mine), default=float("nan"))
 
 
-def _along(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> list[Crossing]:
+def _limb_crossings(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> list[Crossing]:
     return [crossing for crossing in crossings if crossing.bone in {f"{side}_{part}" for part in limb}]
 
 

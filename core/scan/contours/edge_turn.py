@@ -9,25 +9,26 @@ import numpy as np
 from ...geometry import ClosedCurve, rim_turns
 from . import Contour, Target
 
-NARROW, BROAD = 0.01, 0.02
+NARROW_WINDOW_STD, BROAD_WINDOW_STD = 0.01, 0.02
 """Standard deviations of the windows over which an edge's turn is summed [m]: one and two edges of a scan's mesh."""
 
-LEAST = np.radians(5.0)
-"""Turn from which an outline has a corner (`core/garment/fairness.py`)."""
+MIN_RIM_CORNER_ANGLE = np.radians(5.0)
+"""Turn from which an outline has a corner [rad] (`core/garment/fairness.py`)."""
 
-SHARP = 0.7
-"""Least turn in the narrow window by that in the broad one: 1 at a corner, 0.5 on a curve that is wider than both."""
+MIN_NARROW_TURN_RATIO = 0.7
+"""Least turn of a corner in the narrow window over that in the broad one: 1 at a corner, 0.5 on a curve that is wider
+than both."""
 
-CLEAR = 6.0
-"""Least turn of a corner by the median turn along its edge: four standard deviations of noise, which 50 independent
+MIN_CORNER_NOISE_RATIO = 6.0
+"""Least turn of a corner over the median turn along its edge: four standard deviations of noise, which 50 independent
 windows, an edge's length, exceed once in 300 edges."""
 
-GAP = 0.08
-"""Least distance of two corners of one edge [m]: four of the broad window's widths."""
+MIN_RIM_CORNER_DISTANCE = 0.08
+"""Least distance of two corners of one edge [m]: four times `BROAD_WINDOW_STD`."""
 
-MOST_SPREAD = np.radians(2.5)
-"""Turn that an edge may have elsewhere, by its root mean square, for its corners to be believed [rad]: simulated scans
-have 0.0 to 1.5 on hems, cut or noisy ones 10 to 40, and teeth of up to 260 degrees."""
+MAX_EDGE_TURN_RMS = np.radians(2.5)
+"""Largest root mean square of an edge's turn away from its corners up to which these are accepted [rad]: simulated
+scans have 0.0 to 1.5 degrees on hems, cut or noisy ones 10 to 40, and teeth of up to 260 degrees."""
 
 
 @dataclass(frozen=True)
@@ -38,12 +39,12 @@ class EdgeTurn:
     folds it hangs in.
 
     Attributes:
-        places: Arc lengths along the edge [m], a quarter of `NARROW` apart, shape [count].
+        places: Arc lengths along the edge [m], a quarter of `NARROW_WINDOW_STD` apart, shape [count].
         points: The edge there [m], shape [count, 3].
         length: Of the edge [m].
-        turn: The turns around each place, weighted by a Gaussian as wide as `NARROW` [rad], positive where the edge
-            bulges out, shape [count].
-        broad: The same with `BROAD`.
+        turn: The turns around each place, weighted by a Gaussian as wide as `NARROW_WINDOW_STD` [rad], positive where
+            the edge bulges out, shape [count].
+        broad: The same with `BROAD_WINDOW_STD`.
     """
 
     places: np.ndarray
@@ -62,9 +63,11 @@ class EdgeTurn:
         """
         curve = ClosedCurve(line)
         arc, length = curve.arc[:-1], float(curve.arc[-1])
-        places = np.arange(0.0, length, NARROW / 4)
+        places = np.arange(0.0, length, NARROW_WINDOW_STD / 4)
         away = (places[:, None] - arc[None] + length / 2) % length - length / 2
-        turn, broad = (np.asarray(np.exp(-0.5 * (away / width) ** 2) @ turns) for width in (NARROW, BROAD))
+        turn, broad = (
+            np.asarray(np.exp(-0.5 * (away / width) ** 2) @ turns) for width in (NARROW_WINDOW_STD, BROAD_WINDOW_STD)
+        )
         return cls(places, curve.at_shares(places / length), length, turn, broad)
 
     @classmethod
@@ -76,22 +79,25 @@ class EdgeTurn:
     def corners(self) -> list[int]:
         """Return which of its places are corners, the largest first."""
         turn, broad = np.abs(self.turn), np.abs(self.broad)
-        least = max(LEAST, CLEAR * float(np.median(turn)))
+        least = max(MIN_RIM_CORNER_ANGLE, MIN_CORNER_NOISE_RATIO * float(np.median(turn)))
         found: list[int] = []
         for place in np.argsort(-turn):
             if turn[place] < least:
                 break
-            if (self._apart(self.places[[place]], found) > GAP).all() and turn[place] > SHARP * broad[place]:
+            if (self._apart(self.places[[place]], found) > MIN_RIM_CORNER_DISTANCE).all() and turn[
+                place
+            ] > MIN_NARROW_TURN_RATIO * broad[place]:
                 found.append(int(place))
         return found
 
     def is_clear(self, corners: list[int]) -> bool:
-        """Check whether an edge turns so little farther than half of `GAP` from its corners that these are believed.
+        """Check whether an edge turns so little farther than half of `MIN_RIM_CORNER_DISTANCE` from its corners that
+        these are believed.
 
         Where there is nothing else on the edge they are not.
         """
-        elsewhere = self.turn[(self._apart(self.places, corners) > GAP / 2).all(axis=1)]
-        return len(elsewhere) > 0 and float(np.sqrt(np.mean(elsewhere**2))) <= MOST_SPREAD
+        elsewhere = self.turn[(self._apart(self.places, corners) > MIN_RIM_CORNER_DISTANCE / 2).all(axis=1)]
+        return len(elsewhere) > 0 and float(np.sqrt(np.mean(elsewhere**2))) <= MAX_EDGE_TURN_RMS
 
     def _apart(self, places: np.ndarray, chosen: list[int]) -> np.ndarray:
         """Return how far arc lengths are from some of its places along the edge [m], shape [n, len(chosen)]."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import JOINTS, PARENTS, Body
+from ...body import JOINT_PARENTS, JOINTS, Body
 from .loop import smooth_loop, span_disk
 
 LEAF_LENGTHS = {"head": 0.3, "left_foot": 0.5, "right_foot": 0.5, "left_hand": 0.3, "right_hand": 0.3}
@@ -53,14 +53,14 @@ def find_crossings(points: np.ndarray, body: Body) -> tuple[Crossing, ...]:
 def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]:
     """Return each bone's name, start [m], end [m] and place of its start: 0, or 1 for a leaf's drawn-out end."""
     segments = []
-    for index, parent in enumerate(PARENTS):
+    for index, parent in enumerate(JOINT_PARENTS):
         if parent >= 0:
             segments.append((JOINTS[index], body.joints[parent], body.joints[index], 0.0))
     for name, length in LEAF_LENGTHS.items():
         index = JOINTS.index(name)
-        parent = PARENTS[index]
+        parent = JOINT_PARENTS[index]
         # A foot goes on below the ankle as the shin came; a head or hand goes on from its own joint.
-        before = PARENTS[parent]
+        before = JOINT_PARENTS[parent]
         start = body.joints[parent] if name.endswith("foot") else body.joints[index]
         way = body.joints[parent] - body.joints[before]
         norm = float(np.linalg.norm(way))

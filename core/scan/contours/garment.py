@@ -37,14 +37,14 @@ class SeveralGarments(BadInput):
     code = "segment.several_garments"
 
 
-LARGE = 0.05
+MIN_SEPARATE_SURFACE_SHARE = 0.05
 """Share of the whole area from which a separate surface is more than a button or a stray piece."""
-JOINED = 0.02
-"""Median distance [m] from a contour of one surface to those of another below which the two belong together: an unsewn
+MAX_JOINED_SURFACE_GAP = 0.02
+"""Median distance from a contour of one surface to those of another up to which the two belong together [m]: an unsewn
 waistband lies on its skirt's edge, a T-shirt's hem hangs 5 cm and more below the waist of what is worn with it."""
-LOWER = ("hem", "leg.left", "leg.right")
+LOWER_OPENINGS = ("hem", "leg.left", "leg.right")
 """Contours below which the body comes out of a garment; every garment has one."""
-ARMS = ("cuff", "armhole")
+ARM_OPENING_STEMS = ("cuff", "armhole")
 """Stems of the contours through which an arm comes out."""
 
 
@@ -122,7 +122,7 @@ def check_single(scan: Scan, body: Body) -> None:
     """
     _, piece = HalfEdges.of(scan.faces, len(scan.vertices)).vertex_pieces
     areas = np.bincount(piece[scan.faces[:, 0]], face_areas(scan.vertices, scan.faces))
-    large = np.flatnonzero(areas >= LARGE * areas.sum())
+    large = np.flatnonzero(areas >= MIN_SEPARATE_SURFACE_SHARE * areas.sum())
     whole: list[np.ndarray] = []
     for part in large if len(large) > 1 else ():
         faces = scan.faces[piece[scan.faces[:, 0]] == part]
@@ -135,7 +135,7 @@ def check_single(scan: Scan, body: Body) -> None:
         if contours and not _missing(contours):
             rims = [scan.vertices[contour.vertices] for contour in contours]
             others = cKDTree(np.concatenate(whole)) if whole else None
-            if others is not None and all(np.median(others.query(rim)[0]) > JOINED for rim in rims):
+            if others is not None and all(np.median(others.query(rim)[0]) > MAX_JOINED_SURFACE_GAP for rim in rims):
                 raise SeveralGarments(
                     f"{scan.name} holds more than one garment; give each a file of its own, or label the scan's "
                     "vertices and say --keep."
@@ -146,5 +146,7 @@ def check_single(scan: Scan, body: Body) -> None:
 def _missing(contours: tuple[Contour, ...]) -> list[str]:
     """Find where a worn garment has no opening: below, above."""
     found = {contour.name for contour in contours}
-    above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
-    return [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]
+    above = found & {"neck", "waist"} or all(
+        found & {f"{arm}.{side}" for arm in ARM_OPENING_STEMS} for side in ("left", "right")
+    )
+    return [where for where, there in (("below", found & set(LOWER_OPENINGS)), ("above", above)) if not there]

@@ -7,19 +7,20 @@ import numpy as np
 from ...geometry import ClosedCurve
 from .loop import smoothed_length
 
-PINCH = 0.15
+MAX_PINCH_CHORD_RATIO = 0.15
 """Largest chord across a pinch, over the shorter way around: where scanned legs touch it has 0.01 to 0.05; a skirt's
 hem has 0.6 where it is round, and 0.25 where it is four times as wide as deep."""
 
-TOUCH = 0.08
+MAX_PINCH_CHORD = 0.08
 """Largest chord across a pinch [m]: scanned legs touch to within 3 cm. A tiered hem of 2.5 to 3.4 m has chords of 15 to
 18 cm across its folds, which are short only beside its length."""
 
-LEAST = 0.25
+MIN_LEG_HEM_SHARE = 0.25
 """Least share of the loop's length on either side of a pinch: two legs are alike."""
 
-FINEST = 600
-"""Points of the loop that are compared in pairs."""
+MAX_PINCH_POINT_COUNT = 600
+"""Largest number of points of the loop that are compared in pairs; a longer loop is searched at every second, third,
+... point."""
 
 
 def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -34,7 +35,7 @@ def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     Returns:
         Indices of the points of the two parts, each in order, closed across the pinch; or None.
     """
-    stride = -(-len(points) // FINEST)
+    stride = -(-len(points) // MAX_PINCH_POINT_COUNT)
     coarse = points[::stride]
     if len(coarse) < 8:
         return None
@@ -44,9 +45,9 @@ def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     arc = np.abs(place[:, None] - place)
     arc = np.minimum(arc, length - arc)
     chord = np.linalg.norm(coarse[:, None] - coarse, axis=2)
-    ratio = np.where(arc >= LEAST * length, chord / np.maximum(arc, 1e-12), np.inf)
+    ratio = np.where(arc >= MIN_LEG_HEM_SHARE * length, chord / np.maximum(arc, 1e-12), np.inf)
     i, j = sorted(int(k) for k in np.unravel_index(ratio.argmin(), ratio.shape))
-    if ratio[i, j] > PINCH or chord[i, j] > TOUCH:
+    if ratio[i, j] > MAX_PINCH_CHORD_RATIO or chord[i, j] > MAX_PINCH_CHORD:
         return None
     i, j = i * stride, j * stride
     return np.arange(i, j + 1), np.concatenate([np.arange(j, len(points)), np.arange(i + 1)])

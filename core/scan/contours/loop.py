@@ -6,13 +6,14 @@ import numpy as np
 
 from ...geometry import ClosedCurve, HalfEdges
 
-SMOOTHING = 0.03
+CONTOUR_SMOOTHING_LENGTH = 0.03
 """Width over which a contour is smoothed before it is measured [m]: wider than the teeth that a cut along the triangles
 of a scan leaves (1 cm), narrower than any feature of a contour's design."""
-STEP = 0.004
+LOOP_SAMPLE_SPACING = 0.004
 """Spacing of the samples of a loop [m]: several in one smoothing width."""
-RAGGED = 0.8
-"""A curve that keeps less than this share of its length was cut along triangles; a wavy hem keeps more."""
+MIN_SMOOTHED_LENGTH_SHARE = 0.8
+"""Share of its length that smoothing leaves of a curve, below which it was cut along triangles; a wavy hem keeps
+more."""
 
 
 def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
@@ -74,7 +75,7 @@ def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:
     return [*loops, stack]
 
 
-def smooth_loop(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
+def smooth_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> np.ndarray:
     """Smooth a closed polygon along its arc by a triangular window of `width` [m] in all, shape [sample_count, 3].
 
     The window is applied to the Fourier series of the resampled curve: the harmonic of period p is multiplied by
@@ -84,26 +85,26 @@ def smooth_loop(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
     length = polygon.length
     if length == 0.0:
         return points
-    count = max(16, 2 * round(length / STEP / 2))
+    count = max(16, 2 * round(length / LOOP_SAMPLE_SPACING / 2))
     series = np.fft.rfft(polygon.resample(count), axis=0)
     frequency = np.arange(len(series)) / length
     return np.fft.irfft(series * np.sinc(0.5 * width * frequency)[:, None] ** 2, count, axis=0)
 
 
-def smooth_ragged(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
+def smooth_ragged_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> np.ndarray:
     """Smooth a closed polygon, shape [n, 3], over `width` [m] as `smooth_loop`, shape [sample_count, 3].
 
     Smoothed once more where that took a fifth of the length: a ragged curve's arc is long, so the width along it was
     too small.
     """
     curve = smooth_loop(np.asarray(points, dtype=np.float64), width)
-    ragged = ClosedCurve(curve).length < RAGGED * ClosedCurve(points).length
+    ragged = ClosedCurve(curve).length < MIN_SMOOTHED_LENGTH_SHARE * ClosedCurve(points).length
     return smooth_loop(curve, width) if ragged else curve
 
 
-def smoothed_length(points: np.ndarray, width: float = SMOOTHING) -> float:
-    """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m] (`smooth_ragged`)."""
-    return ClosedCurve(smooth_ragged(points, width)).length
+def smoothed_length(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> float:
+    """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m] (`smooth_ragged_loop`)."""
+    return ClosedCurve(smooth_ragged_loop(points, width)).length
 
 
 def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple[np.ndarray, np.ndarray]:

@@ -9,17 +9,17 @@ import numpy as np
 from ...body import Body
 from .loop import smooth_loop
 
-STEADY = 0.02
+NECK_SMOOTHING_LENGTH = 0.02
 """Width over which a neck contour is smoothed before it is unrolled [m]: two teeth of a cut along triangles. It rounds
 a right angle by 2 mm."""
 
-LEAN = 0.35
-"""How far a strap's edge may lean in, by its height: a neckline is widest at the side neck point, but for a square one
-whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and pointed ones lean in by more than
-a half below that point; between 0.3 and 0.4 the lines of eleven drapes are read alike."""
+MAX_STRAP_LEAN_RATIO = 0.35
+"""Largest inward shift of a strap's edge over its height on the way to the side neck point. A neckline is widest there,
+but for a square one whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and pointed ones
+lean in by more than a half below that point; between 0.3 and 0.4 the lines of eleven drapes are read alike."""
 
-SAMPLES = 96
-"""Points of half a line: every 3 mm of a deep neckline."""
+HALF_NECKLINE_SAMPLE_COUNT = 96
+"""Number of samples of half a neckline: one every 3 mm of a deep one."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
         points: The contour [m], shape [n, 3].
         body: The wearer; tells left, right and front.
     """
-    loop = smooth_loop(points, STEADY)
+    loop = smooth_loop(points, NECK_SMOOTHING_LENGTH)
     lateral = body.joint("left_shoulder") - body.joint("right_shoulder")
     lateral = lateral * (1.0, 0.0, 1.0)
     size = float(np.linalg.norm(lateral))
@@ -57,7 +57,7 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
     lateral = lateral / size
     off = loop @ lateral
     off = off - (off.max() + off.min()) / 2
-    up = LEAN * loop[:, 1]
+    up = MAX_STRAP_LEAN_RATIO * loop[:, 1]
     left, right = int((up + off).argmax()), int((up - off).argmax())
     ahead = loop @ np.cross(lateral, (0.0, 1.0, 0.0))
     arcs = [_between(len(loop), left, right), _between(len(loop), right, left)[::-1]]
@@ -100,14 +100,14 @@ def _length_along_profile(points: np.ndarray) -> np.ndarray | None:
     along, across = chord / size, np.array([-chord[1], chord[0]]) / size
     at, off = (points - points[0]) @ along, (points - points[0]) @ across
     slope = np.polynomial.Polynomial.fit(at, off, 3).deriv()
-    grid = np.linspace(min(at.min(), 0.0), at.max(), 4 * SAMPLES)
+    grid = np.linspace(min(at.min(), 0.0), at.max(), 4 * HALF_NECKLINE_SAMPLE_COUNT)
     steps = np.hypot(np.diff(grid), np.diff(grid) * slope((grid[1:] + grid[:-1]) / 2))
     length = np.concatenate([[0.0], np.cumsum(steps)])
     return np.asarray(np.interp(at, grid, length) - np.interp(at[0], grid, length))
 
 
 def _resample(points: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Return (width, height, place along z and x) at equal steps of a half's length, shape [SAMPLES, 3]."""
+    """Return width, height, place along z and x at equal steps of a half, shape [HALF_NECKLINE_SAMPLE_COUNT, 3]."""
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    at = np.linspace(0.0, length[-1], SAMPLES)
+    at = np.linspace(0.0, length[-1], HALF_NECKLINE_SAMPLE_COUNT)
     return np.stack([np.interp(at, length, column) for column in (width, points[:, 1], points[:, 2])], axis=1)

@@ -8,25 +8,25 @@ import scipy.sparse.linalg as spla
 
 from ...geometry import HalfEdges, edge_lengths, vertex_normals
 
-NOISY = 4e-3
-"""Noise of the scan [m per coordinate] from which it is smoothed first. Below, the garment's own edges average it out
-(2 mm gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, folds. With smoothing 5 mm
+MIN_SCAN_NOISE_STD = 4e-3
+"""Noise of a scan from which it is smoothed first [m per coordinate]. Below, the garment's own edges average it out (2
+mm gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, which are folds. With smoothing 5 mm
 gave 1.7 mm to the truth, without 2.6."""
 
-ROUGH = 0.35
-"""Roughness over edge length that noise has at least: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise
-on edges of 14 to 20 mm 0.38 to 0.5."""
+MIN_ROUGHNESS_RATIO = 0.35
+"""Least roughness of noise over the edge length: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise on
+edges of 14 to 20 mm 0.38 to 0.5."""
 
 ROUGH_OF_NOISE = 1.66
 """Median distance of a vertex from the mean of its ring, over the noise: 1.54 (median of chi with three degrees) times
 sqrt(1 + 1/6)."""
 
-LEAST, MOST = 1.0, 1e4
-"""Weights of the smoothing that are looked through: 1 takes off half the noise of an even mesh, and 10 000 half the
-depth of a fold 30 edges long, 40 cm on a garment's."""
+MIN_DENOISING_WEIGHT, MAX_DENOISING_WEIGHT = 1.0, 1e4
+"""Range of the smoothing weight that is searched: 1 removes half the noise of an even mesh, and 10 000 half the depth
+of a fold 30 edges long, 40 cm on a garment's."""
 
-PROBES = 4
-"""Random vectors that the trace is estimated with: at 4 thousand vertices one alone is within 2 %."""
+TRACE_PROBE_COUNT = 4
+"""Number of random vectors that the trace is estimated with: at 4 thousand vertices one alone is within 2 %."""
 
 
 def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, float]:
@@ -41,7 +41,7 @@ def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, f
         R(s) = sum_i (n_i . (A y - y)_i)^2 + 2 sigma^2 tr A,    up to a constant,
 
     with the normals n of the smoothed surface: what is left along it changes no shape. The trace is estimated with
-    `PROBES` (Hutchinson's way).
+    `TRACE_PROBE_COUNT` (Hutchinson's way).
 
     Returns:
         The vertices [m], and the noise that was found [m per coordinate], 0 where nothing was smoothed.
@@ -51,21 +51,26 @@ def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, f
     length = float(np.median(edge_lengths(vertices, edges)))
     rough = float(np.median(np.linalg.norm(laplacian @ vertices, axis=1)))
     noise = rough / ROUGH_OF_NOISE
-    if noise < NOISY or rough < ROUGH * length:
+    if noise < MIN_SCAN_NOISE_STD or rough < MIN_ROUGHNESS_RATIO * length:
         return vertices, 0.0
     from scipy.optimize import minimize_scalar  # most scans are not noisy, and each check of a file would import it
 
     square = (laplacian.T @ laplacian).tocsr()
-    probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(vertices), PROBES))
+    probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(vertices), TRACE_PROBE_COUNT))
 
     def risk(exponent: float) -> float:
         smooth, echo = np.hsplit(_smooth(square, float(np.exp(exponent)), np.hstack([vertices, probes])), [3])
-        trace = float((probes * echo).sum()) / PROBES
+        trace = float((probes * echo).sum()) / TRACE_PROBE_COUNT
         across = ((smooth - vertices) * vertex_normals(smooth, faces)).sum(axis=1)
         return float(across @ across) + 2.0 * noise**2 * trace
 
     # A tenth of the exponent is a tenth of the weight: the risk is flat there.
-    best = minimize_scalar(risk, bounds=(np.log(LEAST), np.log(MOST)), method="bounded", options={"xatol": 0.1})
+    best = minimize_scalar(
+        risk,
+        bounds=(np.log(MIN_DENOISING_WEIGHT), np.log(MAX_DENOISING_WEIGHT)),
+        method="bounded",
+        options={"xatol": 0.1},
+    )
     return _smooth(square, float(np.exp(best.x)), vertices), noise
 
 

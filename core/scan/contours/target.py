@@ -19,7 +19,7 @@ CONTOUR_NAMES = (
 CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
 """Every category of garment."""
 
-TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
+TOP_CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank")
 """Those that hang from the shoulders and end above the legs."""
 
 

@@ -9,30 +9,31 @@ from scipy.spatial import cKDTree
 
 from ...geometry import ClosedCurve, area_vectors, unit
 
-LENGTH = 0.02
-"""Length over which teeth are looked for that are wider than the triangles are [m]: a cut of a coarse mesh that was
-made fine afterwards, or labels of less resolution than the scan. A hem's folds and its design's corners are longer."""
+COARSE_ZIGZAG_LENGTH = 0.02
+"""Length over which a zigzag is measured that is wider than the triangles are [m]: of a cut of a coarse mesh that was
+refined afterwards, or of labels of less resolution than the scan. A hem's folds and its design's corners are longer."""
 
-FINE = 0.35
-"""Height of the teeth between neighbouring vertices, over half the chord, from which a contour was cut. 37 designed
+MIN_FINE_ZIGZAG_RATIO = 0.35
+"""Height of the zigzag between neighbouring vertices, over half the chord, from which a contour was cut. 37 designed
 contours of scans with 5 to 16 thousand faces had 0.00 to 0.15, 10 with 16 to 64 times the faces and 0.2 mm of noise 0;
 27 hems cut along triangles 0.57 to 1.7, and 3 whose rows of triangles run along the cut 0.01 to 0.16."""
 
-COARSE = 0.2
-"""The same over `LENGTH`: the designed contours had 0.00 to 0.09, the hems cut on coarse meshes 0.24 to 0.6."""
+MIN_COARSE_ZIGZAG_RATIO = 0.2
+"""Height of the zigzag over half the chord from which a contour was cut, at `COARSE_ZIGZAG_LENGTH`: the designed
+contours had 0.00 to 0.09, the hems cut on coarse meshes 0.24 to 0.6."""
 
-ABOVE_NOISE = 1.5
-"""Teeth are at least so many times as high as the contour is rough across the surface. Noise is as large both ways."""
+MIN_ZIGZAG_NOISE_RATIO = 1.5
+"""Least height of the zigzag over the contour's roughness across the surface. Noise is as large both ways."""
 
-SMOOTH = 0.85
-"""Share of the limits below which another contour of the same garment has no teeth. Where all have them, the garment
-was cut out along the triangles as a whole, and teeth say nothing."""
+MAX_SMOOTH_ZIGZAG_SHARE = 0.85
+"""Share of the limits up to which another contour of the same garment counts as uncut. Where all have a larger zigzag,
+the garment was cut out along the triangles as a whole, and the zigzag shows nothing."""
 
-REACH = 0.01
+MIN_NORMAL_AVERAGING_RADIUS = 0.01
 """Least radius over which the surface's normal is averaged at a contour [m]: many triangles of a dense scan."""
 
 
-def find_cut(loops: Mapping[str, np.ndarray], vertices: np.ndarray, faces: np.ndarray) -> frozenset[str]:
+def find_cut_contours(loops: Mapping[str, np.ndarray], vertices: np.ndarray, faces: np.ndarray) -> frozenset[str]:
     """Name the contours with the teeth of a cut along triangles, where another contour of the garment has none.
 
     A cut leaves a zigzag that lies in the surface, as high as half a triangle. Waves of a hem leave the surface, design
@@ -40,7 +41,7 @@ def find_cut(loops: Mapping[str, np.ndarray], vertices: np.ndarray, faces: np.nd
     a vertex over the chord of its neighbours is taken along the surface, less the mean of its two neighbours' heights,
     and across the surface likewise; t and n are the medians of their sizes over half the chord. The teeth are
     sqrt(t^2 - n^2), and 0 where t is not well above n. Neither the number of the triangles nor noise decides: both are
-    compared at the same length, once between neighbours and once over `LENGTH`.
+    compared at the same length, once between neighbours and once over `COARSE_ZIGZAG_LENGTH`.
 
     Args:
         loops: Vertex indices of the contours by name.
@@ -50,29 +51,29 @@ def find_cut(loops: Mapping[str, np.ndarray], vertices: np.ndarray, faces: np.nd
     if not loops:
         return frozenset()
     centres, vectors = cKDTree(vertices[faces].mean(axis=1)), area_vectors(vertices, faces)
-    teeth = {name: _measure_teeth(vertices[loop], centres, vectors) for name, loop in loops.items()}
-    if min(teeth.values()) > SMOOTH:
+    teeth = {name: _measure_zigzag(vertices[loop], centres, vectors) for name, loop in loops.items()}
+    if min(teeth.values()) > MAX_SMOOTH_ZIGZAG_SHARE:
         return frozenset()
     return frozenset(name for name, size in teeth.items() if size > 1.0)
 
 
-def _measure_teeth(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
+def _measure_zigzag(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
     """Return the height of a contour's teeth over the limit, at the length where that is larger."""
     curve = ClosedCurve(points)
-    found = _tooth_height(points, centres, vectors) / FINE
-    count = round(curve.length / LENGTH)
+    found = _zigzag_height(points, centres, vectors) / MIN_FINE_ZIGZAG_RATIO
+    count = round(curve.length / COARSE_ZIGZAG_LENGTH)
     if 8 <= count < len(points):
-        found = max(found, _tooth_height(curve.resample(count), centres, vectors) / COARSE)
+        found = max(found, _zigzag_height(curve.resample(count), centres, vectors) / MIN_COARSE_ZIGZAG_RATIO)
     return found
 
 
-def _tooth_height(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
+def _zigzag_height(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
     """Return the median height of the teeth over half the chord, the noise taken out."""
     before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
     chord = after - before
     half = np.maximum(0.5 * np.linalg.norm(chord, axis=1), 1e-12)
     along = unit(chord)
-    near = centres.query_ball_point(points, max(REACH, 2.0 * float(np.median(half))))
+    near = centres.query_ball_point(points, max(MIN_NORMAL_AVERAGING_RADIUS, 2.0 * float(np.median(half))))
     normal = np.array([vectors[faces].sum(axis=0) for faces in near])
     normal = unit(normal - (normal * along).sum(axis=1)[:, None] * along)
     rise = points - 0.5 * (before + after)
@@ -82,4 +83,4 @@ def _tooth_height(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> 
         zigzag = height - 0.5 * (np.roll(height, 1) + np.roll(height, -1))
         sizes.append(float(np.median(np.abs(zigzag) / half)))
     inside, across = sizes
-    return float(np.sqrt(inside**2 - across**2)) if inside > ABOVE_NOISE * across else 0.0
+    return float(np.sqrt(inside**2 - across**2)) if inside > MIN_ZIGZAG_NOISE_RATIO * across else 0.0

@@ -16,7 +16,7 @@ FOLDER = ""
 STEM = ""
 """Beginning of the files' names."""
 
-MASS = 0.0
+VERTEX_MASS = 0.0
 """Mass of a vertex [kg]."""
 
 START = "worn"
@@ -58,7 +58,7 @@ def set_up():
             key.keyframe_insert("value", frame=frame)
     cloth = flat.modifiers.new("Cloth", "CLOTH")
     cloth.settings.use_sewing_springs = True
-    cloth.settings.mass = MASS
+    cloth.settings.mass = VERTEX_MASS
     cloth.settings.use_dynamic_mesh = True
     cloth.settings.quality = 12
     cloth.collision_settings.distance_min = 0.002

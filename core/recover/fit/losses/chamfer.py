@@ -9,12 +9,13 @@ import numpy as np
 from ....garment import Garment
 from ....geometry import TriangleSurface, lump, mean_curvature, signed_areas
 
-FOLD = 0.025
-"""Mean curvature is counted in units of 1 / FOLD [1/m]: a fold of 2.5 cm radius counts twice a flat place."""
+REFERENCE_FOLD_RADIUS = 0.025
+"""Radius of a fold whose inverse is the unit of mean curvature [m]: a fold of 2.5 cm radius counts twice a flat
+place."""
 
-STEEPEST = 4.0
-"""Largest curvature that counts, in the same units: a weight of 5, as Bongratz et al. (2022) cap theirs. Beyond it, at
-radii under 6 mm, lie a scan's noise and the corners of its triangles."""
+MAX_RELATIVE_CURVATURE = 4.0
+"""Largest curvature that counts, in units of 1 / `REFERENCE_FOLD_RADIUS`: a weight of 5, as Bongratz et al. (2022) cap
+theirs. Beyond it, at radii under 6 mm, lie the noise of a scan and the corners of its triangles."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class ChamferLoss:
         goal = TriangleSurface(vertices, faces)
         share = goal.vertex_areas / goal.vertex_areas.sum()
         bends = np.abs(mean_curvature(goal.vertices, goal.faces))
-        weights = 1.0 + curvature * np.minimum(FOLD * bends, STEEPEST)
+        weights = 1.0 + curvature * np.minimum(REFERENCE_FOLD_RADIUS * bends, MAX_RELATIVE_CURVATURE)
         weights = weights / float(share @ weights)
         return cls(goal, weights, share, garment.faces, flat_shares(garment))
 

@@ -10,7 +10,7 @@ from ....garment import Garment
 from ....geometry import ClosedCurve
 from ....scan.contours import Target
 
-SPACING = 5e-3
+CONTOUR_LOSS_SPACING = 5e-3
 """Distance between samples of a target's contour [m]: a fraction of the edges of any mesh that is fitted to it."""
 
 
@@ -43,7 +43,7 @@ class ContourLoss:
             if other is not None and other.trusted:
                 goal = ClosedCurve(target.vertices[other.vertices])
                 loops.append(contour.vertices)
-                goals.append(goal.resample(max(16, int(np.ceil(goal.length / SPACING)))))
+                goals.append(goal.resample(max(16, int(np.ceil(goal.length / CONTOUR_LOSS_SPACING)))))
                 lengths.append(goal.length)
         return cls(tuple(loops), tuple(goals), tuple(lengths))
 

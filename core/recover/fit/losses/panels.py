@@ -9,14 +9,14 @@ import numpy as np
 from ....garment import ControlMap, Garment, Panel, Pattern, Symmetry, edge_points, find_symmetry, map_controls
 from ....geometry import signed_areas
 
-LEAST = 0.3
-"""Share of its area below which a flat triangle is pushed back: well before it turns over."""
+FOLD_PENALTY_AREA_SHARE = 0.3
+"""Share of its area below which a flat triangle is penalised: well before it turns over."""
 
-STRAIGHT = np.radians(5.0)
-"""Largest turn of the outline at a control point that counts as smooth; drawn corners are sharper by far."""
+MAX_SMOOTH_TURN_ANGLE = np.radians(5.0)
+"""Largest turn of the outline at a control point that counts as smooth [rad]; drawn corners are sharper by far."""
 
-SQUARE = np.radians(3.0)
-"""Largest difference from a right angle, at the end of a centre line, that counts as right."""
+RIGHT_ANGLE_TOLERANCE = np.radians(3.0)
+"""Largest difference from a right angle, at the end of a centre line, that counts as right [rad]."""
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,10 @@ class PanelLoss:
 
         L = sum_f A_f relu(s - a_f / A_f)^2 + mean_c l_c^2 (turn_c - turn0_c)^2
 
-    Notation: a_f area of flat triangle f [m2], A_f at first, s `LEAST`; turn_c [rad] by how much the outline turns at a
-    kept control point c, turn0_c in the template; l_c mean length of the two chords that meet there [m], so that l_c
-    times an angle is how far the end of an edge has swung. Kept are points where the template's outline is smooth, and
-    right angles at both ends of a centre line: a seam between an edge and its own mirror image.
+    Notation: a_f area of flat triangle f [m2], A_f at first, s `FOLD_PENALTY_AREA_SHARE`; turn_c [rad] by how much the
+    outline turns at a kept control point c, turn0_c in the template; l_c mean length of the two chords that meet there
+    [m], so that l_c times an angle is how far the end of an edge has swung. Kept are points where the template's
+    outline is smooth, and right angles at both ends of a centre line: a seam between an edge and its own mirror image.
 
     Attributes:
         control: How the flat mesh follows the control points.
@@ -79,7 +79,7 @@ class PanelLoss:
         at = self.control.apply(points - self.control.points) + self.uv
         start = signed_areas(self.uv[self.uv_faces])
         corners = at[self.uv_faces]
-        short = np.maximum(LEAST - signed_areas(corners) / start, 0.0)
+        short = np.maximum(FOLD_PENALTY_AREA_SHARE - signed_areas(corners) / start, 0.0)
         # d(2 a)/d corner k is the opposite edge turned by a quarter
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         slope = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
@@ -97,7 +97,7 @@ def _kept_corners(like: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int
         for i in range(count):
             turn = _tangent_turn(panel, i)
             lines = {(panel.name, i), (panel.name, (i - 1) % count)} & centre
-            if abs(turn) < STRAIGHT or (lines and abs(abs(turn) - np.pi / 2) < SQUARE):
+            if abs(turn) < MAX_SMOOTH_TURN_ANGLE or (lines and abs(abs(turn) - np.pi / 2) < RIGHT_ANGLE_TOLERANCE):
                 kept.append((int(first) + (i - 1) % count, int(first) + i, int(first) + (i + 1) % count))
     return kept
 

@@ -11,10 +11,10 @@ from ....cloth import Fabric, load_fabrics
 STIFFNESSES = ("H00", "H01", "H11", "H22", "k")
 """The parameters of thesis eq. 3.11, in the order of the logarithms."""
 
-WIDEN = 2.0
-"""The library's range reaches so much further at both ends, as a factor: its 19 fabrics are not all there are."""
+LIBRARY_RANGE_FACTOR = 2.0
+"""Factor by which the range of the library is extended at both ends: its 19 fabrics are not all there are."""
 
-COUPLING = 0.95
+MAX_STIFFNESS_COUPLING = 0.95
 """Largest H01 / sqrt(H00 H11): at 1 the cloth could be stretched one way without resistance."""
 
 
@@ -25,7 +25,7 @@ class RangeLoss:
         L = sum_i relu(low_i - g_i)^2 + relu(g_i - high_i)^2 + relu(g_01 - (g_00 + g_11) / 2 - ln c)^2
 
     g_i: ln of H00, H01, H11, H22, k, in this order; low and high: the library's range of the ratio to the weight at the
-    fabric's own weight, widened; c `COUPLING`. The last term keeps H positive definite.
+    fabric's own weight, widened; c `MAX_STIFFNESS_COUPLING`. The last term keeps H positive definite.
 
     **Deviation**: the thesis has relu(1e-6 - value), which only forbids what is not positive; logarithms never are
     that, but from a single drape they run to where no cloth is.
@@ -42,13 +42,16 @@ class RangeLoss:
         """Take the library's range at a fabric's weight; the fabric itself always lies within it."""
         ratios = np.log([[getattr(each, name) / each.density for name in STIFFNESSES] for each in load_fabrics()])
         weight, own = np.log(fabric.density), logarithms(fabric)
-        low, high = ratios.min(0) + weight - np.log(WIDEN), ratios.max(0) + weight + np.log(WIDEN)
+        low, high = (
+            ratios.min(0) + weight - np.log(LIBRARY_RANGE_FACTOR),
+            ratios.max(0) + weight + np.log(LIBRARY_RANGE_FACTOR),
+        )
         return cls(np.minimum(low, own), np.maximum(high, own))
 
     def evaluate(self, logs: np.ndarray) -> tuple[float, np.ndarray]:
         """Return L and its gradient, shape [5], at the logarithms of the stiffnesses, shape [5]."""
         below, above = np.maximum(self.low - logs, 0.0), np.maximum(logs - self.high, 0.0)
-        coupled = max(float(logs[1] - 0.5 * (logs[0] + logs[2]) - np.log(COUPLING)), 0.0)
+        coupled = max(float(logs[1] - 0.5 * (logs[0] + logs[2]) - np.log(MAX_STIFFNESS_COUPLING)), 0.0)
         gradient = 2.0 * (above - below)
         gradient[:3] += 2.0 * coupled * np.array([-0.5, 1.0, -0.5])
         return float((below**2 + above**2).sum() + coupled**2), gradient

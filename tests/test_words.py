@@ -1,0 +1,154 @@
+"""The rules of writing that a machine can hold: names of constants, verbs and words (docs/writing.md)."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+LAYERS = ("core", "service", "workers", "cli")
+
+
+def list_modules(*folders: str) -> Iterator[Path]:
+    """Yield the modules below some folders of the checkout."""
+    for folder in folders:
+        yield from sorted((ROOT / folder).rglob("*.py"))
+
+
+def is_number(node: ast.AST | None) -> bool:
+    """Check whether an expression is made of numbers alone: `0.02`, `-1`, `np.radians(5.0)`, `(0.1, 0.2)`."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, int | float) and not isinstance(node.value, bool)
+    if isinstance(node, ast.UnaryOp):
+        return is_number(node.operand)
+    if isinstance(node, ast.BinOp):
+        return is_number(node.left) or is_number(node.right)
+    if isinstance(node, ast.Tuple | ast.List):
+        return bool(node.elts) and all(map(is_number, node.elts))
+    if isinstance(node, ast.Call):
+        return bool(node.args) and all(map(is_number, node.args))
+    return False
+
+
+def list_constants(path: Path) -> Iterator[tuple[str, int, bool]]:
+    """Yield the numeric constants of a module: name, line, and whether a docstring follows."""
+    body = ast.parse(path.read_text(encoding="utf-8")).body
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        target = node.target if isinstance(node, ast.AnnAssign) else None
+        targets = node.targets if isinstance(node, ast.Assign) else [target] if target else []
+        value = getattr(node, "value", None)
+        names = [
+            one.id
+            for each in targets
+            for one in (each.elts if isinstance(each, ast.Tuple) else [each])
+            if isinstance(one, ast.Name)
+        ]
+        value_after = after.value if isinstance(after, ast.Expr) else None
+        told = isinstance(value_after, ast.Constant) and isinstance(value_after.value, str)
+        if is_number(value):
+            yield from ((name, node.lineno, told) for name in names if name.strip("_").isupper())
+
+
+@cache
+def list_all() -> dict[tuple[str, str], tuple[int, bool]]:
+    """Return line and docstring of each numeric constant of all layers, by path and name."""
+    return {
+        (str(path.relative_to(ROOT)), name): (line, told)
+        for path in list_modules(*LAYERS)
+        for name, line, told in list_constants(path)
+    }
+
+
+REPLACED_SOON = {
+    f"core/people/{name}.py"
+    for name in (
+        "bare_chest", "cloths", "coat", "colour", "colours", "depth", "evidence", "front", "looseness", "prior",
+        "rules", "tone",
+    )
+}  # fmt: skip
+"""Evidence and rules of the labelling, which a trained model replaces: they keep the names that they have."""
+
+EXIT_CODES = "cli/exits.py"
+"""Its constants are read as `exits.NAME`."""
+
+SAME_IN_TWO_LAYERS = {"MAX_JOBS_PER_REQUEST", "GARBAGE_GRACE_HOURS"}
+"""Bounds of the service that a command or a client has without importing it; tests compare both."""
+
+PUBLISHED = {"Asked"}
+"""Names of answers in the HTTP description, which generated clients have."""
+
+UNGUESSABLE = {
+    "tell", "tells", "told", "held", "asked", "crumbs", "ironing", "mourn", "believe", "believed", "foresee",
+    "crumb", "remind", "weigh",
+}  # fmt: skip
+"""Words that no function or class of a public name begins with: they say nothing of what is computed."""
+
+
+def test_numeric_constants_carry_a_noun() -> None:
+    """Broken where a constant is called `ROUNDS` or `LEAST`: at the place of use nobody sees of what."""
+    bare = [
+        f"{path}:{line} {name}"
+        for (path, name), (line, _) in list_all().items()
+        if "_" not in name.strip("_") and path not in {*REPLACED_SOON, EXIT_CODES}
+    ]
+    assert bare == []
+
+
+def test_no_two_numeric_constants_have_one_name() -> None:
+    """Broken where two modules mean two things by one name, or keep the same number twice."""
+    homes: dict[str, list[str]] = {}
+    for path, name in list_all():
+        if path not in {*REPLACED_SOON, EXIT_CODES}:
+            homes.setdefault(name.strip("_"), []).append(path)
+    assert {name: paths for name, paths in homes.items() if len(paths) > 1 and name not in SAME_IN_TWO_LAYERS} == {}
+
+
+def test_numeric_constants_say_what_they_are() -> None:
+    """Broken where a constant has no docstring with its unit and its reason; of several in a row the last has it."""
+    lacking = [
+        f"{path}:{line} {name}"
+        for (path, name), (line, is_documented) in list_all().items()
+        if not is_documented and not is_followed(path, line) and path not in {*REPLACED_SOON, EXIT_CODES}
+    ]
+    assert lacking == []
+
+
+def is_followed(path: str, line: int) -> bool:
+    """Check whether the constant on the next line has the docstring of both."""
+    lines = {found: told for (where, _), (found, told) in list_all().items() if where == path}
+    return line + 1 in lines and (lines[line + 1] or is_followed(path, line + 1))
+
+
+def list_public_names(path: Path) -> Iterator[str]:
+    """Yield the functions and classes of a module that do not begin with an underscore."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield node.name
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_names_begin_with_words_of_the_field(layer: str) -> None:
+    """Broken where a function tells, holds or believes: verbs that no engineer looks for."""
+    found = {
+        f"{path.relative_to(ROOT)} {name}"
+        for path in list_modules(layer)
+        if str(path.relative_to(ROOT)) not in REPLACED_SOON
+        for name in list_public_names(path)
+        if name not in PUBLISHED
+        if re.findall(r"[A-Z]?[a-z]+", name)[:1] and re.findall(r"[A-Z]?[a-z]+", name)[0].lower() in UNGUESSABLE
+    }
+    assert found == set()
+
+
+def test_the_reader_of_constants_sees_them() -> None:
+    """Broken where the tests above read nothing and so cannot fail."""
+    found = Counter(path.split("/")[0] for path, _ in list_all())
+    assert found["core"] > 500 and min(found[layer] for layer in LAYERS) > 3
+    assert ("core/run/units.py", "MM_PER_M") in list_all()
