@@ -14,15 +14,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body.motion import LeadIn, Pose, find_shipped_motion, load_motion, retarget
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.retarget import retarget
+from garmentq.core.body.motion.shipped import find_shipped_motion
+from garmentq.core.body.motion.track import LeadIn, Pose
 from garmentq.core.deliver.export.animation import write_animation
-from garmentq.core.judge import read_packs
+from garmentq.core.judge.packs import read_packs
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.reuse.animate import AnimateSettings, Animation, animate, make_room_for_garment, measure_animation
-from garmentq.core.reuse.animate.settings import StepLimits
-from garmentq.core.reuse.wear import WornGarment, worn_from_recovery
+from garmentq.core.reuse.animate.animation import Animation, animate
+from garmentq.core.reuse.animate.clearing import make_room_for_garment
+from garmentq.core.reuse.animate.measured import measure_animation
+from garmentq.core.reuse.animate.settings import AnimateSettings, StepLimits
+from garmentq.core.reuse.wear.worn import WornGarment, worn_from_recovery
 
 
 def wear(folder: Path) -> WornGarment:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from garmentq.core.judge import evaluate_gates
+from garmentq.core.judge.gates import evaluate_gates
 
 LEAST_RISE = 0.03
 """Share by which a paired mean must rise to be worse."""

@@ -33,11 +33,16 @@ FPS = 30.0
 
 def write(out: Path, template: str, seconds: float) -> None:
     """Move the garment by our own steps, and keep what Newton needs."""
-    from garmentq.core.body.motion import LeadIn, Pose, find_shipped_motion, load_motion, retarget
-    from garmentq.core.cloth import get_fabric
-    from garmentq.core.reuse.animate import AnimateSettings, animate, measure_animation
+    from garmentq.core.body.motion.read import load_motion
+    from garmentq.core.body.motion.retarget import retarget
+    from garmentq.core.body.motion.shipped import find_shipped_motion
+    from garmentq.core.body.motion.track import LeadIn, Pose
+    from garmentq.core.cloth.fabrics import get_fabric
+    from garmentq.core.reuse.animate.animation import animate
+    from garmentq.core.reuse.animate.measured import measure_animation
+    from garmentq.core.reuse.animate.settings import AnimateSettings
     from garmentq.core.reuse.animate.stage import AnimationScene
-    from garmentq.core.reuse.wear import load_worn_template
+    from garmentq.core.reuse.wear.worn import load_worn_template
 
     worn = load_worn_template(template, get_fabric("cotton_poplin"))
     motion = find_shipped_motion("walk")
@@ -124,8 +129,8 @@ def solve(out: Path, substeps: int, iterations: int) -> None:
 
 def compare(out: Path) -> None:
     """Measure both by crossings and depth."""
-    from garmentq.core.body import ExposedSurface, penetration_depth
-    from garmentq.core.geometry import self_intersections
+    from garmentq.core.body.exposed import ExposedSurface, penetration_depth
+    from garmentq.core.geometry.intersections import self_intersections
 
     given, other = np.load(out / "problem.npz"), np.load(out / "newton.npz")
     faces, skins = given["faces"], given["skins"][-int(given["delivered"]) :]

@@ -19,15 +19,21 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import BodyMeasures, find_cut, name_cut
-from garmentq.core.garment.parts import CUTS, Cut, draft_cut
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.parts.cut import Cut
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.templates import find_cut, name_cut
 from garmentq.core.recover.drape.sizing import measure_wearer
-from garmentq.core.recover.grade import choose_cut
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.grade.choice import choose_cut
 from garmentq.core.run.errors import BadInput, GarmentqError
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target, segment_garment
+from garmentq.core.scan.contours.garment import segment_garment
+from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 
 VERTICES = 1500
 """Of a drape: edges of 25 mm."""

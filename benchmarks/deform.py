@@ -12,13 +12,19 @@ import time
 import numpy as np
 import torch
 import trimesh
-from garmentq.core.body import Body, ExposedSurface
-from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
-from garmentq.core.geometry import TriangleSurface, gradient_operator, self_intersections, vertex_normals
-from garmentq.core.judge import measure_distance
-from garmentq.core.recover.deform import DeformSettings, deform
+from garmentq.core.body.body import Body
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.geometry import gradient_operator, vertex_normals
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.judge.fit import measure_distance
+from garmentq.core.recover.deform.deformer import deform
 from garmentq.core.recover.deform.poisson import PoissonSystem
-from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.recover.deform.settings import DeformSettings
+from garmentq.core.scan.contours.target import Contour, Target
 
 RADIUS, HEIGHT, FLOOR = 0.16, 0.6, 0.4
 SIZES = {"1K": (0.0265, 3.0), "3K": (0.0153, 6.0), "8K": (0.0094, 15.0)}

@@ -10,16 +10,13 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    FactoredEquilibrium,
-    ImplicitDerivative,
-    Inertia,
-    LinearisedSteps,
-    Parameters,
-    UnrolledSteps,
-    make_solver,
-)
+from garmentq.core.cloth.derivative import FactoredEquilibrium, ImplicitDerivative
+from garmentq.core.cloth.energy import Inertia
+from garmentq.core.cloth.linearised import LinearisedSteps
+from garmentq.core.cloth.parameters import Parameters
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.unrolled import UnrolledSteps
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator, eigsh
 from sheet import SIDES, THESIS, Laid, cpu, quickest, sheet_on_ball

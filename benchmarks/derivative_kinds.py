@@ -9,22 +9,21 @@ import sys
 import time
 
 import numpy as np
-from garmentq.core.body import DistanceGrid
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    Derivative,
-    ImplicitDerivative,
-    NotAtRest,
-    Parameters,
-    Scene,
-    Topology,
-    UnrolledSteps,
-    contact_forces,
-    get_fabric,
-    list_gathers,
-    make_solver,
-)
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, find_symmetry, map_controls, mesh_pattern
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.cloth.contact import contact_forces
+from garmentq.core.cloth.derivative import Derivative, ImplicitDerivative
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.parameters import Parameters, list_gathers
+from garmentq.core.cloth.rest import NotAtRest
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.cloth.unrolled import UnrolledSteps
+from garmentq.core.garment.control import map_controls
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
 from sheet import Laid
 
 SIZES = {"1K": 1000, "3K": 3000, "8K": 8000}

@@ -17,19 +17,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.dressed import write_dressed
 from garmentq.core.deliver.ply import read_ply
-from garmentq.core.reuse.wear import (
-    WORN_FILE_NAME,
-    DressedGarment,
-    WornGarment,
-    dress_body,
-    is_valid_drape,
-    load_worn,
-    load_worn_template,
-)
+from garmentq.core.reuse.wear.dressing import DressedGarment, dress_body, is_valid_drape
+from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, WornGarment, load_worn, load_worn_template
 from garmentq.core.run.clock import Clock
 from ruler import measure_lack
 

@@ -19,11 +19,13 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import numpy as np
 import trimesh
-from garmentq.core.cloth import get_fabric
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.meshes import write_ply
-from garmentq.core.deliver.formats import DIALECTS, FORMATS, ExportOptions, Production, write_production
-from garmentq.core.garment import list_templates
-from garmentq.core.reuse.wear import WORN_FILE_NAME, load_worn, load_worn_template, save_worn
+from garmentq.core.deliver.formats.options import ExportOptions
+from garmentq.core.deliver.formats.production import Production, write_production
+from garmentq.core.deliver.formats.registry import DIALECTS, FORMATS
+from garmentq.core.garment.templates import list_templates
+from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, load_worn, load_worn_template, save_worn
 from garmentq.core.run.errors import GarmentqError
 
 

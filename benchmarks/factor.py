@@ -13,9 +13,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.cloth import Topology
-from garmentq.core.garment import load_template, mesh_pattern
-from garmentq.core.geometry import Cholesky, SuperLU, cotangent_laplacian, gradient_operator
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import cotangent_laplacian, gradient_operator
+from garmentq.core.geometry.linear import SuperLU
+from garmentq.core.geometry.multifrontal import Cholesky
 from garmentq.core.recover.grade.registration import bending_operators
 
 SIZES = (1000, 3000, 8000)

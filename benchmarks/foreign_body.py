@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 import torch
 import trimesh
-from garmentq.core.body import Body, build_assets, register_body
-from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.body import build_assets
+from garmentq.core.body.body import Body
+from garmentq.core.body.registration import register_body
+from garmentq.core.recover.drape.sizing import measure_wearer
 
 HEIGHTS = (1.50, 1.95)
 """Between which a drawn wearer's height lies [m]: 95 of 100 adults."""

@@ -24,14 +24,20 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from foreign_start import settle
-from garmentq.core.body import register_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.registration import register_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.blender import sewing_threads
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
-from garmentq.core.garment import Garment, Pattern, edge_points, load_pattern, place_points
-from garmentq.core.geometry import face_areas, self_intersections
-from garmentq.core.recover.drape import WearerGeometry, drape_template, remesh
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.garment.curves import edge_points
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.orientation import place_points
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.geometry.geometry import face_areas
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.stage import drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.scan.contours.contours import name_contours
 
 VERTICES = 4000
 """Of a drape: that of the other packs."""

@@ -17,10 +17,13 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from garmentq.core.body import register_body
-from garmentq.core.garment import BodyMeasures, draft_template, find_cut, load_template, name_cut, save_pattern
-from garmentq.core.garment.parts import CUTS, PARTS, PartsConflict
-from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.body.registration import register_body
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.parts.cut import PARTS, PartsConflict
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.templates import draft_template, find_cut, load_template, name_cut
+from garmentq.core.recover.drape.sizing import measure_wearer
 
 ORDER = {
     "skirt": 2, "trousers": 1, "shorts": 1, "long_sleeve_tshirt": 1, "jumpsuit": 1, "dress": 1, "tshirt": 1,

@@ -10,8 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from garmentq.core.garment import Panel, Pattern, edge_points, panel_area, panel_outline, place_points
+from garmentq.core.garment.curves import edge_points, panel_area, panel_outline
 from garmentq.core.garment.editing.darts import find_darts
+from garmentq.core.garment.orientation import place_points
+from garmentq.core.garment.pattern import Panel, Pattern
 from garmentq.core.judge.matching import is_wide
 from garmentq.core.judge.outlines import fit_outline
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.garment import Garment
-from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.garment.garment import Garment
 from garmentq.core.recover.drape.dress import flat_length
 from garmentq.core.recover.drape.follow import PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from scipy.spatial import ConvexHull
 
 CLEARANCE = 0.007

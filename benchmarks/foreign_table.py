@@ -24,9 +24,10 @@ from typing import Any
 
 import numpy as np
 from foreign_panels import Piece, compare_pieces, join_halves
-from garmentq.core.garment import find_cut, load_pattern
-from garmentq.core.garment.parts import PARTS, Cut
-from garmentq.core.judge import evaluate_gates
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.parts.cut import PARTS, Cut
+from garmentq.core.garment.templates import find_cut
+from garmentq.core.judge.gates import evaluate_gates
 from garmentq.core.run.verdict import Verdict, worst_verdict
 
 ALIKE = ({"crew", "scoop"}, {"cap", "short", "elbow"})

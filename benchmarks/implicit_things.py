@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.geometry.geometry import vertex_normals
 
 Mesh = tuple[np.ndarray, np.ndarray]
 

@@ -16,10 +16,12 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import load_template
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import WearerGeometry, drape_template, remesh
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.stage import drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings

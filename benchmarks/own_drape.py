@@ -20,26 +20,25 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Fabric, get_fabric
-from garmentq.core.garment import (
-    BodyMeasures,
-    Pattern,
-    draft_template,
-    edge_points,
-    load_template,
-    panel_area,
-    save_pattern,
-)
-from garmentq.core.garment.editing import find_darts
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import measure_panels, read_packs, read_true_pattern
-from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.curves import edge_points, panel_area
+from garmentq.core.garment.editing.darts import find_darts
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.templates import draft_template, load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.packs import read_packs, read_true_pattern
+from garmentq.core.judge.patterns import measure_panels
+from garmentq.core.recover.drape.stage import drape_graded, drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.truth import measure_recovery
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 BODY = "builtin:female,height=1.70"
 TEMPLATES = ("tshirt", "skirt", "tank")

@@ -26,16 +26,17 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
-from garmentq.core.body import BuiltinWearer, builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.deliver.export import write_recovery
-from garmentq.core.garment import load_draped_template
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.spec import BuiltinWearer
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.deliver.export.result import write_recovery
 from garmentq.core.garment.meshes import Meshes
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.drape.stage import remesh
 from garmentq.core.recover.recovery import Recovery
 from garmentq.core.run.report import ResultReport
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.local_token import make_local_token

@@ -16,17 +16,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.garment import Edge, Panel, Pattern, mesh_pattern
 from garmentq.core.garment.curves import unit_points
-from garmentq.core.judge import TruePanel, measure_distance, read_packs, read_true_mesh
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.judge.crossings import count_crossings
-from garmentq.core.judge.packs import Pack, read_true_pattern
-from garmentq.core.recover.drape import redrape
+from garmentq.core.judge.fit import measure_distance
+from garmentq.core.judge.packs import Pack, read_packs, read_true_mesh, read_true_pattern
+from garmentq.core.judge.true_pattern import TruePanel
+from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.start import choose_base, read_case
 from garmentq.core.recover.state import RecoveryState
-from garmentq.core.reuse.wear import load_worn
+from garmentq.core.reuse.wear.worn import load_worn
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 

@@ -17,9 +17,10 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
 from everyday_body import everyday_body
-from garmentq.core.body import JOINTS, register_body
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.registration import register_body
 from garmentq.core.body.template import load_template
-from garmentq.core.scan import load_scan
+from garmentq.core.scan.load import load_scan
 
 
 def swaps(found: np.ndarray, true: np.ndarray) -> int:

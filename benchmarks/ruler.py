@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.body import TapeMeasure
-from garmentq.core.garment import edge_length
-from garmentq.core.reuse.wear import WornGarment
+from garmentq.core.body.girths import TapeMeasure
+from garmentq.core.garment.curves import edge_length
 from garmentq.core.reuse.wear.ease import unpose_points
+from garmentq.core.reuse.wear.worn import WornGarment
 
 HAND = (0.0, 0.02, 0.04, 0.06)
 """Distances from a place at which a tailor lays the tape anew [m]: down, at the hips up, along the arm out."""

@@ -11,11 +11,17 @@ from dataclasses import replace
 
 import click
 import numpy as np
-from garmentq.core.cloth import ClothState, Scene, SelfContact, Topology, continue_time_steps, equilibrium, get_fabric
 from garmentq.core.cloth.collision.near import find_candidates, find_near_pairs
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import WearerGeometry, pin_waist
-from garmentq.core.reuse.wear import load_worn_template
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.dynamics import ClothState, continue_time_steps
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.tie import pin_waist
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.wear.worn import load_worn_template
 from sheet import SIDES, cpu, quickest, sheet_on_ball
 
 STEPS = 10

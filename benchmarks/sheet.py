@@ -7,20 +7,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from garmentq.core.body import DistanceGrid
-from garmentq.core.cloth import (
-    Derivative,
-    Friction,
-    Parameters,
-    Scene,
-    Solver,
-    SolveSettings,
-    Topology,
-    equilibrium,
-    get_fabric,
-    lag_friction,
-    take_time_steps,
-)
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.cloth.derivative import Derivative
+from garmentq.core.cloth.dynamics import take_time_steps
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.friction import Friction, lag_friction
+from garmentq.core.cloth.parameters import Parameters
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.linear import Solver
 
 SIDES = {"1K": 32, "3K": 55, "8K": 90}
 """Nodes along each side of the sheet."""

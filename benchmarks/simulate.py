@@ -7,7 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.cloth import Energy, Inertia, SuperLU, Topology, make_solver, take_time_steps
+from garmentq.core.cloth.dynamics import take_time_steps
+from garmentq.core.cloth.energy import Energy, Inertia
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.linear import SuperLU
 from sheet import SIDES, THESIS, quickest, sheet_on_ball
 
 GOALS = {"1K": (2.5, 50.0), "3K": (12.0, 250.0), "8K": (35.0, 1100.0)}

@@ -13,13 +13,14 @@ import argparse
 import json
 from pathlib import Path
 
-from garmentq.core.cloth import get_fabric
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.dressed_report import draw_wearers
-from garmentq.core.deliver.formats import ExportOptions
 from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.size_drapes import drape_size
-from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.reuse.wear import is_valid_drape, load_worn_template
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.reuse.wear.dressing import is_valid_drape
+from garmentq.core.reuse.wear.worn import load_worn_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

@@ -18,11 +18,15 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.deliver.export import write_recovery
+from garmentq.core.deliver.export.result import write_recovery
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.textured import write_textured
-from garmentq.core.deliver.texture import find_texels
-from garmentq.core.garment import BodyMeasures, Garment, Pattern, draft_template, load_draped_template, save_pattern
+from garmentq.core.deliver.texture.texels import find_texels
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.templates import draft_template, load_draped_template
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings

@@ -17,13 +17,21 @@ from foreign_body import measure_for_garmentcode
 from foreign_drapes import Cloth, describe, simulate, weld
 from foreign_own import draw_cut, draw_measures
 from foreign_start import settle
-from garmentq.core.body import Body, builtin_body
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.template import load_template
-from garmentq.core.garment import Garment, Pattern, draft_template, find_cut, load_pattern, save_pattern
-from garmentq.core.geometry import self_intersections, vertex_normals
-from garmentq.core.people import Part
-from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, remesh
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.templates import draft_template, find_cut
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.people.part import Part
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.recover.drape.stage import drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.scan.contours.contours import name_contours
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field

@@ -12,8 +12,9 @@ import trimesh
 from bench_compare import list_verdicts
 from bench_runs import Job
 from foreign_panels import compare_pieces, join_halves
-from garmentq.core.garment import load_pattern
-from garmentq.core.geometry import TriangleSurface, face_areas
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.geometry.geometry import face_areas
+from garmentq.core.geometry.surface import TriangleSurface
 
 Line = Mapping[str, Any]
 

@@ -8,12 +8,13 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from garmentq.core.body import Body, builtin_body, register_body
-from garmentq.core.body.builtin import named_pose
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body, named_pose
 from garmentq.core.body.measured import MeasureRange
+from garmentq.core.body.registration import register_body
 from garmentq.core.body.skinning import skin
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
-from garmentq.core.geometry import TriangleSurface
+from garmentq.core.geometry.surface import TriangleSurface
 
 OFF_MODEL = 0.02
 """How far the skin of a drawn body may lie from the built-in model that was fitted to it [m]: 2.2 mm on average, 10 at

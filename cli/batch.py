@@ -67,7 +67,7 @@ def find_scans(given: Sequence[Path], options: OrderOptions) -> Iterator[tuple[P
 
 
 def _list_folder(folder: Path) -> list[Path]:
-    from ..core.scan import check_extension
+    from ..core.scan.header import check_extension
 
     found = []
     for path in sorted(folder.iterdir()):

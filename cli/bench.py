@@ -21,7 +21,7 @@ from .options import gather, json_option, method_options
 from .output import NewFolder
 
 if TYPE_CHECKING:
-    from ..core.judge import Pack
+    from ..core.judge.packs import Pack
 
 BENCH_TARGET_TIMEOUT = 1800.0
 """Time limit of one target [s]: thirty times what a recovery should take, so that only one that hangs is stopped."""
@@ -98,7 +98,8 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
       garmentq bench targets --only gc_skirt2 --damage
       garmentq bench targets --only gc_skirt2 --only gpg_tee --ablate
     """
-    from ..core.judge import read_packs, read_raw_packs
+    from ..core.judge.packs import read_packs
+    from ..core.judge.raw_packs import read_raw_packs
     from .bench_table import print_tables
     from .terminal import print_json, print_note
 

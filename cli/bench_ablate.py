@@ -18,10 +18,10 @@ from .terminal import print_table
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..core.garment import Garment
-    from ..core.judge import Pack
+    from ..core.garment.garment import Garment
+    from ..core.judge.packs import Pack
     from ..core.recover.case import Case
-    from ..core.recover.deform import DeformSettings
+    from ..core.recover.deform.settings import DeformSettings
     from ..core.recover.state import RecoveryState
 
 ABLATION_SAMPLE_COUNT = 10_000
@@ -111,7 +111,7 @@ def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
 
     All runs share the body, the graded drape and its mesh.
     """
-    from ..core.judge import read_packs
+    from ..core.judge.packs import read_packs
 
     pack, line = read_packs(Path(order.pack))[0], empty_line(Path(order.pack).name)
     stage: _Stage | None = None
@@ -147,8 +147,8 @@ class _Stage:
     @classmethod
     def of(cls, pack: Pack, preset: str) -> _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
-        from ..core.recover.deform import DeformSettings
-        from ..core.recover.drape import drape_graded, drape_template, remesh
+        from ..core.recover.deform.settings import DeformSettings
+        from ..core.recover.drape.stage import drape_graded, drape_template, remesh
         from ..core.recover.methods import GRADING_STEPS
         from ..core.recover.pipeline import run_steps
         from ..core.recover.recovery import Request
@@ -166,7 +166,8 @@ class _Stage:
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
-        from ..core.recover.fit import InverseSettings, fit_inverse
+        from ..core.recover.fit.descent import InverseSettings
+        from ..core.recover.fit.inverse import fit_inverse
         from ..core.recover.state import made
 
         few = InverseSettings(iterations=ABLATION_ADAM_ITERATIONS[0], fabric_iterations=ABLATION_ADAM_ITERATIONS[1])
@@ -175,7 +176,7 @@ class _Stage:
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
         """Run the deformer and measure the detail mesh."""
-        from ..core.recover.deform import deform
+        from ..core.recover.deform.deformer import deform
         from ..core.recover.state import made
 
         start, state = made(self.graded.graded) if switch.graded else self.ungraded, self.graded
@@ -184,14 +185,12 @@ class _Stage:
 
     def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
-        from ..core.geometry import self_intersections, vertex_normals
-        from ..core.judge import (
-            VertexCloud,
-            chamfer_and_normals,
-            measure_distance,
-            measure_seams,
-            read_true_mesh,
-        )
+        from ..core.geometry.geometry import vertex_normals
+        from ..core.geometry.intersections import self_intersections
+        from ..core.judge.chamfer import VertexCloud, chamfer_and_normals
+        from ..core.judge.fit import measure_distance
+        from ..core.judge.packs import read_true_mesh
+        from ..core.judge.patterns import measure_seams
 
         truth = read_true_mesh(self.pack)
         ours = VertexCloud(nodes, vertex_normals(nodes, garment.faces))

@@ -20,9 +20,10 @@ from .bench_table import mean
 from .terminal import print_table
 
 if TYPE_CHECKING:
-    from ..core.judge import Damage, Pack
+    from ..core.judge.damage import Damage
+    from ..core.judge.packs import Pack
     from ..core.run.hooks import Arrays
-    from ..core.scan import Scan
+    from ..core.scan.scan import Scan
 
 SHOWN_METRICS = (
     "surface_rms_mm.s2t",
@@ -62,7 +63,8 @@ def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
     one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
     and is shared between presets. All else is run again.
     """
-    from ..core.judge import DAMAGES, read_packs
+    from ..core.judge.damage import DAMAGES
+    from ..core.judge.packs import read_packs
 
     pack = read_packs(Path(order.pack))[0]
     with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
@@ -112,7 +114,7 @@ class _Study:
 
     def recover(self, damage: Damage, preset: str) -> Line:
         """Return the figures of one run."""
-        from ..core.deliver.export import to_plain_json
+        from ..core.deliver.export.result import to_plain_json
         from ..core.recover.inputs import read_files
         from ..core.recover.pipeline import recover
         from ..core.recover.recovery import Request
@@ -148,8 +150,8 @@ class _Study:
 
 def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple[Path, Path | None]:
     """Write the damaged garment, and where it moves with it the body; give both paths."""
-    from ..core.deliver.export import write_ply
-    from ..core.judge import read_true_mesh
+    from ..core.deliver.export.meshes import write_ply
+    from ..core.judge.packs import read_true_mesh
 
     garment = folder / f"{damage.name}_garment.ply"
     vertices, faces = damage.apply(*read_true_mesh(pack), np.random.default_rng(seed))

@@ -12,7 +12,7 @@ from .bench_raw_target import RawOrder, empty_line
 from .bench_table import mean, round_to_three_digits
 
 if TYPE_CHECKING:
-    from ..core.judge import RawPack
+    from ..core.judge.raw_packs import RawPack
 
 STATE_NAMES = ("as_is", "noise_5mm", "holes_10", "no_colours", "decimated_10k", "cloud_50k")
 """The states of a raw scan, named here so that the options need not load what makes them."""

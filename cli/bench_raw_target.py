@@ -19,8 +19,8 @@ from .bench_lines import Line, answer_order, keep_failure
 from .bench_target import peak_mb
 
 if TYPE_CHECKING:
-    from ..core.judge import RawPack, TrueGarment
     from ..core.judge.raw_frame import TruthFrame
+    from ..core.judge.raw_packs import RawPack, TrueGarment
     from ..core.people.garments import PersonSurface
     from ..core.people.separation import FoundGarment, LabelledPerson
     from ..core.recover.recovery import Recovery
@@ -89,7 +89,7 @@ def run_pack(order: RawOrder) -> Line:
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    from ..core.deliver.export import to_plain_json
+    from ..core.deliver.export.result import to_plain_json
     from .compiling import time_compiling
 
     line = empty_line(Path(order.pack).name, order)
@@ -116,7 +116,7 @@ class _Run:
     """
 
     def __init__(self, order: RawOrder, line: Line) -> None:
-        from ..core.judge import read_raw_packs
+        from ..core.judge.raw_packs import read_raw_packs
 
         self.order, self.line = order, line
         self.pack: RawPack = read_raw_packs(Path(order.pack))[0]
@@ -125,7 +125,9 @@ class _Run:
 
     def run(self) -> None:
         """Bring the scan into its state, take it apart, and recover every garment that was found."""
-        from ..core.judge import SCAN_STATES, degrade_scan, read_raw_file, read_true_labels, write_raw_file
+        from ..core.judge.raw_file import read_raw_file, write_raw_file
+        from ..core.judge.raw_packs import read_true_labels
+        from ..core.judge.raw_states import SCAN_STATES, degrade_scan
 
         file, labels = read_raw_file(self.pack.scan), read_true_labels(self.pack)
         with tempfile.TemporaryDirectory(prefix="garmentq-raw-") as folder:
@@ -163,7 +165,7 @@ class _Run:
     def _write_separation(self, separation: LabelledPerson) -> None:
         folder = self._folder()
         if folder is not None:
-            from ..core.deliver.export import write_ply
+            from ..core.deliver.export.meshes import write_ply
             from ..core.people.labels import write_labels
 
             write_labels(separation.label, separation.confidence, folder / "labels.npz")
@@ -181,17 +183,13 @@ class _Run:
     def _measure_separation(
         self, raw: RawScan, separation: LabelledPerson, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
     ) -> TruthFrame:
-        from ..core.judge import (
-            find_edges,
-            find_frame,
-            judge_outcome,
-            measure_borders,
-            measure_calibration,
-            measure_labels,
-            measure_true_body,
-            read_cover,
-            read_mesh_file,
-        )
+        from ..core.judge.packs import read_mesh_file
+        from ..core.judge.raw_borders import find_edges, measure_borders
+        from ..core.judge.raw_frame import find_frame
+        from ..core.judge.raw_labels import measure_calibration, measure_labels
+        from ..core.judge.raw_outcome import judge_outcome
+        from ..core.judge.raw_packs import read_cover
+        from ..core.judge.raw_shape import measure_true_body
 
         line, found = self.line, separation.label
         score = measure_labels(labels, found)
@@ -232,8 +230,8 @@ class _Run:
     def _recover(
         self, path: Path, surface: PersonSurface, separation: LabelledPerson, garment: FoundGarment, frame: TruthFrame
     ) -> None:
-        from ..core.deliver.export import write_recovery
-        from ..core.garment import load_pattern
+        from ..core.deliver.export.result import write_recovery
+        from ..core.garment.garmentcode import load_pattern
         from ..core.people.garments import extract_garment
         from ..core.recover.pipeline import recover
         from ..core.recover.recovery import Request
@@ -271,15 +269,11 @@ class _Run:
 
 def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, own_template: bool) -> Line:
     """Measure a recovered garment against the visible part of its truth, and its pattern."""
-    from ..core.judge import (
-        is_same_cut,
-        measure_panels,
-        measure_pattern,
-        measure_visible,
-        read_garment_pattern,
-        read_mesh_file,
-        read_visible,
-    )
+    from ..core.judge.matching import is_same_cut
+    from ..core.judge.packs import read_mesh_file
+    from ..core.judge.patterns import measure_panels, measure_pattern
+    from ..core.judge.raw_packs import read_garment_pattern, read_visible
+    from ..core.judge.raw_shape import measure_visible
 
     detail = (frame.apply(recovery.meshes.detail), recovery.garment.faces)
     score = measure_visible(detail, read_mesh_file(truth.mesh), read_visible(truth))

@@ -67,8 +67,9 @@ def empty_line(target: str, method: str) -> Line:
 
 
 def _recover(order: TargetOrder) -> Line:
-    from ..core.deliver.export import to_plain_json, write_recovery
-    from ..core.judge import measure_panels, read_packs, read_true_pattern
+    from ..core.deliver.export.result import to_plain_json, write_recovery
+    from ..core.judge.packs import read_packs, read_true_pattern
+    from ..core.judge.patterns import measure_panels
     from ..core.recover.pipeline import recover
     from ..core.recover.recovery import Request
     from ..core.recover.settings import RecoverySettings

@@ -30,7 +30,7 @@ def list_bodies(as_json: bool) -> None:
     Example:
       garmentq bodies list
     """
-    from ..core.body import describe_bodies
+    from ..core.body.builtin import describe_bodies
     from .terminal import print_json, print_table
 
     bodies = describe_bodies()
@@ -58,8 +58,10 @@ def export(spec: str, out: Path, as_json: bool) -> None:
     Example:
       garmentq bodies export builtin:female,height=1.70 -o body.ply
     """
-    from ..core.body import JOINTS, builtin_body, is_smpl, load_smpl
-    from ..core.deliver.export import write_ply
+    from ..core.body.body import JOINTS
+    from ..core.body.builtin import builtin_body
+    from ..core.body.smpl import is_smpl, load_smpl
+    from ..core.deliver.export.meshes import write_ply
     from .terminal import print_json, print_note
 
     if out.suffix.lower() != ".ply":

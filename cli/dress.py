@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ..core.body import is_builtin
+from ..core.body.spec import is_builtin
 from ..core.run.units import UNITS
 from .derived import DerivedOptions, derived_options
 from .options import AXES, gather
@@ -51,7 +51,7 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
     if wearer.measures is not None:
         if body is not None:
             raise click.UsageError("give --body or --measures, not both.")
-        from ..core.body import read_measures
+        from ..core.body.measures_file import read_measures
 
         body = read_measures(wearer.measures)
     built_in = body if is_builtin(body) else None

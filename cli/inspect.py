@@ -15,7 +15,7 @@ from .labels import LabelOptions, label_options
 from .options import AXES, json_option
 
 if TYPE_CHECKING:
-    from ..core.scan import Selection
+    from ..core.scan.selection import Selection
 
 
 @click.command("inspect")

@@ -105,7 +105,7 @@ def export_command(names: tuple[str, ...], out: Path, home: Path | None) -> None
     Example:
       garmentq materials export denim canvas -o mine.csv
     """
-    from ..core.cloth import write_fabrics
+    from ..core.cloth.fabric_file import write_fabrics
 
     backend = _open(home)
     fabrics = [backend.read_material(name) for name in dict.fromkeys(names)]

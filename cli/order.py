@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..core.body.spec import read_wearer
-from ..core.people import GARMENTS
+from ..core.people.part import GARMENTS
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from ..service.backend import Backend
 from ..service.order import Order, PartOrder, is_person

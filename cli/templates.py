@@ -11,7 +11,7 @@ from .options import home_option, json_option
 from .output import NewFile, writing
 
 if TYPE_CHECKING:
-    from ..core.garment import Pattern
+    from ..core.garment.pattern import Pattern
     from ..service.backend import Backend
 
 
@@ -72,7 +72,7 @@ def show_command(name: str, home: Path | None, as_json: bool) -> None:
     Example:
       garmentq templates show skirt
     """
-    from ..core.garment import panel_area
+    from ..core.garment.curves import panel_area
     from .terminal import print_json, print_table
 
     pattern = _load(name, home)
@@ -137,7 +137,7 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
     Example:
       garmentq templates export skirt -o skirt.json
     """
-    from ..core.garment import save_pattern
+    from ..core.garment.garmentcode_writer import save_pattern
 
     pattern = _load(name, home)
     with writing(out):
@@ -147,7 +147,7 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
 
 def _list_parts() -> dict[str, list[str]]:
     """Return the choices of every part."""
-    from ..core.garment.parts import PARTS
+    from ..core.garment.parts.cut import PARTS
 
     return {part: [str(choice) for choice in choices] for part, choices in PARTS.items()}
 
@@ -161,6 +161,6 @@ def _open(home: Path | None) -> Backend:
 
 def _load(name: str, home: Path | None) -> Pattern:
     """Load an imported or a shipped template."""
-    from ..core.garment import read_pattern
+    from ..core.garment.garmentcode import read_pattern
 
     return read_pattern(_open(home).read_template(name), name=name)

@@ -19,12 +19,21 @@ import newton
 import numpy as np
 import trimesh
 import warp as wp
-from garmentq.core.body import Body, ExposedSurface, builtin_body, project_outside, skin, untangle_outside
-from garmentq.core.body.builtin import ARM_DROPS, arm_pose
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import ARM_DROPS, arm_pose, builtin_body
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.body.projection import project_outside
+from garmentq.core.body.skinning import skin
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
-from garmentq.core.garment import Garment, Pattern, mesh_pattern, resample, save_pattern
+from garmentq.core.body.untangling import untangle_outside
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.outline import Outline, Stroke, mirror, place_panel, sew_by_label, unfold
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
 
 DATA = Path(__file__).parent / "data"
 

@@ -17,9 +17,11 @@ import igl
 import numpy as np
 import open3d
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import BodyMeasures, draft_template
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.templates import draft_template
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from scipy.ndimage import binary_dilation, generate_binary_structure
 
 DATA = Path(__file__).parent / "data"

@@ -15,7 +15,7 @@ from .settings import ServiceSettings
 from .states import State
 
 if TYPE_CHECKING:
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
     from .catalogue import ImportedTemplate, Template
     from .derived import DerivedOrder
     from .query import JobQuery

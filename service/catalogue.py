@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from .records import CLOSED, Json
 
 if TYPE_CHECKING:
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def show_fabric(fabric: Fabric) -> dict[str, Any]:
 
 def read_fabric(found: Json) -> Fabric:
     """Read a service's answer."""
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
 
     known = {item.name: found[item.name] for item in fields(Fabric)}
     return Fabric(**{**known, "sources": tuple((str(n), str(v)) for n, v in found["sources"].items())})

@@ -56,7 +56,7 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
     from ..core.garment.reading import describe_reading, save_reading
     from ..core.people.labels import has_names
     from ..core.recover.inputs import read_request
-    from ..core.scan import Limits
+    from ..core.scan.limits import Limits
     from ..core.scan.refusal import NoFaces
     from .kinds import read_request as parse_request
     from .kinds.recover_request import READING, RecoverRequest
@@ -99,7 +99,7 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
     """
     from ..core.people.given import PersonFiles, describe_person_input, read_person_input, save_person_input
     from ..core.people.inspect import explain_missing_body, is_garment_refusal
-    from ..core.scan import Limits
+    from ..core.scan.limits import Limits
     from .kinds import FileRef
     from .kinds import read_request as parse_request
     from .kinds.person_request import PERSON_INPUT_FILE, PersonRequest
@@ -137,9 +137,9 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.reuse.wear import describe_body_file, read_body_file
+    from ..core.reuse.wear.bodies import describe_body_file, read_body_file
     from ..core.run.records import write_record
-    from ..core.scan import Limits
+    from ..core.scan.limits import Limits
     from .kinds.dress_request import BODY
 
     folder = Path(files)
@@ -162,7 +162,7 @@ def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.body.motion import load_motion
+    from ..core.body.motion.read import load_motion
     from ..core.run.records import write_record
     from .kinds.animate_request import MOTION
 
@@ -193,7 +193,7 @@ def check_edit(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.garment import load_pattern
+    from ..core.garment.garmentcode import load_pattern
     from ..core.garment.reading import describe_pattern, save_given_pattern
     from .kinds.edit_request import PATTERN
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from ..core.cloth import Fabric
+from ..core.cloth.fabric import Fabric
 from ..core.run.errors import BadInput
 from ..core.run.sandbox import IsStopped, never_stopped
 from .jobs import find_job
@@ -158,7 +158,7 @@ def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:
     """
     known = set(session.scalars(select(ArtifactRow.name).where(ArtifactRow.job == job, ArtifactRow.kind == RESULT)))
     if known and not known.issuperset(names):
-        from ..core.reuse.wear import ResultOld
+        from ..core.reuse.wear.worn import ResultOld
 
         raise ResultOld()
 
@@ -186,7 +186,7 @@ def _keep(services: Services, file: Path | FileRef) -> dict[str, str]:
         FileMissing: where it is not there.
     """
     if isinstance(file, Path):
-        from ..core.scan import FileMissing
+        from ..core.scan.refusal import FileMissing
 
         if not file.is_file():
             raise FileMissing(f"{file} is not a file; check the path.")

@@ -33,7 +33,7 @@ def inspect_scan(path: Path, options: Mapping[str, Any], is_stopped: IsStopped =
         BodyNotBuiltin: where the body is a file.
         BadInput: where the file cannot be used.
     """
-    from ..core.body import is_builtin
+    from ..core.body.spec import is_builtin
 
     body = options.get("body")
     if body is not None and not is_builtin(body):

@@ -34,7 +34,7 @@ from .webhook_records import Receipt, Webhook
 from .webhook_trial import try_webhook
 
 if TYPE_CHECKING:
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
 
 DATABASE_POLL_INTERVAL = 0.2
 """Interval at which the database is asked for new events [s]; a person sees no difference below."""

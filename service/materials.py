@@ -13,7 +13,7 @@ from .database import Database, clock, skip_damaged_rows
 from .models import FabricRow
 
 if TYPE_CHECKING:
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
 
 
 class FabricShipped(BadInput):
@@ -30,7 +30,7 @@ def import_materials(database: Database, path: Path) -> list[Fabric]:
         FabricNameBad, FabricSourceBad, FabricOutOfRange: as `check_fabric` says.
         FabricShipped: where one has a shipped fabric's name.
     """
-    from ..core.cloth import read_fabrics
+    from ..core.cloth.fabric_file import read_fabrics
 
     fabrics = read_fabrics(path)
     keep_materials(database, fabrics)
@@ -53,7 +53,7 @@ def keep_materials(database: Database, fabrics: list[Fabric]) -> None:
 @skip_damaged_rows
 def list_materials(database: Database) -> list[Fabric]:
     """Return shipped and imported fabrics, each kind by name."""
-    from ..core.cloth import load_fabrics
+    from ..core.cloth.fabrics import load_fabrics
 
     with database.read() as session:
         rows = session.scalars(select(FabricRow).order_by(FabricRow.name)).all()
@@ -66,7 +66,7 @@ def read_material(database: Database, name: str) -> Fabric:
     Raises:
         FabricUnknown: where there is none of that name; the message lists those there are.
     """
-    from ..core.cloth import FabricUnknown
+    from ..core.cloth.fabrics import FabricUnknown
 
     fabrics = list_materials(database)
     for fabric in fabrics:
@@ -107,7 +107,7 @@ def delete_material(database: Database, name: str) -> Fabric:
 
 def is_shipped(name: str) -> bool:
     """Return whether a shipped fabric has the name."""
-    from ..core.cloth import load_fabrics
+    from ..core.cloth.fabrics import load_fabrics
 
     return name in [fabric.name for fabric in load_fabrics()]
 

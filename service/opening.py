@@ -68,7 +68,7 @@ def _find_key(url: str, settings: ServiceSettings) -> str:
 def _read(backend: Backend, job: str) -> StoredResult:
     """Read the result of a job, of which only the files that are read are copied."""
     from ..core.deliver.export.stored_result import FILES, load_result
-    from ..core.reuse.wear import WORN_FILE_NAME
+    from ..core.reuse.wear.worn import WORN_FILE_NAME
 
     try:
         report = backend.find_job(job)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..core.body.spec import Wearer
-from ..core.cloth import Fabric
+from ..core.cloth.fabric import Fabric
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from .states import QUEUES
 

@@ -68,7 +68,8 @@ def check_order_locally(order: Order) -> Order:
         GarmentqError: with the code of what cannot be used.
     """
     from ..core.recover.recovery import make_selection
-    from ..core.scan import FileMissing, LabelsUnreadable, check_extension
+    from ..core.scan.header import check_extension
+    from ..core.scan.refusal import FileMissing, LabelsUnreadable
 
     _check_names(order.settings)
     selection = make_selection(order.labels, order.settings)
@@ -89,8 +90,8 @@ def check_order_locally(order: Order) -> Order:
 
 def _check_person(order: Order) -> None:
     """Check what is said of a person and of the single garments."""
-    from ..core.people import GARMENTS
     from ..core.people.hints import parse_mark, parse_wearing
+    from ..core.people.part import GARMENTS
 
     if order.wearing is not None:
         parse_wearing(order.wearing)
@@ -123,14 +124,14 @@ def _check_file(path: Path, missing: BadInput) -> None:
 
 def _check_names(chosen: RecoverySettings) -> None:
     if chosen.garment is not None:
-        from ..core.scan.contours import CATEGORIES
+        from ..core.scan.contours.target import CATEGORIES
 
         if chosen.garment not in CATEGORIES:
             raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
 
 
 def _check_body(body: Wearer | None) -> Wearer:
-    from ..core.body import BodyMissing, parse_spec
+    from ..core.body.builtin import BodyMissing, parse_spec
 
     if body is None:
         raise BodyMissing()

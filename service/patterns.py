@@ -32,7 +32,7 @@ def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[s
     """Check a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
 
     Returns:
-        JSON values as `core.garment.examine_file` gives them.
+        JSON values as `core.garment.examine.examine_file` gives them.
     """
     given = {"source": str(path.absolute())}
     return call_limited(EXAMINER, given, BOUNDS, is_stopped).result

@@ -15,7 +15,7 @@ from .states import State
 from .webhook_records import Receipt, Webhook
 
 if TYPE_CHECKING:
-    from ..core.cloth import Fabric
+    from ..core.cloth.fabric import Fabric
 
 R = TypeVar("R")
 
@@ -38,7 +38,7 @@ class RemoteLibraries:
 
     def import_template(self, name: str, path: Path) -> ImportedTemplate:
         """Send a pattern file as a template."""
-        from ..core.garment import load_pattern
+        from ..core.garment.garmentcode import load_pattern
 
         load_pattern(path)
         found = self._ask("PUT", f"/v1/templates/{quote(name, safe='')}", content=path.read_bytes())
@@ -59,7 +59,7 @@ class RemoteLibraries:
 
     def import_materials(self, path: Path) -> list[Fabric]:
         """Check a file of fabrics and send them, one after the other."""
-        from ..core.cloth import read_fabrics
+        from ..core.cloth.fabric_file import read_fabrics
 
         fabrics = read_fabrics(path)
         for fabric in fabrics:

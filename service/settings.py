@@ -15,7 +15,7 @@ from ..core.run.errors import BadInput
 PIPELINE = "garmentq.core.recover.pipeline:recover"
 """What a job runs. Tests of the queue put a quick stand-in here."""
 
-WRITER = "garmentq.core.deliver.export:write_recovery"
+WRITER = "garmentq.core.deliver.export.result:write_recovery"
 """What turns a recovery into files."""
 
 CHECKER = "garmentq.service.checking:check_recovery"

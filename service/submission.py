@@ -203,7 +203,7 @@ def clean_name(name: str) -> str:
 
 
 def _check_dressed(order: Order) -> None:
-    from ..core.body import BodyMissing
+    from ..core.body.builtin import BodyMissing
     from ..core.recover.recovery import make_selection
 
     if make_selection(order.labels, order.settings) is None:

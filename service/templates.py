@@ -42,7 +42,7 @@ def import_template(
         TemplateNameBad: where the name is none, or a shipped template's.
         PatternBad: where the file cannot be read.
     """
-    from ..core.garment import list_templates
+    from ..core.garment.templates import list_templates
 
     given = {"source": str(path.absolute())}
     found = call_limited("garmentq.core.garment.reading:check_pattern", given, BOUNDS, is_stopped).result
@@ -71,7 +71,7 @@ def delete_template(database: Database, name: str) -> Template:
     Raises:
         TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
     """
-    from ..core.garment import TemplateUnknown, list_templates
+    from ..core.garment.templates import TemplateUnknown, list_templates
 
     with database.write() as session:
         row = session.get(TemplateRow, name)
@@ -89,7 +89,7 @@ def find_template(services: Services, name: str) -> Path | None:
     Raises:
         TemplateUnknown: where there is neither.
     """
-    from ..core.garment import load_template
+    from ..core.garment.templates import load_template
 
     kept = _find_imported(services.database, name)
     if kept is None:
@@ -104,7 +104,8 @@ def read_template(services: Services, name: str) -> bytes:
     Raises:
         TemplateUnknown: where there is none of that name.
     """
-    from ..core.garment import load_template, write_pattern
+    from ..core.garment.garmentcode_writer import write_pattern
+    from ..core.garment.templates import load_template
 
     kept = _find_imported(services.database, name)
     if kept is not None:
@@ -115,9 +116,9 @@ def read_template(services: Services, name: str) -> bytes:
 @skip_damaged_rows
 def list_templates(database: Database) -> list[Template]:
     """Return shipped and imported templates, each kind by name."""
-    from ..core import garment
+    from ..core.garment import templates
 
-    found = [Template(info.name, info.category, "shipped", info.title) for info in garment.list_templates()]
+    found = [Template(info.name, info.category, "shipped", info.title) for info in templates.list_templates()]
     with database.read() as session:
         rows = session.scalars(select(TemplateRow).order_by(TemplateRow.name)).all()
     return found + [_show_imported(row) for row in rows]

@@ -7,14 +7,15 @@ import functools
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body
-from garmentq.core.cloth import Fabric
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.cloth.fabric import Fabric
 from garmentq.core.garment.meshes import Meshes
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.recover.recovery import Recovery
 from garmentq.core.run.report import ResultReport
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.scan.contours.target import Contour, Target
+from garmentq.core.scan.scan import Scan
 
 RADIUS, HEIGHT = 0.15, 0.30
 
@@ -95,8 +96,10 @@ def bare_body():
 def tube_recovery():
     """Return the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
-    from garmentq.core.body import ExposedSurface
-    from garmentq.core.judge import Reference, evaluate_gates, measure_fit, measure_seams
+    from garmentq.core.body.exposed import ExposedSurface
+    from garmentq.core.judge.fit import Reference, measure_fit
+    from garmentq.core.judge.gates import evaluate_gates
+    from garmentq.core.judge.patterns import measure_seams
 
     @functools.cache
     def base(names: tuple[str, str]) -> Recovery:

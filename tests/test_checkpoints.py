@@ -9,8 +9,9 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body
-from garmentq.core.recover.fit import Descent, material, shape
+from garmentq.core.body.body import Body
+from garmentq.core.recover.fit import material, shape
+from garmentq.core.recover.fit.descent import Descent
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.reuse.animate import animation
 from garmentq.core.run.checkpoints import FORMAT_KEY, fingerprint, load, pack, save, unpack

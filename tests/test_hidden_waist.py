@@ -5,14 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.garment import Pattern, load_template, panel_area
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.reading import Reading
-from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.garment.templates import load_template
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Recovery, Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.scan import Scan, ScanInput
-from garmentq.core.scan.contours import find_loops
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.pieces import ScanInput
+from garmentq.core.scan.scan import Scan
 from wearers import find_wearer
 
 WEARER = "builtin:female,height=1.68,pose=A"

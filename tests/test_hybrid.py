@@ -9,19 +9,16 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.deliver.export import write_recovery
-from garmentq.core.garment import (
-    load_draped_template,
-    load_pattern,
-    load_template,
-    mesh_pattern,
-    panel_area,
-    seam_mismatch,
-)
+from garmentq.core.deliver.export.result import write_recovery
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.garmentcode import load_pattern
 from garmentq.core.garment.meshes import Meshes
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_draped_template, load_template
 from garmentq.core.recover import pipeline, steps
-from garmentq.core.recover.drape import DrapeSettings, drape_template
-from garmentq.core.recover.fit import LockUnknown
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.fit.locks import LockUnknown
 from garmentq.core.recover.methods import METHODS
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import STAGES, Recovery, Request

@@ -11,12 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import Body, BodyMissing, builtin_body
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import BodyMissing, builtin_body
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.garment import load_template, panel_area
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.templates import load_template
 from garmentq.core.recover import settings
-from garmentq.core.recover.drape import DrapeSettings, drape_template
-from garmentq.core.recover.fit import InverseSettings, ShapeSettings
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.fit.descent import InverseSettings
+from garmentq.core.recover.fit.settings import ShapeSettings
 from garmentq.core.recover.methods import METHODS
 from garmentq.core.recover.pipeline import recover, run_steps
 from garmentq.core.recover.recovery import STAGES, Recovery, Request

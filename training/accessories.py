@@ -9,10 +9,12 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull
 
-from ..core.body import JOINTS, Body, skin
+from ..core.body.body import JOINTS, Body
+from ..core.body.skinning import skin
 from ..core.body.template import Template
-from ..core.geometry import HalfEdges, vertex_normals
-from ..core.people import Part
+from ..core.geometry.connectivity import HalfEdges
+from ..core.geometry.geometry import vertex_normals
+from ..core.people.part import Part
 from .base_mesh import surface_values
 from .build_accessories import ASSET, STEP
 from .cloth import Mesh, clip, refine, wave_field

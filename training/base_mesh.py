@@ -9,7 +9,8 @@ from pathlib import Path
 import igl
 import numpy as np
 
-from ..core.body import Body, register_body
+from ..core.body.body import Body
+from ..core.body.registration import register_body
 from ..core.body.skinning import skin, unskin
 from ..core.body.template import load_template
 

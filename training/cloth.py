@@ -6,8 +6,9 @@ import igl
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.body import SignedDistance
-from ..core.geometry import HalfEdges, vertex_normals
+from ..core.body.signed_distance import SignedDistance
+from ..core.geometry.connectivity import HalfEdges
+from ..core.geometry.geometry import vertex_normals
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Vertices [m], shape [n, 3], and faces, shape [m, 3]."""

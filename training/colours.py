@@ -11,9 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.body import JOINTS
+from ..core.body.body import JOINTS
 from ..core.body.template import load_template
-from ..core.people import GARMENTS, Part
+from ..core.people.part import GARMENTS, Part
 from .cloth import wave_field
 from .shards import Shard
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.people import GARMENTS, Part
 from ..core.people.depth import ARM, HANGING, HELD, LEG, OVER, Excess, find_looseness
 from ..core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES
 from ..core.people.limbs import Limb
+from ..core.people.part import GARMENTS, Part
 from .describe import Described
 from .train import load_set
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.judge import measure_calibration
-from ..core.judge.raw_labels import MIN_SURE_CONFIDENCE
-from ..core.people import CLOTH, PARTS
+from ..core.judge.raw_labels import MIN_SURE_CONFIDENCE, measure_calibration
+from ..core.people.part import CLOTH, PARTS
 
 NUMBERS = np.array([int(part) for part in PARTS])
 """Label of each column of a posterior."""

@@ -11,7 +11,6 @@ import numpy as np
 import torch
 from torch import nn
 
-from ..core.people import GARMENTS, PARTS
 from ..core.people.features import FEATURE_LAYOUT_VERSION
 from ..core.people.learnt import (
     EXCHANGE_ROUND_COUNT,
@@ -27,6 +26,7 @@ from ..core.people.learnt import (
     LimbCells,
 )
 from ..core.people.limbs import Limb
+from ..core.people.part import GARMENTS, PARTS
 
 WIDTH = 48
 """Numbers that a sample and a cell keep: 120,000 parameters in all, 0.25 MB in half precision."""

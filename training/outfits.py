@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.body import Body
+from ..core.body.body import Body
 from ..core.body.template import Template
-from ..core.geometry import find_components
-from ..core.people import Part
+from ..core.geometry.connectivity import find_components
+from ..core.people.part import Part
 from .accessories import worn_asset
 from .base_mesh import read_base_mesh, read_worn
 from .cloth import Mesh, clear, refine, tuck_under

@@ -15,9 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.body import Body, DistanceGrid
+from ..core.body.body import Body
+from ..core.body.distance import DistanceGrid
 from ..core.body.template import Template, load_template
-from ..core.people import Part
+from ..core.people.part import Part
 from .accessories import bare_skin, draw_accessories
 from .outfits import Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person

@@ -8,9 +8,9 @@ import igl
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.body import Body
-from ..core.geometry import face_areas, face_normals
-from ..core.people import Part
+from ..core.body.body import Body
+from ..core.geometry.geometry import face_areas, face_normals
+from ..core.people.part import Part
 from ..core.scan.open3d_library import load_open3d
 from .cloth import wave_field
 from .shards import Shard

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.body import BodyModel
+from ..core.body.model import BodyModel
 from ..core.scan.raw import RawScan
 
 VERSION = 1

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-from ..core.people import Part
 from ..core.people.evidence import find_rings
 from ..core.people.features import describe_points
+from ..core.people.part import Part
 from ..core.people.points import sample_person
 from ..core.people.rules import WaistModel, WaistShown, waist_evidence
 from .colours import paint

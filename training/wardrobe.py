@@ -9,13 +9,18 @@ import igl
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.body import Body, DistanceGrid, skin, weights_at
-from ..core.garment import BodyMeasures, Garment, draft_template, mesh_pattern
-from ..core.geometry import HalfEdges
-from ..core.people import Part
-from ..core.recover.drape import PbdState, build_distance_constraints, measure_wearer
+from ..core.body.body import Body
+from ..core.body.distance import DistanceGrid
+from ..core.body.skinning import skin, weights_at
+from ..core.garment.garment import Garment
+from ..core.garment.measures import BodyMeasures
+from ..core.garment.sewing import mesh_pattern
+from ..core.garment.templates import draft_template
+from ..core.geometry.connectivity import HalfEdges
+from ..core.people.part import Part
 from ..core.recover.drape.dress import DressSettings, dress, waist_loop
-from ..core.recover.drape.follow import DistanceConstraints, simulate_pbd
+from ..core.recover.drape.follow import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
+from ..core.recover.drape.sizing import measure_wearer
 from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
 

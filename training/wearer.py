@@ -8,11 +8,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from ..core.body import JOINTS, Body
+from ..core.body.body import JOINTS, Body
 from ..core.body.builtin import arm_pose, named_pose, pose_template
 from ..core.body.fit import POSE_PRIOR_STDS
 from ..core.body.template import Template
-from ..core.geometry import vertex_normals
+from ..core.geometry.geometry import vertex_normals
 
 JITTER = 0.3
 """Standard deviation of the joints' turns about a named pose as a share of everyday poses' spread: a person who was

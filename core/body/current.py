@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import face_boxes, self_intersections, undo_crossings
+from ..geometry.intersections import face_boxes, self_intersections, undo_crossings
 from .signed_distance import SignedDistance
 
 MAX_ADVECTION_STEP = 2e-3

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..geometry import HalfEdges, TriangleSurface
+from ..geometry.connectivity import HalfEdges
+from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
 from .solid import Solid
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import ClosestPoints, TriangleSurface, face_normals
+from ..geometry.geometry import face_normals
+from ..geometry.surface import ClosestPoints, TriangleSurface
 from .body import Body
 from .solid import Solid
 

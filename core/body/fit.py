@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
-from ..geometry import vertex_normals
+from ..geometry.geometry import vertex_normals
 from .body import JOINT_PARENTS, JOINTS
 from .template import Template, articulate, cross_matrices, rotations_of
 

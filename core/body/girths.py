@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from ..geometry import HalfEdges, find_components
+from ..geometry.connectivity import HalfEdges, find_components
 from .body import Body
 from .skinning import rest_body
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import vertex_normals
+from ..geometry.geometry import vertex_normals
 from .body import JOINT_PARENTS, JOINTS, Body
 
 MAX_HANGING_ANGLE = math.radians(30.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import vertex_normals
+from ..geometry.geometry import vertex_normals
 from ..geometry.point_normals import smooth_normals
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
@@ -345,7 +345,7 @@ def orient_by_body(template: Template, surface: OrientedPoints, state: FitState)
 
 def _skin_rms(model: np.ndarray, faces: np.ndarray, surface: OrientedPoints) -> float:
     """Compute the RMS distance [m] of what is more skin than cloth to the model."""
-    from ..geometry import TriangleSurface
+    from ..geometry.surface import TriangleSurface
 
     skin = np.ones(len(surface.points), bool) if surface.cloth is None else surface.cloth < 0.5
     if not skin.any():

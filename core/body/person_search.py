@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from ..geometry import vertex_areas
+from ..geometry.geometry import vertex_areas
 from ..run.hooks import Hooks
 from .body import JOINTS
 from .fit import FitStage, FitState, Fitter, OrientedPoints

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import self_intersections
+from ..geometry.intersections import self_intersections
 from .current import advect_outside
 from .exposed import ExposedSurface
 

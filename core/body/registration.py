@@ -7,7 +7,8 @@ from math import pi
 
 import numpy as np
 
-from ..geometry import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
+from ..geometry.geometry import face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
+from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import face_areas
+from ..geometry.geometry import face_areas
 from .body import Body
 
 SMOOTHING_LENGTH = 0.03

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import signed_volume
+from ..geometry.geometry import signed_volume
 
 INSIDE_WINDING_NUMBER = 0.5
 """Winding number above which a point is inside. Holes and parts that overlap change it near them only."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import move_towards, self_intersections, untangle
-from ..geometry.untangling import UNTANGLING_STEP_LENGTH
+from ..geometry.intersections import self_intersections
+from ..geometry.moving_towards import move_towards
+from ..geometry.untangling import UNTANGLING_STEP_LENGTH, untangle
 from .exposed import ExposedSurface, penetration_depth
 from .projection import limit_penetration, project_outside
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import HalfEdges, TriangleSurface, adjacency_matrix, factor_symmetric, vertex_normals
+from ..geometry.connectivity import HalfEdges, adjacency_matrix
+from ..geometry.geometry import vertex_normals
+from ..geometry.linear import factor_symmetric
+from ..geometry.surface import TriangleSurface
 
 SAME_PART_COSINE = 0.5
 """Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs

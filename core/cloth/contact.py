@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..body import sample_distance
+from ..body.distance import sample_distance
 from .block_pattern import Derivatives
 from .scene import Scene
 from .tangent_planes import TangentPlanes, plane_contact

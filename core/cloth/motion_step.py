@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..body import SignedDistance
+from ..body.signed_distance import SignedDistance
 from .bending_friction import measure_angles
 from .carry_step import move_collision_free
 from .collision.coupling import extend_sparsity

@@ -8,7 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
-from ..garment import ControlMap, EdgeRef, Garment, Pattern, Symmetry, edge_length
+from ..garment.control import ControlMap
+from ..garment.curves import edge_length
+from ..garment.garment import Garment
+from ..garment.pattern import EdgeRef, Pattern
+from ..garment.symmetry import Symmetry
 from .scene import Scene
 from .sensitivity import FABRIC_PARAMETERS, Sensitivity
 

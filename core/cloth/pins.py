@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..garment import Garment
+from ..garment.garment import Garment
 from ..run.errors import BadInput
 
 

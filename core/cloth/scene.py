@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..body import DistanceGrid
+from ..body.distance import DistanceGrid
 from .bending_friction import BendingFriction
 from .collision.self_contact import SelfContact
 from .fabric import Fabric

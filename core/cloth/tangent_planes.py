@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..body import SignedDistance
+from ..body.signed_distance import SignedDistance
 
 ABSENT_PLANE_OFFSET = -1e9
 """Offset of a plane that no node comes near [m]."""

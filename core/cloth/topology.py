@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..garment import Garment
-from ..geometry import HalfEdges, lump, shape_gradients, signed_areas
+from ..garment.garment import Garment
+from ..geometry.connectivity import HalfEdges
+from ..geometry.geometry import lump, shape_gradients, signed_areas
 from ..run.errors import BadInput
 from .block_pattern import BlockPattern
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from .garmentcode import save_pattern
-from .parts import CUTS, draft_cut
+from .parts.draft import draft_cut
+from .parts.shipped_cuts import CUTS
 
 
 def write_library(folder: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry import plane_rotation
+from ..geometry.rigid import plane_rotation
 from .curves import edge_area, edge_length, is_flat_arc, unit_circle
 from .memo import memoise
 from .pattern import Edge, EdgeRef, Panel, Pattern

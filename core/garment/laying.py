@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import plane_rotation
+from ..geometry.rigid import plane_rotation
 from .control import update_flat_mesh
 from .curves import chord
 from .garment import Garment

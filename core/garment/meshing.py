@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import Delaunay, cKDTree
 
-from ..geometry import ClosedCurve
+from ..geometry.curves import ClosedCurve
 from .curves import edge_length, edge_points, panel_area
 from .pattern import EdgeRef, Panel, Pattern
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import fit_rigid
+from ..geometry.rigid import fit_rigid
 from .orientation import place_points
 from .pattern import EdgeRef, Pattern
 

@@ -7,10 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import ClosedCurve, HalfEdges, angle_defects, polyline_length, rim_turns
-from ..scan.contours import Contour, Target, unroll_neck
-from .parts import Neckline, NecklineCut, corner_turn, neckline_points
+from ..body.body import Body
+from ..geometry.connectivity import HalfEdges
+from ..geometry.curves import ClosedCurve, polyline_length
+from ..geometry.geometry import angle_defects, rim_turns
+from ..scan.contours.neck import unroll_neck
+from ..scan.contours.target import Contour, Target
+from .parts.cut import Neckline
+from .parts.necklines import NecklineCut, corner_turn, neckline_points
 
 MIN_V_TURN_ANGLE = np.radians(45.0)
 """Least turn in the middle that makes a V [rad]. The shallowest that is worn, 12 cm deep and 30 cm wide, turns by 77

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body
+from ..body.body import Body
 from ..run.records import read_record, write_record
 from ..run.sandbox import ReaderCrashed
-from ..scan import ScanInput, describe_scan
-from . import Pattern, load_pattern
+from ..scan.pieces import ScanInput
+from ..scan.scan import describe_scan
+from .garmentcode import load_pattern
+from .pattern import Pattern
 
 MAX_LISTED_LABELS = 50
 """Labels that are listed of a scan."""

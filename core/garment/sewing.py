@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import HalfEdges, find_components
+from ..geometry.connectivity import HalfEdges, find_components
 from .errors import MeshTooCoarse, NotOrientable, Place
 from .garment import Garment
 from .meshing import FlatMesh, MeshSettings, choose_edge_length, count_segments, mesh_panel, refine_counts, split_edges

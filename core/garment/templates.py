@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry import ClosedCurve
+from ..geometry.curves import ClosedCurve
 from ..run.errors import NotFound
 from ..scan.contours.target import Contour
 from .garment import Garment
 from .garmentcode import load_pattern
 from .measures import BodyMeasures
-from .parts import CUTS, Cut, differing_parts, draft_cut, parse_parts
+from .parts.cut import Cut, differing_parts, parse_parts
+from .parts.draft import draft_cut
+from .parts.shipped_cuts import CUTS
 from .pattern import Pattern
 from .sewing import mesh_pattern
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import TriangleSurface
+from ..geometry.surface import TriangleSurface
 
 SAMPLES_PER_SITE = 40
 """Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a

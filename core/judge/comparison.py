@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..garment import Panel, Pattern, load_pattern, panel_area, panel_outline
+from ..garment.curves import panel_area, panel_outline
+from ..garment.garmentcode import load_pattern
+from ..garment.pattern import Panel, Pattern
 from ..run.errors import BadInput
 from ..run.units import MM_PER_M
 from .matching import match_panels, mirror_outline

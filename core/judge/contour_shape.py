@@ -6,14 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..body import JOINT_PARENTS, JOINTS, Body
-from ..garment import Garment
+from ..body.body import JOINT_PARENTS, JOINTS, Body
+from ..garment.garment import Garment
 from ..garment.neckline_fit import NecklineFit, fit_necklines
-from ..garment.parts import Neckline, corner_turn
-from ..geometry import ClosedCurve, resample_polyline, rim_turns
+from ..garment.parts.cut import Neckline
+from ..garment.parts.necklines import corner_turn
+from ..geometry.curves import ClosedCurve, resample_polyline
+from ..geometry.geometry import rim_turns
 from ..run.units import MM_PER_M
-from ..scan.contours import Contour, Target, smooth_loop, unroll_neck
 from ..scan.contours.edge_turn import EdgeTurn
+from ..scan.contours.loop import smooth_loop
+from ..scan.contours.neck import unroll_neck
+from ..scan.contours.target import Contour, Target
 
 CORNER_SPAN = 0.012
 """Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import ClosedCurve
-from ..scan.contours import Contour, find_loops
+from ..geometry.curves import ClosedCurve
+from ..scan.contours.loop import find_loops
+from ..scan.contours.target import Contour
 
 CONTOUR_SAMPLES = 500
 """Points along each loop: 2 mm apart on a wide hem, far below what a contour error is judged by."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import ExposedSurface
-from ..geometry import self_intersections
+from ..body.exposed import ExposedSurface
+from ..geometry.intersections import self_intersections
 
 MAX_PINCH_DISTANCE = 5e-3
 """Largest distance from skin that lies inside another part of the body at which cloth counts as pinched there [m]: two

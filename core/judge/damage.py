@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import face_areas
+from ..geometry.geometry import face_areas
 
 Mesh = tuple[np.ndarray, np.ndarray]
 

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..garment import Panel, Pattern, panel_outline, unplanned_corners
-from ..garment.fairness import NO_PROVED_CORNERS, SmoothJoin, interior_angles
+from ..garment.curves import panel_outline
+from ..garment.fairness import NO_PROVED_CORNERS, SmoothJoin, interior_angles, unplanned_corners
+from ..garment.pattern import Panel, Pattern
 
 FAIRNESS_SEGMENT_COUNT = 64
 """Number of parts of each curve: a corner then shows as one angle, and a bend as many small ones."""

@@ -9,20 +9,15 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import ExposedSurface
-from ..garment import Garment
+from ..body.exposed import ExposedSurface
+from ..garment.garment import Garment
 from ..garment.meshes import Meshes
-from ..geometry import (
-    ClosestPoints,
-    Rim,
-    TriangleSurface,
-    corner_angles,
-    deformation_gradients,
-    principal_stretches,
-    self_intersections,
-)
+from ..geometry.geometry import corner_angles, deformation_gradients, principal_stretches
+from ..geometry.intersections import self_intersections
+from ..geometry.rim import Rim
+from ..geometry.surface import ClosestPoints, TriangleSurface
 from ..run.units import MM_PER_M
-from ..scan.contours import Contour
+from ..scan.contours.target import Contour
 from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
 from .crossings import count_crossings

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from ..cloth import MAX_REST_RESIDUAL
+from ..cloth.settings import MAX_REST_RESIDUAL
 from ..people.undeclared import MAX_SKIN_OFFSET_RMS
 from ..run.verdict import Gate, Verdict
 

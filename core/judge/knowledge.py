@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..cloth import FabricEstimate
+from ..cloth.fabric import FabricEstimate
 from ..run.units import MM_PER_M
 
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ..garment import Panel, Pattern, panel_outline, polygon_area, polygon_width
-from ..geometry import ClosedCurve
+from ..garment.curves import panel_outline
+from ..garment.pattern import Panel, Pattern
+from ..garment.polygon import polygon_area, polygon_width
+from ..geometry.curves import ClosedCurve
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 

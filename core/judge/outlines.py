@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import ClosedCurve, RigidMotion, fit_rigid, plane_rotation, resample_polyline
+from ..geometry.curves import ClosedCurve, resample_polyline
+from ..geometry.rigid import RigidMotion, fit_rigid, plane_rotation
 
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""

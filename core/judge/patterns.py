@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..garment import EdgeRef, Panel, Pattern, edge_length, edge_points, panel_outline, polygon_area
-from ..geometry import polyline_length
+from ..garment.curves import edge_length, edge_points, panel_outline
+from ..garment.pattern import EdgeRef, Panel, Pattern
+from ..garment.polygon import polygon_area
+from ..geometry.curves import polyline_length
 from ..run.units import MM_PER_M
 from .matching import PanelPair, is_wide, match_panels, mirror_outline, orient_counter_clockwise
 from .outlines import edge_rms, outline_rms

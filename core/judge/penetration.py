@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import ExposedSurface, pinched_depth
+from ..body.exposed import ExposedSurface, pinched_depth
 
 
 def measure_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> dict[str, float | None]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..garment import Pattern, flat_contours
+from ..garment.curves import flat_contours
+from ..garment.pattern import Pattern
 
 CONTOUR_LENGTH_RANGES = {
     "neck": (0.25, 1.60),

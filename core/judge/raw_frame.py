@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import fit_rigid
+from ..geometry.rigid import fit_rigid
 from ..scan.raw import RawScan
 
 

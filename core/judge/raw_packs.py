@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..people import Part
+from ..people.part import Part
 from .packs import PackBad, find_packs, is_raw_pack, read_pattern_file
 from .true_pattern import TruePattern
 

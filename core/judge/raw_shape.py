@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import TriangleSurface
-from ..people import GARMENTS, Part
+from ..geometry.surface import TriangleSurface
+from ..people.part import GARMENTS, Part
 from .fit import SURFACE_SAMPLES
 
 

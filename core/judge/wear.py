@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import Body
-from ..geometry import TriangleSurface, collapse_edges, face_areas
+from ..body.body import Body
+from ..geometry.collapse import collapse_edges
+from ..geometry.geometry import face_areas
+from ..geometry.surface import TriangleSurface
 from ..run.units import MM_PER_M
-from ..scan.contours import Target
+from ..scan.contours.target import Target
 
 WEAR_SAMPLE_COUNT = 20_000
 """Number of samples of the scan: a quantile of the distances then scatters by less than 1 %."""

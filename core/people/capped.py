@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import vertex_normals
-from ..scan import Scan, cut_garment
-from ..scan.contours import Contour, name_contours
+from ..body.body import Body
+from ..geometry.geometry import vertex_normals
+from ..scan.contours.contours import name_contours
+from ..scan.contours.target import Contour
+from ..scan.cut import cut_garment
+from ..scan.scan import Scan
 
 LEG_CONTOURS = {"leg.left", "leg.right"}
 """The openings that a capped hem has: the cap has a hole around each leg."""

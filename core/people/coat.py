@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import JOINTS, Body
+from ..body.body import JOINTS, Body
 from .cloths import overlap_of_cloths
 from .colour import cells_of, histogram, to_lab
 from .diffusion import Links, diffuse

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import find_components
+from ..geometry.connectivity import find_components
 from .diffusion import Links
 
 MIN_LABEL_PIECE_AREA = 15e-4

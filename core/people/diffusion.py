@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, diags, identity
 from scipy.spatial import cKDTree
 
-from ..geometry import Factor, factor_symmetric
+from ..geometry.linear import Factor, factor_symmetric
 
 LINK_NEIGHBOUR_COUNT = 8
 """Number of neighbours that each point is linked with: about the ring of a triangulation."""

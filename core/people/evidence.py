@@ -8,8 +8,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.spatial import cKDTree
 
-from ..body import JOINTS
-from ..geometry import unit
+from ..body.body import JOINTS
+from ..geometry.geometry import unit
 from .colour import CONTRAST, to_lab
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import Limb

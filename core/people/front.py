@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import JOINTS, Body
+from ..body.body import JOINTS, Body
 from .colour import CONTRAST, to_lab
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import BodyPlace, Limb

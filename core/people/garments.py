@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
+from ..body.body import Body
 from ..garment.reading import Reading
-from ..geometry import face_areas, lump, vertex_normals
+from ..geometry.geometry import face_areas, lump, vertex_normals
 from ..geometry.point_normals import estimate_normals, orient_normals
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
-from ..scan import Scan, ScanInput
-from ..scan.contours import Contour, choose_category
+from ..scan.contours.category import choose_category
+from ..scan.contours.target import Contour
+from ..scan.pieces import ScanInput
 from ..scan.raw import RawScan
 from ..scan.reconstruct import reconstruct
+from ..scan.scan import Scan
 from ..scan.thin import thin_raw_scan
 from .capped import cut_part
 from .confidence import garment_confidence

@@ -9,13 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body, is_smpl, load_smpl
-from ..garment import Pattern, load_pattern
+from ..body.body import Body
+from ..body.smpl import is_smpl, load_smpl
+from ..garment.garmentcode import load_pattern
+from ..garment.pattern import Pattern
 from ..run.records import read_record, write_record
 from ..run.sandbox import ReaderCrashed
-from ..scan import Limits, Scan, load_scan
+from ..scan.limits import Limits
+from ..scan.load import load_scan
 from ..scan.raw import RawScan
 from ..scan.refusal import LabelsMismatch
+from ..scan.scan import Scan
 from .labels import read_parts
 
 MAX_LISTED_NOTES = 20

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import Body
+from ..body.body import Body
 from ..run.errors import BadInput
 from .part import GARMENTS, Part
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import HalfEdges, TriangleSurface, find_components, vertex_normals
-from ..scan import Scan
+from ..body.body import Body
+from ..geometry.connectivity import HalfEdges, find_components
+from ..geometry.geometry import vertex_normals
+from ..geometry.surface import TriangleSurface
+from ..scan.scan import Scan
 
 MAX_SCANNED_CLOTH_THICKNESS = 0.015
 """Largest distance between the two sides of one cloth in a scan [m]: three cells of 4 mm of a fused surface, and

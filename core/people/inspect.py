@@ -7,13 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from ..body import BodyMissing, NotHuman, Wearer, fit_person, read_wearer
+from ..body.builtin import BodyMissing
+from ..body.person import fit_person
 from ..body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
+from ..body.registration import NotHuman
+from ..body.spec import Wearer, read_wearer
 from ..run.errors import BadInput
-from ..scan import Limits, Scan, describe_scan, load_scan, load_scan_input
+from ..scan.limits import Limits
+from ..scan.load import load_scan
 from ..scan.load_raw import load_raw
+from ..scan.pieces import load_scan_input
 from ..scan.raw import RawScan
 from ..scan.refusal import MeshEmpty, NoFaces
+from ..scan.scan import Scan, describe_scan
 from .given import MAX_LISTED_NOTES, PersonInput, describe_person_input
 from .inspect_garment import find_body, inspect_file
 from .separate import check_single_person

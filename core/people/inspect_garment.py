@@ -8,10 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body, BuiltinWearer, Wearer, is_smpl, load_smpl
-from ..scan import Limits, Scan, ScanInput, Selection, describe_scan, load_scan_input
-from ..scan.contours import find_loops, find_misfit_warnings, segment_garment, smoothed_length
+from ..body.body import Body
+from ..body.smpl import is_smpl, load_smpl
+from ..body.spec import BuiltinWearer, Wearer
+from ..scan.contours.garment import segment_garment
+from ..scan.contours.loop import find_loops, smoothed_length
+from ..scan.contours.misfit import find_misfit_warnings
 from ..scan.contours.rounded_rims import straighten_scan
+from ..scan.limits import Limits
+from ..scan.pieces import ScanInput, load_scan_input
+from ..scan.scan import Scan, describe_scan
+from ..scan.selection import Selection
 from .wearer import FoundWearer, fit_wearer
 
 
@@ -141,7 +148,7 @@ def find_wearer(body: Body | Wearer | None, pieces: ScanInput) -> FoundWearer | 
     if isinstance(body, Body):
         return FoundWearer(body)
     if isinstance(body, BuiltinWearer):
-        from ..body import builtin_body
+        from ..body.builtin import builtin_body
 
         return FoundWearer(builtin_body(body))
     if body is not None and is_smpl(body):

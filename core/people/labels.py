@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..scan import LabelsUnreadable, Limits, read_labels
+from ..scan.labels import read_labels
+from ..scan.limits import Limits
+from ..scan.refusal import LabelsUnreadable
 from .part import Part
 
 LABEL_NAME_COUNT = max(Part) + 1

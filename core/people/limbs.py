@@ -8,8 +8,9 @@ from enum import IntEnum
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import JOINTS, Body, skin
-from ..geometry import unit, vertex_normals
+from ..body.body import JOINTS, Body
+from ..body.skinning import skin
+from ..geometry.geometry import unit, vertex_normals
 from .points import PersonPoints
 
 

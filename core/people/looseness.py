@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import JOINTS, Body
+from ..body.body import JOINTS, Body
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import Limb
 

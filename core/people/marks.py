@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import find_components
+from ..geometry.connectivity import find_components
 from ..run.units import UNITS
 from ..scan.raw import RawScan
 from ..scan.upright import turn_upright

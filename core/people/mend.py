@@ -9,8 +9,7 @@ import numpy as np
 
 from ..run.errors import BadInput
 from ..run.npy import read_array
-from ..scan import LabelsUnreadable
-from ..scan.refusal import LabelsMismatch
+from ..scan.refusal import LabelsMismatch, LabelsUnreadable
 from .labels import write_labels
 from .part import Part
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import TriangleSurface, unit, vertex_normals
-from ..scan import Scan
-from ..scan.contours import Contour
+from ..body.body import Body
+from ..geometry.geometry import unit, vertex_normals
+from ..geometry.surface import TriangleSurface
+from ..scan.contours.target import Contour
+from ..scan.scan import Scan
 from .colour import CONTRAST, to_lab
 from .confidence import contour_confidence, is_shown
 from .part import GARMENTS, Part

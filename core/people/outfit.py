@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from ..body import JOINTS, Body
+from ..body.body import JOINTS, Body
 from .coat import Coat
 from .confidence import apply_temperature
 from .limbs import BodyPlace

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..body import Body, BuiltinWearer, builtin_body, register_body
+from ..body.body import Body
+from ..body.builtin import builtin_body
+from ..body.registration import register_body
+from ..body.spec import BuiltinWearer
 from ..garment.reading import Reading
 from ..run.clock import Clock
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..run.report import ResultReport
-from ..scan import Scan, lies_on
+from ..scan.load import lies_on
 from ..scan.raw import RawScan
 from ..scan.refusal import BodyApart
+from ..scan.scan import Scan
 from .garments import build_person_surface, extract_garment
 from .given import PersonInput
 from .hints import Hints, parse_mark, parse_wearing

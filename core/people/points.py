@@ -9,9 +9,10 @@ import numpy as np
 from numba import njit
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import TriangleSurface, barycentric_coordinates, unit, vertex_normals
+from ..body.body import Body
+from ..geometry.geometry import unit, vertex_normals
 from ..geometry.point_normals import denoise_normals, estimate_normals, orient_normals
+from ..geometry.surface import TriangleSurface, barycentric_coordinates
 from ..scan.raw import RawScan
 
 MIN_SAMPLE_SPACING = 0.007

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import JOINTS, Body
-from ..geometry import find_components
+from ..body.body import JOINTS, Body
+from ..geometry.connectivity import find_components
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .points import PersonPoints

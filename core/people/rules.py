@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..body import Body
+from ..body.body import Body
 from .bare_chest import bare_chest_probability
 from .cloths import overlap_of_cloths
 from .evidence import PersonRings, Waist, find_rings, spread_over

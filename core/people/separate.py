@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
+from ..body.body import Body
+from ..body.person import PersonFit, PointWeights, fit_person, refit_person
 from ..body.presence import SeveralPersons
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan

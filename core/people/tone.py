@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from ..body import Body
+from ..body.body import Body
 from .colour import BINS, LEAST, cells_of, to_lab
 from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .prior import scalp

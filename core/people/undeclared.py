@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body
-from ..geometry import TriangleSurface, vertex_normals
+from ..body.body import Body
+from ..geometry.geometry import vertex_normals
+from ..geometry.surface import TriangleSurface
 from .part import GARMENTS, PARTS
 from .points import PersonPoints
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import JOINTS, Body
+from ..body.body import JOINTS, Body
 from .limbs import BodyPlace, Limb
 
 STATION_STEP = 0.008

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body, NotHuman, PersonSettings, fit_person, refit_person, register_body
-from ..body.registration import require_fit
-from ..geometry import vertex_normals
+from ..body.body import Body
+from ..body.person import PersonSettings, fit_person, refit_person
+from ..body.registration import NotHuman, register_body, require_fit
+from ..geometry.geometry import vertex_normals
 from ..run.hooks import SILENT_HOOKS, Hooks
-from ..scan import Scan
 from ..scan.raw import RawScan
+from ..scan.scan import Scan
 from .diffusion import link_points
 from .limbs import place_on_body
 from .part import CLOTH, PARTS

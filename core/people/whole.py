@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import JOINTS, Body
-from ..geometry import TriangleSurface, vertex_normals
-from ..scan import Scan
+from ..body.body import JOINTS, Body
+from ..geometry.geometry import vertex_normals
+from ..geometry.surface import TriangleSurface
+from ..scan.scan import Scan
 
 MIN_PERSON_HEIGHT_SHARE = 0.8
 """Least share of the wearer's height that a surface must have to be examined as a person: from head to feet it is all

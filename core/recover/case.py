@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..body import Body
+from ..body.body import Body
 from ..people.undeclared import UndeclaredGarment
-from ..scan import Scan
-from ..scan.contours import TOP_CATEGORIES, Target
-from .drape import WearerGeometry
+from ..scan.contours.target import TOP_CATEGORIES, Target
+from ..scan.scan import Scan
+from .drape.wearer import WearerGeometry
 from .recovery import Request
 from .settings import RecoverySettings
 

@@ -8,25 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from ..garment.pieces import measure_pieces
-from ..judge import (
-    Reference,
-    evaluate_gates,
-    measure_contour_shapes,
-    measure_fairness,
-    measure_fit,
-    measure_plausibility,
-    measure_seams,
-    measure_upright,
-    measure_wear,
-    summarise_estimates,
-)
+from ..garment.pieces.numbers import measure_pieces
+from ..judge.contour_shape import measure_contour_shapes
+from ..judge.fairness import measure_fairness
+from ..judge.fit import Reference, measure_fit
+from ..judge.gates import evaluate_gates
+from ..judge.knowledge import summarise_estimates
+from ..judge.patterns import measure_seams
+from ..judge.plausibility import measure_plausibility
+from ..judge.wear import measure_upright, measure_wear
 from ..run.clock import Clock
 from ..run.finding import FindingKind
 from ..run.report import Metrics, ResultReport
-from ..scan.contours import find_misfit_warnings, mark_hidden_border
+from ..scan.contours.misfit import find_misfit_warnings
+from ..scan.contours.target import mark_hidden_border
 from .case import Case
-from .grade import describe_cut_change, name_recovered
+from .grade.cut_name import describe_cut_change, name_recovered
 from .recovery import Recovery
 from .state import RecoveryState, made
 

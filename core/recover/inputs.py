@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..body import Body, BodyMissing, is_smpl, load_smpl
-from ..garment import Pattern, load_pattern
+from ..body.body import Body
+from ..body.builtin import BodyMissing
+from ..body.smpl import is_smpl, load_smpl
+from ..garment.garmentcode import load_pattern
+from ..garment.pattern import Pattern
 from ..garment.reading import Reading
-from ..scan import Limits, ScanInput, load_scan_input
+from ..scan.limits import Limits
+from ..scan.pieces import ScanInput, load_scan_input
 from .recovery import Request
 
 

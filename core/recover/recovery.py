@@ -9,19 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body.spec import Wearer
-from ..scan import Selection
+from ..scan.selection import Selection
 from .settings import RecoverySettings
 
 if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other rooms
-    from ..body import Body
-    from ..cloth import Fabric, FabricEstimate, SteadyRotation
-    from ..garment import Garment, Pattern
+    from ..body.body import Body
+    from ..cloth.fabric import Fabric, FabricEstimate
+    from ..cloth.scene import SteadyRotation
+    from ..garment.garment import Garment
     from ..garment.meshes import Meshes
-    from ..garment.pieces import PieceNumbers
+    from ..garment.pattern import Pattern
+    from ..garment.pieces.numbers import PieceNumbers
     from ..garment.reading import Reading
     from ..run.report import ResultReport
-    from ..scan import Scan
-    from ..scan.contours import Target
+    from ..scan.contours.target import Target
+    from ..scan.scan import Scan
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
 """The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the

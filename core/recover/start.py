@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..body import Body
-from ..cloth import get_fabric
-from ..garment import draft_template, find_cut, load_template, name_cut
-from ..garment.parts import PartsConflict
+from ..body.body import Body
+from ..cloth.fabrics import get_fabric
+from ..garment.parts.cut import PartsConflict
+from ..garment.templates import draft_template, find_cut, load_template, name_cut
 from ..run.clock import Clock
-from ..scan.contours import CATEGORIES, Target, segment_garment
+from ..scan.contours.garment import segment_garment
 from ..scan.contours.rounded_rims import straighten_scan
+from ..scan.contours.target import CATEGORIES, Target
 from .case import Case
-from .drape import WearerGeometry, oversize_measures
+from .drape.sizing import oversize_measures
+from .drape.wearer import WearerGeometry
 from .fit.locks import find_locked_coordinates
-from .grade import Choice, choose_cut, share_by_hems
+from .grade.choice import Choice, choose_cut
+from .grade.hem_corners import share_by_hems
 from .inputs import read_files, read_template
 from .recovery import Request
 from .settings import SettingsBad

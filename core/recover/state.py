@@ -7,13 +7,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..body import Body
-from ..cloth import Drape, Fabric, FabricEstimate
-from ..garment import Garment, Pattern
+from ..body.body import Body
+from ..cloth.fabric import Fabric, FabricEstimate
+from ..cloth.statics import Drape
+from ..garment.garment import Garment
 from ..garment.meshes import Meshes
+from ..garment.pattern import Pattern
 from ..run.finding import Finding, note
-from ..scan.contours import Target
-from .drape import WearerGeometry
+from ..scan.contours.target import Target
+from .drape.wearer import WearerGeometry
 from .proved_corner import ProvedCorner
 
 T = TypeVar("T")

@@ -11,38 +11,31 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..garment import Garment, resample
+from ..garment.garment import Garment
 from ..garment.meshes import Meshes
+from ..garment.resampling import resample
 from ..run.best import choose_best
 from ..run.clock import Clock
 from ..run.errors import Cancelled, GarmentqError
 from ..run.hooks import Hooks
 from .case import Case
-from .deform import DeformSettings, deform
-from .drape import (
-    DrapeSettings,
-    describe_motion,
-    drape_as_scanned,
-    drape_template,
-    has_hanging_sleeves,
-    needs_easing,
-    redrape,
-)
-from .drape.motion import surface_rms
-from .fit import (
-    InverseSettings,
-    ShapeSettings,
-    add_bust_darts,
-    choose_start,
-    fair_garment,
-    find_locked_coordinates,
-    fit_inverse,
-    fit_pattern,
-    fit_reference,
-    locks_of,
-    prove_corners,
-)
-from .grade import SlideSettings, complete_target, grade_pattern, slide_seams
+from .deform.deformer import deform
+from .deform.settings import DeformSettings
+from .drape.easing import needs_easing
+from .drape.motion import describe_motion, drape_as_scanned, surface_rms
+from .drape.stage import DrapeSettings, drape_template, has_hanging_sleeves, redrape
+from .fit.bust_darts import add_bust_darts
+from .fit.choose_start import choose_start
+from .fit.descent import InverseSettings
+from .fit.fairness import fair_garment
+from .fit.hybrid import fit_pattern
+from .fit.inverse import fit_inverse
+from .fit.locks import find_locked_coordinates, fit_reference, locks_of
+from .fit.rim_corners import prove_corners
+from .fit.settings import ShapeSettings
+from .grade.completion import complete_target
+from .grade.grading import grade_pattern
+from .grade.sliding import SlideSettings, slide_seams
 from .state import RecoveryState, made
 
 Step = Callable[[Case, RecoveryState, Clock], RecoveryState]

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..body import ExposedSurface, penetration_depth
-from ..cloth import Fabric
-from ..geometry import TriangleSurface
+from ..body.exposed import ExposedSurface, penetration_depth
+from ..cloth.fabric import Fabric
+from ..geometry.surface import TriangleSurface
 from ..judge.contours import transfer_contours
 from ..judge.fit import SURFACE_SAMPLES, Reference, measure_fit
 from ..judge.matching import is_same_cut

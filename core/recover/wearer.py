@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from ..body import Body, BodyMissing, BuiltinWearer, builtin_body
+from ..body.body import Body
+from ..body.builtin import BodyMissing, builtin_body
+from ..body.spec import BuiltinWearer
 from ..people.wearer import FoundWearer, fit_wearer
 from ..run.checkpoints import load, save
 from ..run.hooks import Hooks
-from ..scan import ScanInput
+from ..scan.pieces import ScanInput
 from .inputs import read_body
 from .recovery import Request
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import HalfEdges, face_areas, face_normals, find_components
+from ..geometry.connectivity import HalfEdges, find_components
+from ..geometry.geometry import face_areas, face_normals
 from ..geometry.point_normals import find_normals, thin_points
 from .planes import find_planes
 from .upright import Profile, UprightAxis, find_upright, turn_upright

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import HalfEdges, adjacency_matrix
+from ..geometry.connectivity import HalfEdges, adjacency_matrix
 from . import refusal
 from .repair import RepairedMesh, clean_cut
 from .scan import Scan

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import is_smpl, load_smpl
-from ..geometry import HalfEdges, vertex_normals
+from ..body.smpl import is_smpl, load_smpl
+from ..geometry.connectivity import HalfEdges
+from ..geometry.geometry import vertex_normals
 from . import refusal
 from .counts import check_counts
 from .header import DeclaredContent, check_header

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..geometry import unit, vertex_normals
+from ..geometry.geometry import unit, vertex_normals
 from ..geometry.point_normals import find_normal_orientation, find_normals
 from ..run.units import METRIC, UNITS
 from . import refusal

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import HalfEdges
+from ..geometry.connectivity import HalfEdges
 from .repair import MERGE_DISTANCE_SHARE, RepairedMesh, boundary_pieces, mend_surface
 
 

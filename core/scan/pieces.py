@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import is_smpl, load_smpl
+from ..body.smpl import is_smpl, load_smpl
 from . import refusal
 from .cut import cut_garment
 from .labels import read_labels

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..geometry import HalfEdges, face_areas, face_normals, find_components, unit
+from ..geometry.connectivity import HalfEdges, find_components
+from ..geometry.geometry import face_areas, face_normals, unit
 from ..run.errors import GarmentqError
 from ..run.sandbox import Bounds, call_limited, is_memory_short
 from .mend import mend_mesh

@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
+from ..geometry.connectivity import HalfEdges, find_components
+from ..geometry.geometry import area_vectors, face_areas, signed_volume, vertex_normals
 from .refusal import PiecesTooMany
 
 MERGE_DISTANCE_SHARE = 1e-7

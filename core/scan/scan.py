@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry import face_areas
+from ..geometry.geometry import face_areas
 
 
 @dataclass(frozen=True)

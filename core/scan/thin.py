@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry import unit, vertex_normals
+from ..geometry.geometry import unit, vertex_normals
 from ..geometry.point_normals import thin_points
 from .raw import RawScan
 from .scan import Scan
@@ -100,7 +100,7 @@ def thin_mesh(vertices: np.ndarray, faces: np.ndarray, count: int = THINNED_PERS
     """
     from scipy.spatial import cKDTree
 
-    from ..geometry import collapse_edges
+    from ..geometry.collapse import collapse_edges
 
     small = collapse_edges(vertices, faces, count)
     place, lost = small.place, small.place < 0

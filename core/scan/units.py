@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import HalfEdges, face_normals
+from ..geometry.connectivity import HalfEdges
+from ..geometry.geometry import face_normals
 from ..run.units import METRIC, UNITS
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..body.body import JOINTS
 from ..body.skinning import skin
 from ..body.template import articulate, load_template, rotations_of, transforms_of
-from ..geometry import vertex_areas
+from ..geometry.geometry import vertex_areas
 from ..run.units import METRIC, UNITS
 from .refusal import UnitsUnknown
 from .units import BODY_LONGEST

@@ -21,7 +21,7 @@ class ApiLimits:
     database.
 
     Attributes:
-        upload_bytes: Largest upload [bytes]; 512 MiB as for files on disk (`core.scan.Limits`).
+        upload_bytes: Largest upload [bytes]; 512 MiB as for files on disk (`core.scan.limits.Limits`).
         body_bytes: Largest JSON body [bytes]; a job's request is below 2 kB, a question for 1000 jobs 15 kB.
         template_bytes: Largest pattern file [bytes]; a GarmentCode pattern is below 100 kB.
         chunk_seconds: Longest silence of a client that sends [s]; a phone network pauses for a few seconds.

@@ -41,7 +41,7 @@ def show_material(name: Text, rooms: AppStateDependency, caller: Reader) -> Any:
 )
 def import_material(name: FabricName, wanted: FabricIn, rooms: AppStateDependency, caller: Admin) -> Any:
     """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
-    from ...core.cloth import check_fabric
+    from ...core.cloth.fabric_check import check_fabric
 
     if wanted.name != name:
         raise RequestBad("the fabric's name is not the address's.")

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, JsonValue, StringConstraints, create_model
 from pydantic import Tag as Choice
 
-from ...core.body import BUILTIN
-from ...core.people import GARMENTS
+from ...core.body.spec import BUILTIN
+from ...core.people.part import GARMENTS
 from ...core.recover.settings import METHODS, PRESETS, RecoverySettings
 from ...core.run.units import UNITS
 from ..order import GIVEN_AS

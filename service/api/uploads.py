@@ -140,7 +140,7 @@ def _check(kind: str, path: Path, name: str) -> None:
         if path.suffix not in EXTENSIONS[kind]:
             raise FileRefused(f"{name} does not end in {' '.join(EXTENSIONS[kind])}.")
     else:
-        from ...core.scan import check_extension
+        from ...core.scan.header import check_extension
 
         check_extension(Path(name))
     if path.stat().st_size == 0:

@@ -16,7 +16,8 @@ from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.animate import AnimatedGarment, AnimateSettings
+    from ...core.reuse.animate.moved import AnimatedGarment
+    from ...core.reuse.animate.settings import AnimateSettings
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
@@ -42,10 +43,12 @@ class Animate(Kind):
 
     def run(self, request: AnimateRequest, work: RunContext, hooks: Hooks) -> AnimatedGarment:
         """Move the garment and write the files."""
-        from ...core.body.motion import Recording, find_shipped_motion, load_motion
+        from ...core.body.motion.read import load_motion
+        from ...core.body.motion.recording import Recording
+        from ...core.body.motion.shipped import find_shipped_motion
         from ...core.deliver.export.animation import add_omission_warnings, write_animation_result
-        from ...core.reuse.animate import animate_garment
-        from ...core.reuse.wear import load_worn
+        from ...core.reuse.animate.moved import animate_garment
+        from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record
 
@@ -75,7 +78,7 @@ class Animate(Kind):
 
 def _choose(request: AnimateRequest) -> AnimateSettings:
     from ...core.cloth.motion_step import StepSettings
-    from ...core.reuse.animate import AnimateSettings
+    from ...core.reuse.animate.settings import AnimateSettings
 
     step = StepSettings() if request.damping is None else StepSettings(damping=request.damping)
     return AnimateSettings(

@@ -15,9 +15,10 @@ from .request import FileRef
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.body import Body
-    from ...core.cloth import Fabric
-    from ...core.reuse.wear import DressedGarment, WornGarment
+    from ...core.body.body import Body
+    from ...core.cloth.fabric import Fabric
+    from ...core.reuse.wear.dressing import DressedGarment
+    from ...core.reuse.wear.worn import WornGarment
     from ...core.run.clock import Clock
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
@@ -53,9 +54,11 @@ class Dress(Kind):
 
     def run(self, request: DressRequest, work: RunContext, hooks: Hooks) -> DressedGarment:
         """Dress the body and write the files."""
-        from ...core.cloth import get_fabric
+        from ...core.cloth.fabrics import get_fabric
         from ...core.deliver.export.dressed import write_dressed
-        from ...core.reuse.wear import BodyFile, dress_over, find_wearer, load_worn
+        from ...core.reuse.wear.bodies import BodyFile, find_wearer
+        from ...core.reuse.wear.over import dress_over
+        from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record
 
@@ -73,7 +76,7 @@ class Dress(Kind):
 
     def wear(self, worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
         """Return the garment on the body."""
-        from ...core.reuse.wear import dress_body
+        from ...core.reuse.wear.dressing import dress_body
 
         return dress_body(worn, body, fabric, clock)
 
@@ -96,7 +99,7 @@ class Refit(Dress):
 
     def wear(self, worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
         """Return the garment made to measure on the body."""
-        from ...core.reuse.wear import make_to_measure
+        from ...core.reuse.wear.refit import make_to_measure
 
         return make_to_measure(worn, body, fabric, clock)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.body.spec import BuiltinWearer
-from ...core.cloth import Fabric
+from ...core.cloth.fabric import Fabric
 from .request import FileRef, RequestBad
 
 RESULT = "result"
@@ -44,8 +44,8 @@ class DressRequest:
             FabricUnknown: where the fabric is none.
             RequestBad: where unit or axis of a file are given without one.
         """
-        from ...core.body import check_wearer
-        from ...core.cloth import get_fabric
+        from ...core.body.posing import check_wearer
+        from ...core.cloth.fabrics import get_fabric
 
         check_wearer(self.body if isinstance(self.body, BuiltinWearer) else None, self.pose)
         if isinstance(self.fabric, str):

@@ -17,7 +17,7 @@ from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.edit import EditedGarment
+    from ...core.reuse.edit.redraping import EditedGarment
     from ...core.run.hooks import Hooks
     from ...core.run.sandbox import IsStopped
     from ..settings import ServiceSettings
@@ -54,10 +54,10 @@ class Edit(Kind):
     def run(self, request: EditRequest, work: RunContext, hooks: Hooks) -> EditedGarment:
         """Drape the pattern and write the files."""
         from ...core.deliver.export.edited import write_edited
-        from ...core.garment import load_pattern
+        from ...core.garment.garmentcode import load_pattern
         from ...core.garment.reading import load_given_pattern
-        from ...core.reuse.edit import drape_edit
-        from ...core.reuse.wear import load_worn
+        from ...core.reuse.edit.redraping import drape_edit
+        from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)

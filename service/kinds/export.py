@@ -17,7 +17,7 @@ from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pieces, summarise
 
 if TYPE_CHECKING:
-    from ...core.garment.pieces import PieceSet
+    from ...core.garment.pieces.piece import PieceSet
     from ...core.run.hooks import Hooks
     from ...core.run.report import ResultReport
 
@@ -44,8 +44,8 @@ class Export(Kind):
 
     def run(self, request: ExportRequest, work: RunContext, hooks: Hooks) -> ExportResult:
         """Write the files."""
-        from ...core.deliver.formats import Production, write_production
-        from ...core.reuse.wear import load_worn
+        from ...core.deliver.formats.production import Production, write_production
+        from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.report import ResultReport
 
@@ -59,7 +59,7 @@ class Export(Kind):
 
     def store(self, session: Session, claim: Claim, result: ExportResult) -> Outcome:
         """Add the rows of the pieces and of their numbers."""
-        from ...core.garment.pieces import describe_pieces
+        from ...core.garment.pieces.numbers import describe_pieces
 
         measured, lay = describe_pieces(result.pieces)
         add_pieces(session, claim.job, measured)

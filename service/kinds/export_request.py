@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from ...core.deliver.formats import ExportOptions
+from ...core.deliver.formats.options import ExportOptions
 from ..models import ArtifactRow, JobInputRow, JobRow
 from .recover_request import PERSON, READING
 from .request import FileRef, RequestBad

@@ -20,7 +20,7 @@ from .request import FileRef, RequestBad, read_request
 from .rows import add_metrics, describe_body, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.wear import DressedOutfit
+    from ...core.reuse.wear.outfit import DressedOutfit
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
 
@@ -74,7 +74,9 @@ class Outfit(Kind):
     def run(self, request: OutfitRequest, work: RunContext, hooks: Hooks) -> DressedOutfit:
         """Dress the body and write the files."""
         from ...core.deliver.export.outfit import write_outfit
-        from ...core.reuse.wear import BodyFile, dress_outfit, find_wearer, load_worn
+        from ...core.reuse.wear.bodies import BodyFile, find_wearer
+        from ...core.reuse.wear.outfit import dress_outfit
+        from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record
 

@@ -9,7 +9,7 @@ from ...core.run.errors import GarmentqError
 from ...core.run.report import ResultReport
 
 if TYPE_CHECKING:
-    from ...core.body import Body
+    from ...core.body.body import Body
 
 
 @dataclass(frozen=True)

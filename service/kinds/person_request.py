@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ...core.body.spec import BuiltinWearer
-from ...core.cloth import Fabric
-from ...core.people import GARMENTS
+from ...core.cloth.fabric import Fabric
+from ...core.people.part import GARMENTS
 from ...core.recover.settings import RecoverySettings
 from ...core.run.errors import BadInput
 from .recover_request import RecoverRequest

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...core.body.spec import BuiltinWearer
-from ...core.people import GARMENTS
+from ...core.people.part import GARMENTS
 from ...core.recover.recovery import Request
 from ...core.recover.settings import RecoverySettings
 from .request import FileRef, RequestBad

@@ -16,16 +16,16 @@ from ..database import take_advisory_lock
 from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow, PieceRow
 
 if TYPE_CHECKING:
-    from ...core.body import Body
-    from ...core.cloth import Fabric
-    from ...core.garment import Pattern
-    from ...core.garment.pieces import PieceNumbers
+    from ...core.body.body import Body
+    from ...core.cloth.fabric import Fabric
+    from ...core.garment.pattern import Pattern
+    from ...core.garment.pieces.numbers import PieceNumbers
     from ...core.run.report import ResultReport
 
 
 def describe_body(job: str, body: Body) -> BodyRow:
     """Return the row of a wearer as a job saw it."""
-    from ...core.body import JOINTS
+    from ...core.body.body import JOINTS
 
     joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
     parameters = {name: np.asarray(value).tolist() for name, value in body.parameters.items()}
@@ -52,7 +52,7 @@ def add_pattern(session: Session, job: str, pattern: Pattern, fabric: Fabric, na
         fabric: The cloth.
         names: The garment's category, and the name of its base pattern.
     """
-    from ...core.garment import polygon_area
+    from ...core.garment.polygon import polygon_area
 
     category, template = names
     material = _add_material(session, fabric)

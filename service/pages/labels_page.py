@@ -6,8 +6,8 @@ import json
 
 from fastapi import Response
 
-from ...core.people import PARTS
 from ...core.people.colours import COLOURS, SURE, UNSURE
+from ...core.people.part import PARTS
 from ..api.access import AppStateDependency, find_own
 from ..derived import InputWrong
 from ..submission import PERSON_KIND

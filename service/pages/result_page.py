@@ -161,7 +161,7 @@ def _draw_files(rooms: AppState, job: JobReport, files: Sequence[Artifact], visi
 def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
     if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
         return Html()
-    from ...core.deliver.formats import DESCRIPTIONS  # patterns bring scipy: not at every start
+    from ...core.deliver.formats.registry import DESCRIPTIONS  # patterns bring scipy: not at every start
 
     made = [
         html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,

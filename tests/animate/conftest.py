@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import DistanceGrid, builtin_body, project_outside
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.distance import DistanceGrid
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
-from garmentq.core.garment import load_draped_template
-from garmentq.core.recover.drape import pin_waist, remesh
-from garmentq.core.reuse.wear import WornGarment
+from garmentq.core.body.projection import project_outside
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.locking import reduce_membrane_stiffness
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.recover.drape.stage import remesh
+from garmentq.core.recover.drape.tie import pin_waist
+from garmentq.core.reuse.wear.worn import WornGarment
 
 
 @pytest.fixture(scope="session")

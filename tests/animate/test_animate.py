@@ -7,27 +7,27 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
-from garmentq.core.body.motion import LeadIn, Pose, Recording, Track
-from garmentq.core.cloth import ClothState, Scene, SelfContact, Topology, get_fabric
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth
+from garmentq.core.body.motion.recording import Recording
+from garmentq.core.body.motion.track import LeadIn, Pose, Track
 from garmentq.core.cloth.bending_friction import measure_angles
 from garmentq.core.cloth.carry_step import move_collision_free
 from garmentq.core.cloth.collision.barrier import find_coincident_nodes
 from garmentq.core.cloth.collision.near import find_near_pairs
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.dynamics import ClothState
 from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.cloth.motion_step import StepSettings
-from garmentq.core.geometry import self_intersections
-from garmentq.core.reuse.animate import (
-    AnimateBad,
-    AnimateSettings,
-    animate,
-    judge_animation,
-    judge_motion,
-    list_times,
-    measure_animation,
-)
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.reuse.animate.animation import animate, list_times
+from garmentq.core.reuse.animate.measured import judge_animation, judge_motion, measure_animation
 from garmentq.core.reuse.animate.moving_skin import MovingSkin
-from garmentq.core.reuse.animate.settings import StepLimits
+from garmentq.core.reuse.animate.settings import AnimateBad, AnimateSettings, StepLimits
 from garmentq.core.reuse.animate.stage import AnimationScene, Cloth
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from api_client import carrying, serving
 from api_work import make_ply
-from garmentq.core.cloth import get_fabric, write_fabrics
-from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.cloth.fabric_file import write_fabrics
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.client import Client
 from garmentq.service.derived import DerivedOrder, InputWrong
@@ -47,8 +49,10 @@ def service(settings):
 @pytest.fixture(scope="module")
 def made(tube_recovery, tmp_path_factory) -> Path:
     """Return a folder with the files of a recovery that are read, and a picture of its pattern."""
-    from garmentq.core.deliver.export import to_plain_json, write_ply, write_svg
-    from garmentq.core.reuse.wear import save_worn, worn_from_recovery
+    from garmentq.core.deliver.export.meshes import write_ply
+    from garmentq.core.deliver.export.pattern_svg import write_svg
+    from garmentq.core.deliver.export.result import to_plain_json
+    from garmentq.core.reuse.wear.worn import save_worn, worn_from_recovery
 
     folder, recovery = tmp_path_factory.mktemp("made"), tube_recovery()
     for name, nodes in recovery.meshes:

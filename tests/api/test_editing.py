@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 from api_work import code_of
-from garmentq.core.garment import load_template, write_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_template
 
 
 def test_document_is_examined(client):

@@ -13,7 +13,8 @@ import httpx
 import pytest
 from api_client import LIMITS, serving
 from api_work import ask, code_of, make_key, upload
-from garmentq.core.garment import load_template, write_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.service import patterns
 from garmentq_home import wait_for
 

@@ -10,7 +10,8 @@ import pytest
 import schemathesis
 from api_client import LIMITS
 from api_work import finish, make_key, make_ply
-from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.service.api.app import make_app
 from garmentq.service.database import open_database
 from garmentq.service.families import cancel

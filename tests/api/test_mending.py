@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from api_client import serving
 from api_work import code_of, make_key
-from garmentq.core.people import Part
 from garmentq.core.people.mend import LabelsOld, apply_corrected_labels
+from garmentq.core.people.part import Part
 from garmentq.service.client import Client
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.keys import create_key

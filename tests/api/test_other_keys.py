@@ -9,7 +9,8 @@ import pytest
 from api_client import LIMITS, serving
 from api_routes import list_pages, list_routes
 from api_work import ask, finish, make_key, make_ply, upload
-from garmentq.core.garment import load_template, write_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.service.jobs import find_job
 from garmentq.service.kinds import KINDS, FileRef, pack_request
 from garmentq.service.kinds.person_request import PersonRequest

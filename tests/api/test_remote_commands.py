@@ -9,7 +9,7 @@ from api_client import serving
 from api_work import finish, make_ply
 from garmentq.cli.live import follow_batch
 from garmentq.cli.main import COMMANDS, LOCAL_COMMANDS
-from garmentq.core.garment import list_templates
+from garmentq.core.garment.templates import list_templates
 from garmentq.core.run.errors import NotFound
 from garmentq.service.connection import Connection
 from garmentq.service.jobs import claim, fail

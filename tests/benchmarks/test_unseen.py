@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import save_pattern
-from garmentq.core.judge import read_packs, read_raw_packs
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.judge.packs import read_packs
 from garmentq.core.judge.raw_file import read_raw_file
-from garmentq.core.judge.raw_packs import read_cover, read_true_labels, read_visible
-from garmentq.core.reuse.wear import load_worn_template
+from garmentq.core.judge.raw_packs import read_cover, read_raw_packs, read_true_labels, read_visible
+from garmentq.core.reuse.wear.worn import load_worn_template
 from unseen_draw import Draft, draw_targets
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels

@@ -6,17 +6,11 @@ import numpy as np
 import pytest
 import torch
 import trimesh
-from garmentq.core.body import (
-    JOINTS,
-    BodyMissing,
-    BodyModel,
-    BodySpecBad,
-    BuiltinWearer,
-    builtin_body,
-    read_wearer,
-    rest_body,
-)
-from garmentq.core.body.builtin import BODY_DENSITY
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import BODY_DENSITY, BodyMissing, BodySpecBad, builtin_body
+from garmentq.core.body.model import BodyModel
+from garmentq.core.body.skinning import rest_body
+from garmentq.core.body.spec import BuiltinWearer, read_wearer
 from garmentq.core.body.template import load_template, rotations_of
 
 TEMPLATE = load_template()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import DistanceBad, DistanceGrid
+from garmentq.core.body.distance import DistanceBad, DistanceGrid
 
 
 @pytest.fixture(scope="module")

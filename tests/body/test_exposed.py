@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.body import ExposedSurface, builtin_body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.exposed import ExposedSurface
 
 
 def two_balls() -> tuple[np.ndarray, np.ndarray]:

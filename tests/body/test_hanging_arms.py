@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body, find_hanging_arms, lies_under_arm
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.hanging_arms import find_hanging_arms, lies_under_arm
 
 
 @pytest.fixture(scope="module")

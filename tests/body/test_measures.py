@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, TapeMeasure, armpit_height, builtin_body, parse_spec
-from garmentq.core.body.girths import Section
-from garmentq.core.body.measured import TargetMeasures, most_probable_shape, t_pose_body
+from garmentq.core.body.builtin import BodySpecBad, builtin_body, parse_spec
+from garmentq.core.body.girths import GIRTHS, Section, TapeMeasure, armpit_height
+from garmentq.core.body.measured import MeasureRange, TargetMeasures, most_probable_shape, t_pose_body
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.body.template import load_template
-from garmentq.core.geometry import HalfEdges
+from garmentq.core.geometry.connectivity import HalfEdges
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -8,9 +8,15 @@ import igl
 import numpy as np
 import pytest
 from dressed_person import Dressed, dress_person
-from garmentq.core.body import NotHuman, PersonFit, PointWeights, fit_person, refit_person
 from garmentq.core.body.fit import FitStage, FitState, Fitter, OrientedPoints, find_forearms
-from garmentq.core.body.person import apply_point_weights, strengthen_contact
+from garmentq.core.body.person import (
+    PersonFit,
+    PointWeights,
+    apply_point_weights,
+    fit_person,
+    refit_person,
+    strengthen_contact,
+)
 from garmentq.core.body.presence import (
     Presence,
     ScanPartial,
@@ -20,10 +26,10 @@ from garmentq.core.body.presence import (
     measure_presence,
     split_in_two,
 )
-from garmentq.core.body.registration import body_of_state, pose_model
+from garmentq.core.body.registration import NotHuman, body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.body.thinning import average_points
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.geometry.point_normals import smooth_normals
 from no_person import CUTS, cut_person, make_chair, make_quadruped, make_room, pair_persons
 

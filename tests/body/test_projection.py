@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, penetration_depth, pinched_depth, project_outside
-from garmentq.core.geometry import self_intersections
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth, pinched_depth
+from garmentq.core.body.projection import project_outside
+from garmentq.core.geometry.intersections import self_intersections
 from nearest_skin import signed_distance
 
 

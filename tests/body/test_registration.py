@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 import trimesh
 from everyday_body import everyday_body
-from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.fit import FitStage, FitState, Fitter, OrientedPoints
-from garmentq.core.body.registration import RegistrationSettings
+from garmentq.core.body.registration import NotHuman, RegistrationSettings, register_body
+from garmentq.core.body.skinning import rest_body, skin
 from garmentq.core.body.template import load_template, rotations_of
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
 

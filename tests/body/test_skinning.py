@@ -5,7 +5,9 @@ import sys
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body, builtin_body, rest_body, skin, unskin, weights_at
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.skinning import rest_body, skin, unskin, weights_at
 
 
 @pytest.fixture(scope="module")

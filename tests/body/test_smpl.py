@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINT_PARENTS, JOINTS, SmplBad, load_smpl
+from garmentq.core.body.body import JOINT_PARENTS, JOINTS
+from garmentq.core.body.smpl import SmplBad, load_smpl
 from garmentq.core.body.template import load_template
 from garmentq.core.recover.inputs import read_files
 from garmentq.core.recover.recovery import Request

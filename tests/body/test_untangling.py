@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside, untangling
+from garmentq.core.body import untangling
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth
 from garmentq.core.body.projection import limit_penetration
-from garmentq.core.geometry import self_intersections, untangle
+from garmentq.core.body.untangling import untangle_outside
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.geometry.untangling import untangle
 
 
 def lay_on_ball() -> tuple[np.ndarray, np.ndarray, ExposedSurface]:

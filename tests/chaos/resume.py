@@ -25,7 +25,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Recovery, Request

@@ -11,9 +11,10 @@ import pytest
 from click.testing import CliRunner
 from garmentq.cli import bench, bench_process, bench_target
 from garmentq.cli.bench_table import mean, print_tables
-from garmentq.core.cloth import FabricEstimate
-from garmentq.core.deliver.export import write_ply
-from garmentq.core.garment import edge_points, save_pattern
+from garmentq.core.cloth.fabric import FabricEstimate
+from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.garment.curves import edge_points
+from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.run.errors import BadInput
 
 KEYS = {

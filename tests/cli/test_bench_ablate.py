@@ -20,8 +20,8 @@ from garmentq.cli.bench_ablate import (
     judge_rows,
     print_ablation,
 )
-from garmentq.core.recover.deform import DeformSettings
-from garmentq.core.recover.fit import InverseSettings
+from garmentq.core.recover.deform.settings import DeformSettings
+from garmentq.core.recover.fit.descent import InverseSettings
 from garmentq.core.run.errors import BadInput
 
 

@@ -13,14 +13,18 @@ import pytest
 from click.testing import CliRunner
 from garmentq.cli import bench, bench_raw, bench_raw_target
 from garmentq.cli.bench_raw import OUTCOMES, STATE_NAMES
-from garmentq.core.garment import save_pattern
+from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.reading import Reading
-from garmentq.core.judge import SCAN_STATES, Outcome, read_mesh_file, read_raw_file
-from garmentq.core.people import Part
+from garmentq.core.judge.packs import read_mesh_file
+from garmentq.core.judge.raw_file import read_raw_file
+from garmentq.core.judge.raw_outcome import Outcome
+from garmentq.core.judge.raw_states import SCAN_STATES
+from garmentq.core.people.part import Part
 from garmentq.core.people.separation import FoundContour, FoundGarment, LabelledPerson, Outfit
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Scan, ScanInput
+from garmentq.core.scan.pieces import ScanInput
 from garmentq.core.scan.raw import RawScan
+from garmentq.core.scan.scan import Scan
 from garmentq_raw_pack import dress, make_raw_pack
 
 KEYS = {

@@ -25,7 +25,7 @@ def test_an_exported_body_is_the_one_asked_for(tmp_path: Path) -> None:
 
 def test_the_list_names_what_export_takes() -> None:
     """Broken where a listed body cannot be asked for, or a range is the other's."""
-    from garmentq.core.body import builtin_body
+    from garmentq.core.body.builtin import builtin_body
 
     answer = CliRunner().invoke(group, ["bodies", "list", "--json"])
     bodies = [json.loads(line) for line in answer.stdout.splitlines()]

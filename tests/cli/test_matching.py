@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from garmentq.cli.match import command
-from garmentq.core.garment import load_template, write_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_template
 
 
 def test_a_known_change_gives_its_number_and_equal_panels_give_nothing(tmp_path: Path) -> None:

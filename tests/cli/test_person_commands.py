@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.cli.order import split_choice, split_lists
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.recover.settings import SettingsBad
 from garmentq.service.jobs import find_job
 from garmentq_family_home import pieces, work_off

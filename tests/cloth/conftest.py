@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import DistanceGrid
-from garmentq.core.cloth import BendingFriction, Energy, Fabric, Friction, Inertia, Pins, Scene, Topology
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.cloth.bending_friction import BendingFriction
+from garmentq.core.cloth.energy import Energy, Inertia
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.friction import Friction
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.topology import Topology
 
 
 def make_sheet(columns: int, rows: int, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,20 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    BendingFriction,
-    Energy,
-    Pins,
-    Scene,
-    SolveSettings,
-    Topology,
-    equilibrium,
-    get_fabric,
-    load_fabrics,
-    reduce_membrane_stiffness,
-)
-from garmentq.core.cloth.bending_friction import MAX_HELD_SLIP_RATIO, measure_angles
-from garmentq.core.cloth.locking import MAX_COARSE_MESH_STRAIN
+from garmentq.core.cloth.bending_friction import MAX_HELD_SLIP_RATIO, BendingFriction, measure_angles
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.fabrics import get_fabric, load_fabrics
+from garmentq.core.cloth.locking import MAX_COARSE_MESH_STRAIN, reduce_membrane_stiffness
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.body import DistanceGrid, ExposedSurface, penetration_depth, project_outside
-from garmentq.core.cloth import Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
-from garmentq.core.garment import Edge, Panel, Pattern, mesh_pattern
-from garmentq.core.geometry import self_intersections
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth
+from garmentq.core.body.projection import project_outside
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.locking import reduce_membrane_stiffness
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.intersections import self_intersections
 
 SIDE = 0.3
 """Side of the cloth [m]."""

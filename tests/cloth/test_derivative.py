@@ -6,29 +6,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    Derivative,
-    Energy,
-    Friction,
-    ImplicitDerivative,
-    Inertia,
-    NotAtRest,
-    Parameters,
-    Pins,
-    Scene,
-    SolveSettings,
-    Topology,
-    UnrolledSteps,
-    contact_forces,
-    equilibrium,
-    fabric_forces,
-    lag_friction,
-    make_solver,
-    pull_forces,
-    push_forces,
-    take_time_steps,
-)
+from garmentq.core.cloth.contact import contact_forces
+from garmentq.core.cloth.derivative import Derivative, ImplicitDerivative
+from garmentq.core.cloth.dynamics import take_time_steps
+from garmentq.core.cloth.energy import Energy, Inertia
+from garmentq.core.cloth.friction import Friction, lag_friction
+from garmentq.core.cloth.parameters import Parameters
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.rest import NotAtRest
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS, fabric_forces, pull_forces, push_forces
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.cloth.unrolled import UnrolledSteps
 from scipy.sparse import csr_matrix
 
 SHAPE_STEP, LOG_STEP = 1e-7, 1e-5

@@ -7,32 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    Energy,
-    ImplicitDerivative,
-    Parameters,
-    Pins,
-    Scene,
-    Topology,
-    UnrolledSteps,
-    list_gathers,
-    map_rest,
-    pull_forces,
-    stretch_edge,
-)
+from garmentq.core.cloth.derivative import ImplicitDerivative
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.parameters import Parameters, list_gathers, map_rest, stretch_edge
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS, pull_forces
+from garmentq.core.cloth.topology import Topology
 from garmentq.core.cloth.torch_bridge import drape_tensor
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_length,
-    find_symmetry,
-    map_controls,
-    mesh_pattern,
-)
+from garmentq.core.cloth.unrolled import UnrolledSteps
+from garmentq.core.garment.control import map_controls
+from garmentq.core.garment.curves import edge_length
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
 from scipy.sparse import csr_matrix
 
 

@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from garmentq.core.cloth import Energy, Pins, Scene, Topology, TopologyBad, contact_forces
 from garmentq.core.cloth.bending_friction import measure_angles
+from garmentq.core.cloth.contact import contact_forces
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.topology import Topology, TopologyBad
 from scipy.spatial.transform import Rotation
 
 

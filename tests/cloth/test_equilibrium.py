@@ -6,21 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    MAX_REST_RESIDUAL,
-    ContactSettings,
-    Energy,
-    NodesBad,
-    Outcome,
-    Pins,
-    PinsBad,
-    Scene,
-    SettingsBad,
-    SolveSettings,
-    Topology,
-    equilibrium,
-    take_time_steps,
-)
+from garmentq.core.cloth.dynamics import take_time_steps
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.pins import Pins, PinsBad
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import MAX_REST_RESIDUAL, ContactSettings, SettingsBad, SolveSettings
+from garmentq.core.cloth.statics import NodesBad, equilibrium
+from garmentq.core.cloth.topology import Topology
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
 from scipy.integrate import solve_bvp

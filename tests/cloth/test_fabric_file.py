@@ -7,19 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    Scene,
-    SolveSettings,
-    Topology,
-    check_fabric,
-    equilibrium,
-    get_fabric,
-    load_fabrics,
-    read_fabrics,
-    reduce_membrane_stiffness,
-    write_fabrics,
-)
 from garmentq.core.cloth.bending_friction import measure_angles
+from garmentq.core.cloth.fabric_check import check_fabric
+from garmentq.core.cloth.fabric_file import read_fabrics, write_fabrics
+from garmentq.core.cloth.fabrics import get_fabric, load_fabrics
+from garmentq.core.cloth.locking import reduce_membrane_stiffness
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
 from garmentq.core.run.errors import BadInput
 
 MINE = replace(get_fabric("cotton_poplin"), name="mine", title="Popeline, 120 g/m2, blau-weiß")

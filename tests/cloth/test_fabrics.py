@@ -6,8 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from garmentq.core.cloth import FabricUnknown, get_fabric, load_fabrics
-from garmentq.core.cloth.fabrics import PARAMETERS
+from garmentq.core.cloth.fabrics import PARAMETERS, FabricUnknown, get_fabric, load_fabrics
 
 
 def test_library_is_complete_and_sourced():

@@ -6,7 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import ContactSettings, Scene, SolveSettings, Topology, equilibrium, take_time_steps
+from garmentq.core.cloth.dynamics import take_time_steps
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import ContactSettings, SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
 
 MU = 0.4  # atan(0.4) = 21.8 degrees
 

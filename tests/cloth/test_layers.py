@@ -6,18 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    Energy,
-    Fabric,
-    Scene,
-    SelfContact,
-    SettingsBad,
-    Topology,
-    equilibrium,
-    pull_forces,
-    stack_garments,
-)
-from garmentq.core.geometry import self_intersections
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.layers import stack_garments
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.sensitivity import pull_forces
+from garmentq.core.cloth.settings import SettingsBad
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
 from scipy.sparse import csr_matrix
 
 

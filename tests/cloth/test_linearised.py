@@ -6,20 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    Energy,
-    ImplicitDerivative,
-    Inertia,
-    LinearisedSteps,
-    Parameters,
-    Pins,
-    UnrolledSteps,
-    contact_forces,
-    make_solver,
-)
-from garmentq.core.cloth.derivative import matrix_of
+from garmentq.core.cloth.contact import contact_forces
+from garmentq.core.cloth.derivative import ImplicitDerivative, matrix_of
+from garmentq.core.cloth.energy import Energy, Inertia
 from garmentq.core.cloth.hessian_form import pull_form
+from garmentq.core.cloth.linearised import LinearisedSteps
+from garmentq.core.cloth.parameters import Parameters
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.unrolled import UnrolledSteps
 from scipy.sparse import csr_matrix
 
 STEPS = 4

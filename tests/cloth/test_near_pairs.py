@@ -7,12 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Energy, Pins, Scene, SelfContact, SolveSettings, Topology, equilibrium
 from garmentq.core.cloth.collision.apart import find_close_patches, remove_mean_motion
 from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 from garmentq.core.cloth.collision.look_back import verify_pairs_on_path
 from garmentq.core.cloth.collision.near import find_near_pairs
-from garmentq.core.geometry import self_intersections
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
 
 
 def lay_two(sheet, gap: float) -> tuple[Topology, np.ndarray]:

@@ -6,8 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Energy, Inertia, NotAtRest, Pins, Scene, Topology, make_solver
-from garmentq.core.cloth.rest import find_rest
+from garmentq.core.cloth.energy import Energy, Inertia
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.rest import NotAtRest, find_rest
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.topology import Topology
 
 
 class Counting:

@@ -7,25 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from garmentq.core.cloth import (
-    Energy,
-    Pins,
-    Scene,
-    SelfContact,
-    SelfContactSettings,
-    SettingsBad,
-    SolveSettings,
-    Topology,
-    continue_time_steps,
-    equilibrium,
-    take_time_steps,
-)
 from garmentq.core.cloth.collision.advance import collision_free_share
 from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 from garmentq.core.cloth.collision.coupling import extend_sparsity
 from garmentq.core.cloth.collision.near import PairElements, find_near_pairs
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.dynamics import continue_time_steps, take_time_steps
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SelfContactSettings, SettingsBad, SolveSettings
 from garmentq.core.cloth.solver import make_solver
-from garmentq.core.geometry import self_intersections
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
 from scipy.optimize import minimize
 
 

@@ -6,22 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    FABRIC_PARAMETERS,
-    ClothState,
-    ImplicitDerivative,
-    Pins,
-    Scene,
-    SelfContact,
-    SelfContactSettings,
-    SolveSettings,
-    Topology,
-    continue_time_steps,
-    equilibrium,
-    make_solver,
-    take_time_steps,
-)
-from garmentq.core.geometry import self_intersections
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.derivative import ImplicitDerivative
+from garmentq.core.cloth.dynamics import ClothState, continue_time_steps, take_time_steps
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.sensitivity import FABRIC_PARAMETERS
+from garmentq.core.cloth.settings import SelfContactSettings, SolveSettings
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.intersections import self_intersections
 
 
 def test_a_folded_sheet_lies_at_the_thickness(sheet, cloth, grid_of):

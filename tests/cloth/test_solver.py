@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from garmentq.core.cloth import Energy, Inertia, Scene, SuperLU, Topology, make_solver
+from garmentq.core.cloth.energy import Energy, Inertia
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.solver import make_solver
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.geometry.linear import SuperLU
 
 
 @pytest.fixture(scope="module")

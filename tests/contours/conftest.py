@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.geometry import vertex_normals
 
 TOP = ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar")
 UPPER_ARMS = ("left_shoulder", "right_shoulder")

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.scan.contours import name_contours
 from garmentq.core.scan.contours.bite import bridge_bays, bridge_bites
+from garmentq.core.scan.contours.contours import name_contours
 
 
 def rim(count=160, radius=0.2):

@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import NoContour, choose_category, find_loops, name_contours, segment_garment
+from garmentq.core.scan.contours.category import choose_category
+from garmentq.core.scan.contours.contours import name_contours
 from garmentq.core.scan.contours.encirclement import find_crossings
+from garmentq.core.scan.contours.garment import NoContour, segment_garment
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.scan import Scan
 
 NAMES = {
     "tshirt": {"neck", "hem", "cuff.left", "cuff.right"},

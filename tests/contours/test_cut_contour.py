@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import HalfEdges
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.geometry.connectivity import HalfEdges
+from garmentq.core.scan.contours.contours import name_contours
 
 AROUND = 48
 

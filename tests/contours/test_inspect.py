@@ -8,8 +8,7 @@ import pytest
 import trimesh
 from garmentq.core.people.inspect_garment import inspect_file
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan.contours import find_misfit_warnings
-from garmentq.core.scan.contours.misfit import explain_misfit
+from garmentq.core.scan.contours.misfit import explain_misfit, find_misfit_warnings
 
 
 def test_file_alone_and_on_a_body(tmp_path, wearers, skin):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from garmentq.core.scan.contours import find_loops, smoothed_length
-from garmentq.core.scan.contours.loop import span_disk
+from garmentq.core.scan.contours.loop import find_loops, smoothed_length, span_disk
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -3,7 +3,7 @@
 import igl
 import numpy as np
 import pytest
-from garmentq.core.scan.contours import smooth_noise
+from garmentq.core.scan.contours.noise import smooth_noise
 
 AROUND, UP, EDGE = 72, 43, 0.014
 

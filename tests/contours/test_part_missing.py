@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import PartMissing, SeveralGarments, segment_garment
+from garmentq.core.scan.contours.garment import PartMissing, SeveralGarments, segment_garment
+from garmentq.core.scan.scan import Scan
 
 
 def test_half_a_shirt_is_refused(wearers, skin):

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import HalfEdges, face_normals
-from garmentq.core.scan import Scan
+from garmentq.core.geometry.connectivity import HalfEdges
+from garmentq.core.geometry.geometry import face_normals
 from garmentq.core.scan.contours.rounded_rims import (
     MAX_RIM_FIT_DISTANCE,
     ROUNDED_RIM_WIDTH,
@@ -15,6 +15,7 @@ from garmentq.core.scan.contours.rounded_rims import (
     straighten_rims,
     straighten_scan,
 )
+from garmentq.core.scan.scan import Scan
 
 RADIUS, LENGTH, EDGE = 0.05, 0.10, 0.004
 DEEP = 0.005

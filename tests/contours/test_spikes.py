@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.scan.contours import find_loops, flatten_spikes
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.spikes import flatten_spikes
 
 
 def test_a_coarse_clean_garment_has_no_outliers(wearers, skin):

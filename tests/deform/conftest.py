@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface
-from garmentq.core.judge import measure_distance
-from garmentq.core.scan.contours import Target
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.judge.fit import measure_distance
+from garmentq.core.scan.contours.target import Target
 
 
 def swell(points: np.ndarray) -> np.ndarray:
@@ -58,6 +58,6 @@ def rms():
 @pytest.fixture(scope="session")
 def fitted(scene):
     """Return the default result on the scene."""
-    from garmentq.core.recover.deform import deform
+    from garmentq.core.recover.deform.deformer import deform
 
     return deform(*scene)

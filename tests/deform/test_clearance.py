@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface
-from garmentq.core.geometry import gradient_operator
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.geometry.geometry import gradient_operator
 from garmentq.core.recover.deform.clearance import ProximityCache, enforce_clearance
 from garmentq.core.recover.deform.easing import MIN_FACE_STRETCH
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import ExposedSurface, penetration_depth
-from garmentq.core.recover.deform import DeformSettings, deform
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth
+from garmentq.core.recover.deform.deformer import deform
+from garmentq.core.recover.deform.settings import DeformSettings
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import gradient_operator, self_intersections
+from garmentq.core.geometry.geometry import gradient_operator
+from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.deform.easing import MAX_FACE_STRETCH, MIN_FACE_STRETCH, limit_strain, smooth_crossings
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from garmentq.core.geometry import gradient_operator, shape_gradients
-from garmentq.core.recover.deform import DeformSettings, DeformSettingsBad
+from garmentq.core.geometry.geometry import gradient_operator, shape_gradients
 from garmentq.core.recover.deform.objective import Objective, subsample_by_grid
 from garmentq.core.recover.deform.rest_metric import RestMetric
+from garmentq.core.recover.deform.settings import DeformSettings, DeformSettingsBad
 from garmentq.core.recover.deform.target_repair import prepare_target
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from garmentq.core.geometry import gradient_operator
+from garmentq.core.geometry.geometry import gradient_operator
 from garmentq.core.recover.deform.jacobian_stage import FaceAdam
 from garmentq.core.recover.deform.poisson import PoissonSystem, solve_poisson
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import ClosedCurve
+from garmentq.core.geometry.curves import ClosedCurve
 from garmentq.core.recover.deform.contour_match import sample_curve
 from garmentq.core.recover.deform.target_repair import flatten_spikes, match_contours, prepare_target
 

@@ -6,18 +6,22 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, ExposedSurface, armpit_height, builtin_body, project_outside
-from garmentq.core.garment import find_cut, load_template, mesh_pattern, name_cut
-from garmentq.core.garment.parts import CUTS, PARTS, PartsConflict, differing_parts
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import (
-    PosePath,
-    build_distance_constraints,
-    dress,
-    pose_cloth,
-    size_template,
-    waist_loop,
-)
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.body.girths import armpit_height
+from garmentq.core.body.projection import project_outside
+from garmentq.core.garment.parts.cut import PARTS, PartsConflict, differing_parts
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import find_cut, load_template, name_cut
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.carry import PosePath, pose_cloth
+from garmentq.core.recover.drape.dress import dress
+from garmentq.core.recover.drape.follow import build_distance_constraints
+from garmentq.core.recover.drape.sizing import size_template
+from garmentq.core.recover.drape.waist import waist_loop
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

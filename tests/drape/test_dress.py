@@ -7,8 +7,12 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.garment import list_templates, load_template, mesh_pattern
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template, place_panels, waist_loop
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import list_templates, load_template
+from garmentq.core.recover.drape.dress import place_panels
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.waist import waist_loop
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from wearers import find_wearer
 
 CONTOURS = {

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import load_template
-from garmentq.core.recover.drape import needs_easing
-from garmentq.core.recover.drape.easing import find_flare
+from garmentq.core.garment.templates import load_template
+from garmentq.core.recover.drape.easing import find_flare, needs_easing
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0, 1.7])

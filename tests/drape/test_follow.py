@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, Garment, Panel, Pattern, mesh_pattern
-from garmentq.core.recover.drape import PbdSettings, PbdState, build_distance_constraints
-from garmentq.core.recover.drape.follow import simulate_pbd
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.recover.drape.follow import PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 
 
 def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garment:

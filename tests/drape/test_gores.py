@@ -6,10 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.gores import fan_out, find_sides
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
 from wearers import find_wearer
 
 TOP, BOTTOM, LENGTH, WAIST = 0.11, 0.36, 0.5, 1.0

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import BodyMeasures, Edge, Garment, Panel, Pattern, load_template, mesh_pattern, panel_area
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import (
-    LayerContact,
-    PbdState,
-    build_distance_constraints,
-    measure_wearer,
-    size_template,
-)
-from garmentq.core.recover.drape.follow import simulate_pbd
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.follow import PbdState, build_distance_constraints, simulate_pbd
+from garmentq.core.recover.drape.layer_contact import LayerContact
 from garmentq.core.recover.drape.layers import find_layer_constraints
 from garmentq.core.recover.drape.shell import SHELL_CONTACT_THICKNESS, Shell
+from garmentq.core.recover.drape.sizing import measure_wearer, size_template
 from scipy.spatial import cKDTree
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import advect_outside, builtin_body
-from garmentq.core.geometry import self_intersections, undo_crossings
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.current import advect_outside
+from garmentq.core.geometry.intersections import self_intersections, undo_crossings
 from garmentq.core.recover.drape.follow import DistanceConstraints, PbdSettings
 from garmentq.core.recover.drape.ironing import unfold_crossings
 from garmentq.core.recover.drape.layers import find_layer_constraints

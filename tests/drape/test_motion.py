@@ -6,18 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Energy, Scene, SteadyRotation, Topology, get_fabric
-from garmentq.core.garment import equalise_seams, load_template
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import (
-    DrapeSettings,
-    drape_as_scanned,
-    drape_graded,
-    drape_template,
-    remesh,
-)
-from garmentq.core.recover.drape.motion import rotation_of, surface_rms
-from garmentq.core.scan.contours import Target
+from garmentq.core.cloth.energy import Energy
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.scene import Scene, SteadyRotation
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.seams import equalise_seams
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.motion import drape_as_scanned, rotation_of, surface_rms
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_graded, drape_template, remesh
+from garmentq.core.scan.contours.target import Target
 from wearers import find_wearer
 
 COUNT = 250

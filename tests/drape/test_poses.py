@@ -8,21 +8,21 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body, project_outside
-from garmentq.core.garment import Garment, list_templates, load_template, mesh_pattern
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import (
-    DistanceConstraints,
-    LayerContact,
-    PbdState,
-    PosePath,
-    build_distance_constraints,
-    dress,
-    pose_cloth,
-    size_template,
-    waist_loop,
-)
-from garmentq.core.recover.drape.follow import simulate_pbd
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.body.projection import project_outside
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import list_templates, load_template
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.carry import PosePath, pose_cloth
+from garmentq.core.recover.drape.dress import dress
+from garmentq.core.recover.drape.follow import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
+from garmentq.core.recover.drape.layer_contact import LayerContact
+from garmentq.core.recover.drape.sizing import size_template
+from garmentq.core.recover.drape.waist import waist_loop
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import DistanceGrid, ExposedSurface, SignedDistance
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.body.signed_distance import SignedDistance
 from garmentq.core.recover.drape.shell import Shell, ShellDistance
 
 RADIUS = 0.1

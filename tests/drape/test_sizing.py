@@ -6,15 +6,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from garmentq.core.body import Body, builtin_body
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.garment import flat_contours, load_template
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import WearerGeometry, drape_template, measure_wearer, oversize_measures, size_template
+from garmentq.core.garment.curves import flat_contours
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.sizing import measure_wearer, oversize_measures, size_template
+from garmentq.core.recover.drape.stage import drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.start import find_template
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import Pattern, list_templates, load_template, mesh_pattern
-from garmentq.core.recover.drape import DrapeSettings, drape_template, has_hanging_sleeves
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import list_templates, load_template
 from garmentq.core.recover.drape.dress import SHOULDER_LIFT_HEIGHT
 from garmentq.core.recover.drape.sleeves import turn_sleeves
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template, has_hanging_sleeves
 from wearers import find_wearer
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.garment import Garment, load_template
-from garmentq.core.geometry import deformation_gradients, principal_stretches
-from garmentq.core.recover.drape import DrapeSettings, drape_template
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import deformation_gradients, principal_stretches
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
 from wearers import find_wearer
 
 

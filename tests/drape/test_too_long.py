@@ -1,10 +1,11 @@
 """A base pattern that is far too large for its wearer still has all its contours named."""
 
 import numpy as np
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import load_template
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.templates import load_template
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.scan.contours.contours import name_contours
 
 
 def test_legs_that_crumple_about_the_feet_keep_their_names() -> None:

@@ -7,11 +7,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import Garment, load_draped_template
-from garmentq.core.recover.drape import WearerGeometry, redrape, stage
-from garmentq.core.scan.contours import Target
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.recover.drape import stage
+from garmentq.core.recover.drape.stage import redrape
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.scan.contours.target import Target
 
 
 @pytest.fixture(scope="module")

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import TapeMeasure, builtin_body, rest_body
-from garmentq.core.garment import Edge, Panel, Pattern, load_template, mesh_pattern
-from garmentq.core.geometry import ClosedCurve, vertex_normals
-from garmentq.core.recover.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.girths import TapeMeasure
+from garmentq.core.body.skinning import rest_body
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.drape.dress import waistband_height
-from garmentq.core.recover.drape.tie import place_waist
-from garmentq.core.recover.drape.waist import flat_lengths
-from garmentq.core.scan.contours import Contour, Target, find_loops
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.tie import pin_waist, place_waist, tie_contour
+from garmentq.core.recover.drape.waist import flat_lengths, waist_loop
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target
 from wearers import find_wearer
 
 

@@ -8,23 +8,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Scene, SelfContact, Topology, equilibrium, get_fabric
-from garmentq.core.garment import (
-    load_template,
-    mesh_pattern,
-    read_pattern,
-    seam_mismatch,
-    write_pattern,
-)
-from garmentq.core.garment.editing import apply_operations, cut_panel
-from garmentq.core.geometry import ClosedCurve
-from garmentq.core.recover.drape import redrape
-from garmentq.core.reuse.edit import EditedGarment, compare_versions, drape_edit, worn_length
-from garmentq.core.reuse.wear import WornGarment, load_worn_template
-from garmentq.core.reuse.wear.worn import make_waist_target
+from garmentq.core.cloth.collision.self_contact import SelfContact
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.editing.cutting import cut_panel
+from garmentq.core.garment.editing.operations import apply_operations
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.recover.drape.stage import redrape
+from garmentq.core.reuse.edit.compare import compare_versions
+from garmentq.core.reuse.edit.redraping import EditedGarment, drape_edit, worn_length
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template, make_waist_target
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.scan.contours.contours import name_contours
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.blender import write_blender
 from garmentq.core.deliver.export.sewn_files import write_sewn_glb, write_sewn_obj
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.sewn_usd import write_sewn_usd
 from garmentq.core.deliver.export.textured import write_textured
-from garmentq.core.garment import list_templates, load_draped_template
+from garmentq.core.garment.templates import list_templates, load_draped_template
 from garmentq.core.scan.coloured import ColouredScan
 from gltf_validator import find_validator, validate_glb
 

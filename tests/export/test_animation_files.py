@@ -8,12 +8,13 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.animation import write_animation
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.animate import AnimatedGarment, Animation, FrameVerdict
-from garmentq.core.reuse.wear import WornGarment
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
+from garmentq.core.reuse.animate.moved import AnimatedGarment
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.report import ResultReport
 from PIL import Image
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.blender import sewing_threads, write_blender
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
-from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.templates import load_draped_template
 
 RUN = """
 import json, sys, runpy

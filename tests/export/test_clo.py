@@ -11,20 +11,12 @@ import jsonschema
 import numpy as np
 import pytest
 from clo_program import DialogOpened, PatternWindow, run_program
-from garmentq.core.cloth import get_fabric
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.clo import SeamUnsewable, edge_cubics, write_clo
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_length,
-    edge_points,
-    equalise_seams,
-    list_templates,
-    load_template,
-)
+from garmentq.core.garment.curves import edge_length, edge_points
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import equalise_seams
+from garmentq.core.garment.templates import list_templates, load_template
 
 FABRIC = get_fabric("denim")
 SCHEMA = json.loads((Path(__file__).parent / "clo_pattern.schema.json").read_text())

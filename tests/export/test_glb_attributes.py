@@ -10,18 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.animation import write_animation
 from garmentq.core.deliver.export.meshes import write_meshes
 from garmentq.core.deliver.export.sewn_files import write_sewn_glb
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh, seams_of_uv
 from garmentq.core.deliver.export.textured import write_textured
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.animate import Animation, FrameVerdict
-from garmentq.core.reuse.wear import WornGarment
-from garmentq.core.scan import Scan
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.scan.coloured import to_coloured_scan
+from garmentq.core.scan.scan import Scan
 
 IMPORT = """
 import json, sys

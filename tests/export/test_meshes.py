@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.deliver.export import uv_layout, write_meshes
-from garmentq.core.garment.pieces import pack_on_shelves
+from garmentq.core.deliver.export.meshes import uv_layout, write_meshes
+from garmentq.core.garment.pieces.shelves import pack_on_shelves
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.deliver.export import write_svg
-from garmentq.core.garment import Edge, Panel, Pattern, edge_points, reverse_edge
+from garmentq.core.deliver.export.pattern_svg import write_svg
+from garmentq.core.garment.curves import edge_points, reverse_edge
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from garmentq.core.deliver.export import pieces_section
 from garmentq.core.deliver.export.pieces_section import pieces_html
-from garmentq.core.garment import Edge, Panel, Pattern, load_template
-from garmentq.core.garment.pieces import PieceBad, describe_pieces, make_pieces
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.pieces.errors import PieceBad
+from garmentq.core.garment.pieces.make import make_pieces
+from garmentq.core.garment.pieces.numbers import describe_pieces
+from garmentq.core.garment.templates import load_template
 
 
 def test_pieces_sheets_and_cloth_are_told() -> None:

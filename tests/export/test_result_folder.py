@@ -13,16 +13,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINTS
-from garmentq.core.cloth import FabricEstimate
-from garmentq.core.deliver.export import pattern_svg, report_html, to_plain_json, write_recovery
-from garmentq.core.garment import load_pattern
-from garmentq.core.geometry import TriangleSurface
-from garmentq.core.judge import evaluate_gates
+from garmentq.core.body.body import JOINTS
+from garmentq.core.cloth.fabric import FabricEstimate
+from garmentq.core.deliver.export.pattern_svg import pattern_svg
+from garmentq.core.deliver.export.report import report_html
+from garmentq.core.deliver.export.result import to_plain_json, write_recovery
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.judge.gates import evaluate_gates
 from garmentq.core.recover.recovery import Recovery
-from garmentq.core.reuse.wear import load_worn, worn_from_recovery
+from garmentq.core.reuse.wear.worn import load_worn, worn_from_recovery
 from garmentq.core.run.verdict import Gate, Verdict
-from garmentq.core.scan import Scan
+from garmentq.core.scan.scan import Scan
 from PIL import Image
 from scipy.spatial import cKDTree
 

@@ -7,13 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import SolveSettings, get_fabric
-from garmentq.core.deliver.export import save_pattern
-from garmentq.core.garment import Garment, equalise_seams, load_pattern, load_template
-from garmentq.core.geometry import ClosedCurve
-from garmentq.core.judge import measure_distance
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape, remesh
-from garmentq.core.scan.contours import Target
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.seams import equalise_seams
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.judge.fit import measure_distance
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_graded, drape_template, redrape, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.scan.contours.target import Target
 from scipy.spatial import cKDTree
 from wearers import find_wearer
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.cloth import get_fabric
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.sewn_files import write_sewn_glb, write_sewn_obj
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh, sanitise_names, seams_of_uv
-from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.templates import load_draped_template
 from gltf_validator import validate_glb
 from PIL import Image
 

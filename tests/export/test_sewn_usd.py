@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import get_fabric
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export import sewn_usd
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.sewn_usd import UsdMissing, write_sewn_usd, write_usdz
-from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.templates import load_draped_template
 from PIL import Image
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed: pip install garmentq[usd]")

@@ -13,9 +13,9 @@ import garmentq
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.deliver.export import write_recovery
+from garmentq.core.deliver.export.result import write_recovery
 from garmentq.core.deliver.export.stored_result import FILES
-from garmentq.core.garment import write_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.run.errors import GarmentqError
 from PIL import Image
 

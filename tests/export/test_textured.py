@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.cloth import get_fabric
-from garmentq.core.deliver.export import write_ply
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.deliver.export.prints import PRINT_BLEED_WIDTH, PrintPlace, draw_print, list_prints
 from garmentq.core.deliver.export.sewn_mesh import SewnMesh
 from garmentq.core.deliver.export.stored import garment_stem, read_nodes
 from garmentq.core.deliver.export.textured import write_textured
-from garmentq.core.deliver.texture import BakedTexture
-from garmentq.core.garment import load_template
+from garmentq.core.deliver.texture.bake import BakedTexture
+from garmentq.core.garment.templates import load_template
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Scan
 from garmentq.core.scan.coloured import ColoursMissing, to_coloured_scan
+from garmentq.core.scan.scan import Scan
 from gltf_validator import validate_glb
 from PIL import Image
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from garmentq.core.cloth import Pins
-from garmentq.core.garment import mesh_pattern, resample
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import waist_loop
-from garmentq.core.recover.fit import MaterialSettings, fit_bending, nearest_fabrics, posterior
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.waist import waist_loop
+from garmentq.core.recover.fit.material import fit_bending, nearest_fabrics, posterior
+from garmentq.core.recover.fit.settings import MaterialSettings
 from worn_skirt import Worn, bring_to_rest, pose, state
 
 

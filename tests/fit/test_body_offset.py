@@ -6,18 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Fabric, Scene, Topology, equilibrium, get_fabric, reduce_membrane_stiffness
-from garmentq.core.garment import Garment, load_template
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.recover.fit import (
-    FitScene,
-    ShapeProblem,
-    ShapeSettings,
-    body_offset,
-    estimate_body_offset,
-    is_body_estimated,
-)
-from garmentq.core.recover.fit.body_offset import _average_nearby
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.locking import reduce_membrane_stiffness
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_template
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.fit import body_offset
+from garmentq.core.recover.fit.body_offset import _average_nearby, estimate_body_offset, is_body_estimated
+from garmentq.core.recover.fit.scene import FitScene
+from garmentq.core.recover.fit.settings import ShapeSettings
+from garmentq.core.recover.fit.shape import ShapeProblem
 from wearers import find_wearer
 
 

@@ -6,28 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import (
-    Garment,
-    Pattern,
-    Severity,
-    find_faults,
-    load_draped_template,
-    load_template,
-    mesh_pattern,
-    resample,
-    seam_mismatch,
-)
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.editing.darts import find_darts
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, measure_wearer, remesh
-from garmentq.core.recover.fit import add_bust_darts
-from garmentq.core.recover.fit.bust_darts import plan_bust_darts
+from garmentq.core.garment.examine import Severity, find_faults
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_draped_template, load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.recover.drape.stage import drape_graded, drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.fit.bust_darts import add_bust_darts, plan_bust_darts
 from garmentq.core.recover.fit.dart_cutting import cut_darts
-from garmentq.core.recover.grade import BustPoints, SlideSettings, grade_pattern, slide_seams
+from garmentq.core.recover.grade.bust_points import BustPoints
+from garmentq.core.recover.grade.grading import grade_pattern
+from garmentq.core.recover.grade.sliding import SlideSettings, slide_seams
 from garmentq.core.recover.state import RecoveryState
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 ANGLE = 0.65
 """Of the darts that are sewn [rad]."""

@@ -8,21 +8,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.cloth import Drape, Outcome, get_fabric
-from garmentq.core.garment import Garment, load_draped_template, mesh_pattern, resample
-from garmentq.core.geometry import self_intersections, vertex_normals
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.case import Case
-from garmentq.core.recover.drape import WearerGeometry
 from garmentq.core.recover.drape.shipped import TEMPLATE_WEARER
-from garmentq.core.recover.fit import choose_start
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.fit.choose_start import choose_start
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 
 module = sys.modules[choose_start.__module__]
 

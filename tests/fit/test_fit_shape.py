@@ -7,49 +7,38 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    ImplicitDerivative,
-    Scene,
-    SteadyRotation,
-    Topology,
-    equilibrium,
-    get_fabric,
-    lag_friction,
-)
-from garmentq.core.garment import (
-    Pattern,
-    equalise_seams,
-    find_symmetry,
-    load_template,
-    mesh_pattern,
-    seam_mismatch,
-)
+from garmentq.core.cloth.derivative import ImplicitDerivative
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.friction import lag_friction
+from garmentq.core.cloth.scene import Scene, SteadyRotation
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
 from garmentq.core.garment.meshes import Meshes
-from garmentq.core.geometry import TriangleSurface
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.seams import equalise_seams, seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.recover.case import Case
-from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.recover.fit import (
-    FitScene,
-    IsometrySettings,
-    LockUnknown,
-    RegisteredLoss,
-    ShapeProblem,
-    ShapeSettings,
-    find_locked_coordinates,
-    fit_isometry,
-    fit_pattern,
-    fit_shape,
-    move_pattern,
-    restore_locked,
-    seam_null_space,
-)
-from garmentq.core.recover.grade import find_proportions, mean_width
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.fit.hybrid import fit_pattern
+from garmentq.core.recover.fit.isometry import fit_isometry
+from garmentq.core.recover.fit.locks import LockUnknown, find_locked_coordinates, restore_locked
+from garmentq.core.recover.fit.losses.registered import RegisteredLoss
+from garmentq.core.recover.fit.scene import FitScene
+from garmentq.core.recover.fit.settings import ShapeSettings
+from garmentq.core.recover.fit.shape import ShapeProblem, fit_shape, seam_null_space
+from garmentq.core.recover.grade.flattening import mean_width
+from garmentq.core.recover.grade.grading import move_pattern
+from garmentq.core.recover.grade.isometry import IsometrySettings
+from garmentq.core.recover.grade.proportion import find_proportions
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Arrays, Hooks
-from garmentq.core.scan import Scan
+from garmentq.core.scan.scan import Scan
 from worn_skirt import FINE, UNMEASURED, Worn, area_errors, bring_to_rest, pose, state
 
 

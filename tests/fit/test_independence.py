@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from garmentq.core.recover.fit import count_independent
+from garmentq.core.recover.fit.independence import count_independent
 
 SIDE = 30
 """Places along a metre of flat cloth: about 3 cm apart."""

@@ -7,42 +7,42 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import (
-    Fabric,
-    ImplicitDerivative,
-    Pins,
-    Scene,
-    SolveSettings,
-    Topology,
-    equilibrium,
-    get_fabric,
-)
-from garmentq.core.garment import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
-from garmentq.core.geometry import TriangleSurface, vertex_normals
+from garmentq.core.cloth.derivative import ImplicitDerivative
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.recover.case import Case
-from garmentq.core.recover.drape import DrapeSettings, drape_template, waist_loop
-from garmentq.core.recover.fit import (
-    Descent,
-    DescentProblem,
-    FitScene,
-    InverseSettings,
-    descend,
-    find_locked_coordinates,
-    fit_inverse,
-    move_pattern,
-)
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.waist import waist_loop
 from garmentq.core.recover.fit.adam import Adam
+from garmentq.core.recover.fit.descent import Descent, DescentProblem, InverseSettings, descend
+from garmentq.core.recover.fit.inverse import fit_inverse
+from garmentq.core.recover.fit.locks import find_locked_coordinates
 from garmentq.core.recover.fit.losses.range import STIFFNESSES
+from garmentq.core.recover.fit.scene import FitScene
+from garmentq.core.recover.grade.grading import move_pattern
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.checkpoints import save
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Arrays, Hooks
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target, name_contours
+from garmentq.core.scan.contours.contours import name_contours
 from garmentq.core.scan.contours.loop import find_loops
-from garmentq.core.scan.contours.target import Contour
+from garmentq.core.scan.contours.target import Contour, Target
+from garmentq.core.scan.scan import Scan
 from wearers import find_wearer
 
 SHORT = InverseSettings(iterations=4, fabric_iterations=3, patience=100, keep_every=3)

@@ -7,24 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import get_fabric, load_fabrics
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Garment,
-    Panel,
-    Pattern,
-    Seam,
-    equalise_seams,
-    load_template,
-    mesh_pattern,
-)
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
-from garmentq.core.recover.fit.losses.range import logarithms
-from garmentq.core.scan.contours import Target
+from garmentq.core.cloth.fabrics import get_fabric, load_fabrics
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import equalise_seams
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.fit.losses.chamfer import ChamferLoss
+from garmentq.core.recover.fit.losses.contours import ContourLoss
+from garmentq.core.recover.fit.losses.panels import PanelLoss
+from garmentq.core.recover.fit.losses.plane import PlaneLoss
+from garmentq.core.recover.fit.losses.range import RangeLoss, logarithms
+from garmentq.core.recover.fit.losses.seams import SeamLoss
 from garmentq.core.scan.contours.loop import find_loops
-from garmentq.core.scan.contours.target import Contour
+from garmentq.core.scan.contours.target import Contour, Target
 
 Evaluate = Callable[[np.ndarray], tuple[float, np.ndarray]]
 

@@ -6,15 +6,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import load_draped_template
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover import steps
-from garmentq.core.recover.deform import DeformSettings
+from garmentq.core.recover.deform.settings import DeformSettings
 from garmentq.core.recover.fit import second_registration
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 
 @pytest.mark.parametrize(

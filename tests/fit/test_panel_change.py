@@ -8,31 +8,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Garment,
-    Panel,
-    Pattern,
-    Seam,
-    Severity,
-    edge_length,
-    find_faults,
-    find_symmetry,
-    load_template,
-    mesh_pattern,
-    save_pattern,
-    seam_mismatch,
-)
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.curves import edge_length
 from garmentq.core.garment.editing.darts import close_dart, find_darts, insert_dart
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import WearerGeometry, drape_graded, drape_template, remesh
-from garmentq.core.recover.fit import fit_isometry
+from garmentq.core.garment.examine import Severity, find_faults
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.stage import drape_graded, drape_template, remesh
+from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.fit.dart_closing import close_darts, required_dart_width
 from garmentq.core.recover.fit.dart_cutting import cut_darts
 from garmentq.core.recover.fit.dart_search import is_mirror_image, propose_dart, relax_panel, rms_strain
+from garmentq.core.recover.fit.isometry import fit_isometry
 from garmentq.core.recover.fit.panel_change import change_panels
 from garmentq.core.recover.fit.wedge import wanted_strain
 from garmentq.core.recover.methods import METHODS
@@ -44,7 +38,7 @@ from garmentq.core.recover.state import RecoveryState
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.finding import FindingKind
 from garmentq.core.run.hooks import SILENT_HOOKS
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 ANGLE = np.radians(12.0)
 """Of the dart whose cone is laid on a panel without one."""

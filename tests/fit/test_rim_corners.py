@@ -7,13 +7,17 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, unplanned_corners
-from garmentq.core.geometry import HalfEdges, vertex_normals
-from garmentq.core.judge import measure_fairness
+from garmentq.core.garment.fairness import unplanned_corners
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.connectivity import HalfEdges
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.fairness import measure_fairness
 from garmentq.core.recover.fit.fairness import fair_garment
 from garmentq.core.recover.fit.locks import find_locked_coordinates
 from garmentq.core.recover.fit.rim_corners import prove_corners
-from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.scan.contours.target import Contour, Target
 
 HALF = np.radians(10.0)
 """Half of the angle at which a panel's side seams meet: a straight hem turns by twice that at each side seam."""

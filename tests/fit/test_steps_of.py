@@ -10,7 +10,7 @@ from garmentq.core.recover.case import Case
 from garmentq.core.recover.fit.isometry import choose_isometry_settings
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 FILE = Path("maker.json")
 

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    edge_points,
-    map_controls,
-    mean_value_coordinates,
-    mesh_pattern,
-    read_pattern,
-    resample,
-)
+from garmentq.core.garment.control import map_controls, mean_value_coordinates
+from garmentq.core.garment.curves import edge_points
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.sewing import mesh_pattern
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

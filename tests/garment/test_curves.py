@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, Panel, edge_length, edge_points, reverse_edge, split_edge
-from garmentq.core.garment.curves import mirror_edge, place_on_chord, relative_to_chord
+from garmentq.core.garment.curves import (
+    edge_length,
+    edge_points,
+    mirror_edge,
+    place_on_chord,
+    relative_to_chord,
+    reverse_edge,
+    split_edge,
+)
+from garmentq.core.garment.pattern import Edge, Panel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import divide_edges, edge_length, edge_points, load_template, seam_lengths
+from garmentq.core.garment.curves import edge_length, edge_points
+from garmentq.core.garment.division import divide_edges
+from garmentq.core.garment.seams import seam_lengths
+from garmentq.core.garment.templates import load_template
 
 
 @pytest.mark.parametrize("name", ["skirt", "tshirt", "trousers"])

@@ -4,33 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_length,
-    find_faults,
-    find_symmetry,
-    load_template,
-    panel_area,
-    panel_outline,
-    seam_lengths,
-    seam_mismatch,
-)
-from garmentq.core.garment.editing import (
-    EditBad,
-    apply_operations,
-    cut_panel,
-    join_panels,
-    merge_edges,
-    move_points,
-    sharpen_corner,
-    smooth_corner,
-    split_edges,
-    straighten_edges,
-)
+from garmentq.core.garment.curves import edge_length, panel_area, panel_outline
+from garmentq.core.garment.editing.cutting import cut_panel
+from garmentq.core.garment.editing.dividing import merge_edges, split_edges
+from garmentq.core.garment.editing.errors import EditBad
+from garmentq.core.garment.editing.joining import join_panels
+from garmentq.core.garment.editing.moving import move_points
+from garmentq.core.garment.editing.operations import apply_operations
+from garmentq.core.garment.editing.reshaping import sharpen_corner, smooth_corner, straighten_edges
+from garmentq.core.garment.examine import find_faults
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import seam_lengths, seam_mismatch
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
 
 KINDS = [
     Edge("line"),

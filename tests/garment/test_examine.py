@@ -7,7 +7,11 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from garmentq.core.garment import PatternFault, examine_file, load_template, read_pattern, write_pattern
+from garmentq.core.garment.errors import PatternFault
+from garmentq.core.garment.examine import examine_file
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_template
 
 TSHIRT = write_pattern(load_template("tshirt"))
 

@@ -6,24 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_length,
-    fair_curves,
-    load_template,
-    mesh_pattern,
-    panel_area,
-    seam_mismatch,
-    unplanned_corners,
-    update_flat_mesh,
-)
-from garmentq.core.garment.fairness import SmoothJoin, find_smooth_joins, measure_corner
-from garmentq.core.judge import measure_fairness
-from garmentq.core.judge.fairness import count_waves
+from garmentq.core.garment.control import update_flat_mesh
+from garmentq.core.garment.curves import edge_length, panel_area
+from garmentq.core.garment.fairness import SmoothJoin, fair_curves, find_smooth_joins, measure_corner, unplanned_corners
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.judge.fairness import count_waves, measure_fairness
 
 WIDTH, HEIGHT = 0.5, 0.6
 

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_points,
-    mesh_pattern,
-    panel_area,
-    read_pattern,
-)
+from garmentq.core.garment.curves import edge_points, panel_area
+from garmentq.core.garment.garmentcode import read_pattern
 from garmentq.core.garment.meshing import corner_angles
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.run.errors import BadInput
 from hypothesis import given, settings
 from hypothesis import strategies as st

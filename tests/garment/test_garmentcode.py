@@ -7,18 +7,12 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    EdgeRef,
-    edge_length,
-    edge_points,
-    load_pattern,
-    mesh_pattern,
-    panel_area,
-    read_pattern,
-    save_pattern,
-    write_pattern,
-)
+from garmentq.core.garment.curves import edge_length, edge_points, panel_area
+from garmentq.core.garment.garmentcode import load_pattern, read_pattern
+from garmentq.core.garment.garmentcode_writer import save_pattern, write_pattern
 from garmentq.core.garment.orientation import place_points
+from garmentq.core.garment.pattern import EdgeRef
+from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.run.errors import BadInput
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -6,16 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    EdgeRef,
-    Pattern,
-    edge_length,
-    find_symmetry,
-    load_template,
-    mesh_pattern,
-    panel_area,
-    update_flat_mesh,
-)
+from garmentq.core.garment.control import update_flat_mesh
+from garmentq.core.garment.curves import edge_length, panel_area
 from garmentq.core.garment.fairness import find_smooth_joins, measure_corner
 from garmentq.core.garment.handles import (
     area_rates,
@@ -27,6 +19,10 @@ from garmentq.core.garment.handles import (
     list_curves,
     with_handles,
 )
+from garmentq.core.garment.pattern import EdgeRef, Pattern
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
 
 NAMES = ("tshirt", "trousers", "sleeved_dress+neckline=v")
 SMALL = 1e-4

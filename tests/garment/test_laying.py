@@ -6,9 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import load_draped_template, transfer_nodes
-from garmentq.core.garment.editing import cut_panel, join_panels, move_points, split_edges
-from garmentq.core.geometry import TriangleSurface
+from garmentq.core.garment.editing.cutting import cut_panel
+from garmentq.core.garment.editing.dividing import split_edges
+from garmentq.core.garment.editing.joining import join_panels
+from garmentq.core.garment.editing.moving import move_points
+from garmentq.core.garment.laying import transfer_nodes
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.surface import TriangleSurface
 
 NEAR = 0.004
 """Distance [m] that is none: so far a chord of 25 mm, the edge of the present mesh, leaves a fold of 20 mm radius."""

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, points_in_polygon
 from garmentq.core.garment.garmentcode import MAX_EDGES
+from garmentq.core.garment.meshing import points_in_polygon
 from garmentq.core.garment.mirrors import FLAT_TOLERANCE, HANDLE_TOLERANCE, PLACE_TOLERANCE, find_mirrors
 from garmentq.core.garment.orientation import place_points
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.validity import find_crossing
 from garmentq.service import patterns
 from garmentq.service.patterns import examine_pattern

@@ -7,23 +7,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    BodyMeasures,
-    EdgeRef,
-    Pattern,
-    check_outline,
-    edge_length,
-    find_cut,
-    find_symmetry,
-    load_template,
-    mesh_pattern,
-    name_cut,
-    panel_area,
-    seam_lengths,
-)
-from garmentq.core.garment.editing import find_darts
-from garmentq.core.garment.parts import (
-    CUTS,
+from garmentq.core.garment.curves import edge_length, panel_area
+from garmentq.core.garment.editing.darts import find_darts
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.parts.cut import (
     Bodice,
     Collar,
     Cuff,
@@ -31,7 +18,6 @@ from garmentq.core.garment.parts import (
     Gores,
     Legs,
     Neckline,
-    NecklineCut,
     PartsConflict,
     PartUnknown,
     Shaping,
@@ -42,15 +28,22 @@ from garmentq.core.garment.parts import (
     Waist,
     Waistband,
     Yoke,
-    corner_turn,
-    draft_cut,
-    neckline_points,
     parse_parts,
 )
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
 from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
+from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.parts.sleeves import CAP_EASE, CUFF_FULLNESS
-from garmentq.core.garment.pieces import measure_pieces
-from garmentq.core.scan.contours import CATEGORIES, CONTOUR_NAMES, find_loops
+from garmentq.core.garment.pattern import EdgeRef, Pattern
+from garmentq.core.garment.pieces.numbers import measure_pieces
+from garmentq.core.garment.seams import seam_lengths
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import find_cut, load_template, name_cut
+from garmentq.core.garment.validity import check_outline
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import CATEGORIES, CONTOUR_NAMES
 
 CURVY = BodyMeasures(bust=1.08, waist=0.86, hip=1.12)
 """A bigger wearer: drafts whose corners are solved for must find them here, too."""

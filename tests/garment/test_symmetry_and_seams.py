@@ -7,20 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    EdgeRef,
-    equalise_seams,
-    find_symmetry,
-    load_template,
-    map_controls,
-    mesh_pattern,
-    read_pattern,
-    seam_constraints,
-    seam_lengths,
-    seam_mismatch,
-    seam_ratios,
-)
+from garmentq.core.garment.control import map_controls
 from garmentq.core.garment.curves import chord
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.pattern import EdgeRef
+from garmentq.core.garment.seams import equalise_seams, seam_constraints, seam_lengths, seam_mismatch, seam_ratios
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import load_template
 
 
 def _pairs(pattern):

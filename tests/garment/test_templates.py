@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    BodyMeasures,
-    EdgeRef,
-    check_outline,
-    find_symmetry,
-    list_templates,
-    load_draped_template,
-    load_template,
-    mesh_pattern,
-    panel_area,
-    seam_lengths,
-)
-from garmentq.core.garment.parts import CUTS, draft_cut
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.pattern import EdgeRef
+from garmentq.core.garment.seams import seam_lengths
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.symmetry import find_symmetry
+from garmentq.core.garment.templates import list_templates, load_draped_template, load_template
+from garmentq.core.garment.validity import check_outline
 from garmentq.core.run.errors import NotFound
-from garmentq.core.scan.contours import CATEGORIES, CONTOUR_NAMES, find_loops
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import CATEGORIES, CONTOUR_NAMES
 
 NAMES = [info.name for info in list_templates()]
 CATEGORY = {info.name: info.category for info in list_templates()}

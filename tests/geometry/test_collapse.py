@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import HalfEdges, TriangleSurface, collapse_edges
+from garmentq.core.geometry.collapse import collapse_edges
+from garmentq.core.geometry.connectivity import HalfEdges
+from garmentq.core.geometry.surface import TriangleSurface
 
 AROUND, ROWS = 160, 80
 RADIUS, HEIGHT = 0.2, 0.6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.geometry import HalfEdges, adjacency_matrix, find_components
+from garmentq.core.geometry.connectivity import HalfEdges, adjacency_matrix, find_components
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import intersecting_pairs, measure_contour
+from garmentq.core.geometry.contour import measure_contour
+from garmentq.core.geometry.intersections import intersecting_pairs
 
 
 def cross(seed: int) -> tuple[np.ndarray, np.ndarray]:

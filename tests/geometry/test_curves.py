@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import ClosedCurve, polyline_length, resample_polyline
+from garmentq.core.geometry.curves import ClosedCurve, polyline_length, resample_polyline
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.geometry import (
-    HalfEdges,
+from garmentq.core.geometry.connectivity import HalfEdges
+from garmentq.core.geometry.geometry import (
     area_vectors,
     bending_matrix,
     corner_angles,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import igl
 import numpy as np
-from garmentq.core.geometry import intersecting_pairs, self_intersections
+from garmentq.core.geometry.intersections import intersecting_pairs, self_intersections
 
 
 def test_two_triangles_cross_only_where_one_edge_passes_through_the_other():

@@ -5,15 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from garmentq.core.geometry import (
-    Cholesky,
-    HalfEdges,
-    NotPositiveDefinite,
-    analyse_pattern,
-    factor_general,
-    factor_symmetric,
-)
+from garmentq.core.geometry.connectivity import HalfEdges
 from garmentq.core.geometry.dissection import dissect
+from garmentq.core.geometry.linear import NotPositiveDefinite, analyse_pattern, factor_general, factor_symmetric
+from garmentq.core.geometry.multifrontal import Cholesky
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.linalg import spsolve

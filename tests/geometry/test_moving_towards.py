@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import move_towards, self_intersections
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.geometry.moving_towards import move_towards
 
 from .test_untangling import bulge, lay_sheets
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import fit_rigid
+from garmentq.core.geometry.rigid import fit_rigid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

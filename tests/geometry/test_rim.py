@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.geometry import Rim, TriangleSurface
+from garmentq.core.geometry.rim import Rim
+from garmentq.core.geometry.surface import TriangleSurface
 
 
 def square(count: int = 11) -> TriangleSurface:

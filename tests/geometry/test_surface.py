@@ -6,7 +6,7 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.geometry import TriangleSurface, barycentric_coordinates
+from garmentq.core.geometry.surface import TriangleSurface, barycentric_coordinates
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import intersecting_pairs, self_intersections, untangle
+from garmentq.core.geometry.intersections import intersecting_pairs, self_intersections
+from garmentq.core.geometry.untangling import untangle
 
 SPACING = 0.015
 """Edge of the sheets [m], as a garment's mesh has it."""

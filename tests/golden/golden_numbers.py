@@ -6,11 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from garmentq.core.body import Body
-from garmentq.core.cloth import Fabric
-from garmentq.core.garment import Garment, Pattern, edge_points, panel_area
+from garmentq.core.body.body import Body
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.garment.curves import edge_points, panel_area
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Pattern
 from garmentq.core.people.separation import LabelledPerson
-from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.core.recover.recovery import Recovery
 from garmentq.core.run.verdict import Gate
 
@@ -160,8 +162,8 @@ def measure_separation(separation: LabelledPerson, truth: np.ndarray, true_body:
         truth: True part of each point, shape [n].
         true_body: Vertices of the true body, in the built-in body's topology [m], shape [m, 3].
     """
-    from garmentq.core.geometry import TriangleSurface
-    from garmentq.core.judge import measure_calibration, measure_labels
+    from garmentq.core.geometry.surface import TriangleSurface
+    from garmentq.core.judge.raw_labels import measure_calibration, measure_labels
 
     score = measure_labels(truth, separation.label)
     calibration = measure_calibration(truth, separation.label, separation.confidence)

@@ -11,31 +11,39 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from garmentq.core.body import ExposedSurface, builtin_body
-from garmentq.core.body.motion import find_shipped_motion, load_motion
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.shipped import find_shipped_motion
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.options import ExportOptions
-from garmentq.core.garment import Pattern, draft_template, list_templates, load_pattern
-from garmentq.core.garment.pieces import describe_pieces, make_pieces
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import measure_pattern as measure_beside_true_pattern
-from garmentq.core.judge import read_packs, read_true_pattern
+from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.pieces.make import make_pieces
+from garmentq.core.garment.pieces.numbers import describe_pieces
+from garmentq.core.garment.templates import draft_template, list_templates
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.packs import read_packs, read_true_pattern
 from garmentq.core.judge.patterns import PATTERN_METRICS
+from garmentq.core.judge.patterns import measure_pattern as measure_beside_true_pattern
 from garmentq.core.judge.penetration import measure_penetration
 from garmentq.core.judge.true_pattern import TruePattern
 from garmentq.core.people.garments import build_person_surface, extract_garment
 from garmentq.core.people.hints import Hints
 from garmentq.core.people.part import Part
 from garmentq.core.people.separate import label_person
-from garmentq.core.recover.drape import measure_wearer
+from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.truth import measure_recovery as measure_beside_truth
-from garmentq.core.reuse.animate import AnimateSettings, animate_garment
-from garmentq.core.reuse.edit import drape_edit
-from garmentq.core.reuse.wear import WornGarment, dress_body, load_worn_template, make_to_measure
+from garmentq.core.reuse.animate.moved import animate_garment
+from garmentq.core.reuse.animate.settings import AnimateSettings
+from garmentq.core.reuse.edit.redraping import drape_edit
+from garmentq.core.reuse.wear.dressing import dress_body
+from garmentq.core.reuse.wear.refit import make_to_measure
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.open3d_library import load_open3d

@@ -6,12 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body, lies_under_arm, skin, weights_at
-from garmentq.core.garment import load_draped_template
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.hanging_arms import lies_under_arm
+from garmentq.core.body.skinning import skin, weights_at
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.fit.isometry import FIT_ISOMETRY_SETTINGS, fit_isometry
-from garmentq.core.recover.grade import grade_pattern, register_coarsely
 from garmentq.core.recover.grade.armpits import Armpits
-from garmentq.core.scan.contours import Target, name_contours
+from garmentq.core.recover.grade.grading import grade_pattern
+from garmentq.core.recover.grade.registration import register_coarsely
+from garmentq.core.scan.contours.contours import name_contours
+from garmentq.core.scan.contours.target import Target
 
 SLEEVES = 1.5
 """How much longer the sleeves of the scanned T-shirt are than those of its base pattern."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body, rest_body
-from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.recover.grade import TrunkCurvature, find_bust_points
-from garmentq.core.scan.contours import Target
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.skinning import rest_body
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.recover.grade.bust_points import find_bust_points
+from garmentq.core.recover.grade.trunk_curvature import TrunkCurvature
+from garmentq.core.scan.contours.target import Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

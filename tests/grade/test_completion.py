@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.grade import complete_target
-from garmentq.core.recover.grade.completion import HIDDEN_WAIST_HEIGHT_SHARE
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.grade.completion import HIDDEN_WAIST_HEIGHT_SHARE, complete_target
 from garmentq.core.recover.grade.registration import HiddenCloth
-from garmentq.core.scan.contours import Contour, Target, find_loops, mark_hidden_border
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target, mark_hidden_border
 
 from .test_grading import HEIGHT, TOP, WIDTH, roll
 

@@ -7,15 +7,19 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import BodyMeasures, find_cut, mesh_pattern
-from garmentq.core.garment.parts import CUTS, draft_cut
-from garmentq.core.recover.grade import choose_cut, describe_cut_change, name_recovered
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import find_cut
+from garmentq.core.recover.grade.choice import choose_cut
+from garmentq.core.recover.grade.cut_name import describe_cut_change, name_recovered
 from garmentq.core.recover.grade.cut_search import CutFit, compare_girths, rank_fits
 from garmentq.core.recover.grade.distances import limb_chain
 from garmentq.core.recover.grade.girth_profile import GirthProfile, measure_girths, profile_pattern
 from garmentq.core.recover.grade.sleeve_length import fit_sleeve
-from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.scan.contours.target import Contour, Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body
-from garmentq.core.recover.grade import compare_contours, position_along
-from garmentq.core.recover.grade.distances import limb_chain, loop_centre
-from garmentq.core.scan.contours import Contour
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.recover.grade.distances import compare_contours, limb_chain, loop_centre, position_along
+from garmentq.core.scan.contours.target import Contour
 
 PLACES = {
     "pelvis": (0, 0.9, 0), "spine1": (0, 1.0, 0), "spine2": (0, 1.1, 0), "spine3": (0, 1.2, 0),

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import (
-    EdgeRef,
-    Garment,
-    Pattern,
-    edge_points,
-    equalise_seams,
-    load_draped_template,
-    load_template,
-    seam_lengths,
-    seam_mismatch,
-    update_flat_mesh,
-)
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.control import update_flat_mesh
+from garmentq.core.garment.curves import edge_points
+from garmentq.core.garment.garment import Garment
 from garmentq.core.garment.handles import handles_of, list_curves, with_handles
-from garmentq.core.recover.grade import SlideSettings, find_proportions, freedom, slide_seams
+from garmentq.core.garment.pattern import EdgeRef, Pattern
+from garmentq.core.garment.seams import equalise_seams, seam_lengths, seam_mismatch
+from garmentq.core.garment.templates import load_draped_template, load_template
+from garmentq.core.recover.grade import freedom
 from garmentq.core.recover.grade.freedom import PatternParameters
-from garmentq.core.scan.contours import Target
+from garmentq.core.recover.grade.proportion import find_proportions
+from garmentq.core.recover.grade.sliding import SlideSettings, slide_seams
+from garmentq.core.scan.contours.target import Target
 
 
 @pytest.fixture(scope="module")

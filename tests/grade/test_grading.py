@@ -6,23 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    check_outline,
-    list_templates,
-    mesh_pattern,
-    panel_area,
-    seam_mismatch,
-)
-from garmentq.core.recover.grade import TemplateMissing, choose_template, grade_pattern, register_coarsely
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import list_templates
+from garmentq.core.garment.validity import check_outline
+from garmentq.core.recover.grade.choice import TemplateMissing, choose_template
+from garmentq.core.recover.grade.grading import grade_pattern
+from garmentq.core.recover.grade.registration import register_coarsely
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
-from garmentq.core.scan.contours import Contour, Target, find_loops
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target
 
 WIDTH, HEIGHT, TOP = 0.4, 0.5, 1.0
 

@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import load_draped_template, load_template, panel_area
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.recover.grade import share_by_hems
-from garmentq.core.scan.contours import Target
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.templates import load_draped_template, load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.recover.grade.hem_corners import share_by_hems
+from garmentq.core.scan.contours.target import Target
 
 FLARE = 1.25
 """By how much the hem is made wider: its side seams then slant by 9 degrees, so that it turns by 18 at their ends."""

@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import mesh_pattern
-from garmentq.core.garment.parts import CUTS, Cut, Gores, Skirt, draft_cut
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.garment.parts.cut import Cut, Gores, Skirt
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.grade.hem_gores import HemGores, find_gores
-from garmentq.core.scan.contours import Contour, Target
 from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target
 from standing_gores import stand_gores
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import edge_points, load_template
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.curves import edge_points
 from garmentq.core.garment.neckline_fit import (
     MAX_NONROUND_MISFIT_SHARE,
     MIN_V_TURN_ANGLE,
@@ -16,10 +16,14 @@ from garmentq.core.garment.neckline_fit import (
     _Turns,
     fit_necklines,
 )
-from garmentq.core.garment.parts import Neckline, NecklineCut, corner_turn, neckline_points
-from garmentq.core.geometry import rim_turns
-from garmentq.core.recover.grade import choose_cut, find_proportions
-from garmentq.core.scan.contours import Contour, Target, unroll_neck
+from garmentq.core.garment.parts.cut import Neckline
+from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import rim_turns
+from garmentq.core.recover.grade.choice import choose_cut
+from garmentq.core.recover.grade.proportion import find_proportions
+from garmentq.core.scan.contours.neck import unroll_neck
+from garmentq.core.scan.contours.target import Contour, Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Garment,
-    Panel,
-    Pattern,
-    Seam,
-    equalise_seams,
-    load_template,
-    mesh_pattern,
-    panel_area,
-    seam_mismatch,
-)
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.garment import Garment
 from garmentq.core.garment.handles import handles_of, list_curves, with_handles
-from garmentq.core.recover.fit import seam_null_space
-from garmentq.core.recover.grade import area_growth, find_proportions
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.seams import equalise_seams, seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.recover.fit.shape import seam_null_space
 from garmentq.core.recover.grade.compared_area import ComparedArea
 from garmentq.core.recover.grade.flattening import fit_control_points
 from garmentq.core.recover.grade.parts import find_armhole_pairs, find_parts
+from garmentq.core.recover.grade.proportion import area_growth, find_proportions
 from garmentq.core.recover.grade.registration import bending_operators
 
 SIDE = 0.3

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import EdgeRef, load_draped_template, load_template, mesh_pattern
-from garmentq.core.recover.grade import TrunkCurvature, seen_seams
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.pattern import EdgeRef
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_draped_template, load_template
+from garmentq.core.recover.grade import seen_seams
 from garmentq.core.recover.grade.seen_seams import find_seen_seams
 from garmentq.core.recover.grade.shoulder_points import find_shoulder_points
+from garmentq.core.recover.grade.trunk_curvature import TrunkCurvature
 from garmentq.core.recover.grade.waist_seam import WaistLine
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

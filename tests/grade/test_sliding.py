@@ -6,25 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Garment,
-    Panel,
-    Pattern,
-    Seam,
-    mesh_pattern,
-    panel_area,
-    resample,
-    seam_mismatch,
-)
-from garmentq.core.geometry import face_areas, vertex_normals
-from garmentq.core.recover.grade import SlideSettings, slide_seams, sliding
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.resampling import resample
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.geometry import face_areas, vertex_normals
+from garmentq.core.recover.grade import sliding
+from garmentq.core.recover.grade.sliding import SlideSettings, slide_seams
 from garmentq.core.recover.grade.strain import subgrid_stretch
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
-from garmentq.core.scan.contours import Contour, Target, find_loops
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target
 
 SIDE, FLARE, TOP, SKIRT, HEIGHT = 0.22, 0.34, 0.2, 0.3, 1.0
 """Side of the box, side of the hem, heights of box and slope, height of the waist over the floor [m]."""

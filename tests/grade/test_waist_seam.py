@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import find_cut
-from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.recover.grade import TrunkCurvature
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.templates import find_cut
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.recover.grade.trunk_curvature import TrunkCurvature
 from garmentq.core.recover.grade.waist_seam import find_waist_line, has_curved_waist, sew_waist
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 BODY = builtin_body("builtin:female,height=1.70")
 

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Pattern, load_template, panel_outline, write_pattern
-from garmentq.core.geometry import ClosedCurve
-from garmentq.core.judge import compare_patterns
-from garmentq.core.judge.comparison import PairsBad, compare_files
+from garmentq.core.garment.curves import panel_outline
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.judge.comparison import PairsBad, compare_files, compare_patterns
 from garmentq.service.matching import PairsUnreadable, read_pairs
 
 

@@ -7,12 +7,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
-from garmentq.core.garment.parts import CUTS, draft_cut
-from garmentq.core.geometry import ClosedCurve, vertex_normals
-from garmentq.core.judge import evaluate_gates, measure_contour_shapes, measure_plausibility
-from garmentq.core.scan.contours import Contour, Target, find_loops
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.contour_shape import measure_contour_shapes
+from garmentq.core.judge.gates import evaluate_gates
+from garmentq.core.judge.plausibility import measure_plausibility
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour, Target
 from standing_gores import stand_gores
 
 BODY = builtin_body("builtin:female,height=1.70")

@@ -6,21 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth import Fabric
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, polygon_width
-from garmentq.core.judge import (
-    TruePanel,
-    TruePattern,
-    TrueSeam,
-    is_same_cut,
-    match_panels,
-    measure_panels,
-    measure_pattern,
-    measure_seams,
-    turning_distance,
-    unmatched_panels,
-)
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.polygon import polygon_width
+from garmentq.core.judge.matching import is_same_cut, match_panels
 from garmentq.core.judge.outlines import outline_rms
+from garmentq.core.judge.patterns import measure_panels, measure_pattern, measure_seams, unmatched_panels
+from garmentq.core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
+from garmentq.core.judge.turning import turning_distance
 from garmentq.core.recover.truth import measure_fabric
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

@@ -9,30 +9,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.judge import (
-    SCAN_STATES,
-    Outcome,
-    RawFile,
-    degrade_scan,
-    find_edges,
-    find_frame,
-    judge_outcome,
-    measure_borders,
-    measure_calibration,
-    measure_labels,
-    measure_true_body,
-    measure_visible,
+from garmentq.core.judge.packs import read_mesh_file, read_packs
+from garmentq.core.judge.raw_borders import find_edges, measure_borders
+from garmentq.core.judge.raw_file import RawFile, read_raw_file, write_raw_file
+from garmentq.core.judge.raw_frame import find_frame
+from garmentq.core.judge.raw_labels import measure_calibration, measure_labels
+from garmentq.core.judge.raw_outcome import Outcome, judge_outcome
+from garmentq.core.judge.raw_packs import (
     read_cover,
     read_garment_pattern,
-    read_mesh_file,
-    read_packs,
-    read_raw_file,
     read_raw_packs,
     read_true_labels,
     read_visible,
-    write_raw_file,
 )
-from garmentq.core.people import Part
+from garmentq.core.judge.raw_shape import measure_true_body, measure_visible
+from garmentq.core.judge.raw_states import SCAN_STATES, degrade_scan
+from garmentq.core.people.part import Part
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan.raw import RawScan
 from garmentq_raw_pack import dress, make_raw_pack, sheet
@@ -247,7 +239,7 @@ PACKS = Path(__file__).parents[3] / "shared" / "targets_raw"
 @pytest.mark.skipif(not (PACKS / "score_raw.py").is_file(), reason="the raw packs and their scorer are not here")
 def test_the_packs_own_scorer_finds_the_same(tmp_path: Path) -> None:
     """Broken where our measures are defined otherwise than the packs' scorer has them."""
-    from garmentq.core.deliver.export import write_ply
+    from garmentq.core.deliver.export.meshes import write_ply
 
     pack = read_raw_packs(PACKS, ("raw_tuck_cm_zup",))[0]
     truth, rng = read_true_labels(pack), np.random.default_rng(0)

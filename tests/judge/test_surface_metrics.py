@@ -7,21 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, penetration_depth
+from garmentq.core.body.exposed import ExposedSurface, penetration_depth
 from garmentq.core.garment.meshes import Meshes
-from garmentq.core.geometry import (
-    TriangleSurface,
-    corner_angles,
-    deformation_gradients,
-    principal_stretches,
-    vertex_normals,
-)
-from garmentq.core.judge import Reference, measure_distance, measure_fit, transfer_contours
+from garmentq.core.geometry.geometry import corner_angles, deformation_gradients, principal_stretches, vertex_normals
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.judge.chamfer import MAX_QUERY_VERTEX_COUNT, VertexCloud, chamfer_and_normals, meshing_floor
-from garmentq.core.judge.contours import contour_rms, loop_rms
-from garmentq.core.judge.fit import count_flipped
+from garmentq.core.judge.contours import contour_rms, loop_rms, transfer_contours
+from garmentq.core.judge.fit import Reference, count_flipped, measure_distance, measure_fit
 from garmentq.core.judge.penetration import measure_penetration
-from garmentq.core.scan.contours import Contour, find_loops
+from garmentq.core.scan.contours.loop import find_loops
+from garmentq.core.scan.contours.target import Contour
 
 
 def grid(count: int = 20, width: float = 1.0) -> tuple[np.ndarray, np.ndarray]:

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import evaluate_gates, measure_upright, measure_wear
-from garmentq.core.scan.contours import Contour, Target
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.gates import evaluate_gates
+from garmentq.core.judge.wear import measure_upright, measure_wear
+from garmentq.core.scan.contours.target import Contour, Target
 
 AROUND, ROWS = 60, 30
 

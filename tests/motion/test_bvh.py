@@ -6,10 +6,15 @@ import sys
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.body.motion import MotionBad, MotionForeign, MotionTooLarge, MovingBody, Pose, load_motion, retarget
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.motion.bvh import pose_skeleton
 from garmentq.core.body.motion.bvh_text import parse_bvh
+from garmentq.core.body.motion.errors import MotionBad, MotionForeign, MotionTooLarge
+from garmentq.core.body.motion.moving_body import MovingBody
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.retarget import retarget
+from garmentq.core.body.motion.track import Pose
 from scipy.spatial.transform import Rotation
 
 LEG = "OFFSET {x} 0 0\nCHANNELS 3 {order}\nJOINT {side}{knee} {{\nOFFSET 0 -40 0\nCHANNELS 3 {order}\n" \

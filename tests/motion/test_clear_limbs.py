@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.body.motion import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, MovingBody, Pose, Track, clear_limbs
-from garmentq.core.body.motion.clear_limbs import spread_limbs
+from garmentq.core.body.motion.clear_limbs import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, clear_limbs, spread_limbs
+from garmentq.core.body.motion.moving_body import MovingBody
+from garmentq.core.body.motion.track import Pose, Track
 from scipy.spatial.transform import Rotation
 
 ARM = list(LIMB_GROUPS).index("left arm")

@@ -7,8 +7,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.body.motion import MovingBody, load_motion, retarget
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.motion.moving_body import MovingBody
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.retarget import retarget
 
 from .foreign import (
     FRAMES,

@@ -6,18 +6,14 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.body.builtin import named_pose
-from garmentq.core.body.motion import (
-    SHIPPED_MOTIONS,
-    LeadIn,
-    MotionBad,
-    MovingBody,
-    Pose,
-    find_shipped_motion,
-    load_motion,
-    retarget,
-)  # fmt: skip
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body, named_pose
+from garmentq.core.body.motion.errors import MotionBad
+from garmentq.core.body.motion.moving_body import MovingBody
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.retarget import retarget
+from garmentq.core.body.motion.shipped import SHIPPED_MOTIONS, find_shipped_motion
+from garmentq.core.body.motion.track import LeadIn, Pose
 from garmentq.core.body.template import rotations_of
 from scipy.spatial.transform import Rotation
 

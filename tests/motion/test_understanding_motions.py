@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.body.motion import MotionBad, MotionForeign, load_motion, retarget
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.motion.errors import MotionBad, MotionForeign
 from garmentq.core.body.motion.joint_words import Part, name_part, split_name
+from garmentq.core.body.motion.read import load_motion
+from garmentq.core.body.motion.retarget import retarget
 from scipy.spatial.transform import Rotation
 
 from .foreign import FRAMES, TO_Z_UP, make_reference, still, turn_axes, write_bvh

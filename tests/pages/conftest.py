@@ -18,13 +18,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
 
 from api_client import address, serving  # noqa: F401
-from garmentq.core.body import builtin_body
-from garmentq.core.deliver.export import write_recovery
-from garmentq.core.garment import load_draped_template
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.deliver.export.result import write_recovery
 from garmentq.core.garment.meshes import Meshes
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.recovery import Recovery
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
@@ -119,7 +119,7 @@ def open_site(folder: Path, blank_database: Path, make_recovery, write_once) -> 
     home = folder / "home"
     home.mkdir(mode=0o700)
     shutil.copy(blank_database, home / "garmentq.db")
-    services = open_services(make_settings(home, writer="garmentq.core.deliver.export:write_recovery"))
+    services = open_services(make_settings(home, writer="garmentq.core.deliver.export.result:write_recovery"))
 
     def keep(name: str, recovery=None) -> str:
         recovery = recovery or make_recovery()

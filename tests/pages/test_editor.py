@@ -7,7 +7,9 @@ import json
 import numpy as np
 import pytest
 from editor_page import Editor, lengths, moved
-from garmentq.core.garment import find_symmetry, read_pattern, seam_mismatch
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.symmetry import find_symmetry
 from garmentq.core.garment.templates import load_template
 
 MM = 1e-3

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.garment import load_draped_template, read_pattern, seam_mismatch
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.jobs import find_job
 from garmentq.service.keys import create_key, grant_job

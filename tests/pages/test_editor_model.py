@@ -6,8 +6,11 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.garment import Edge, find_symmetry, load_pattern, read_pattern, seam_mismatch
 from garmentq.core.garment.curves import split_edge, unit_length, unit_points
+from garmentq.core.garment.garmentcode import load_pattern, read_pattern
+from garmentq.core.garment.pattern import Edge
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.symmetry import find_symmetry
 from garmentq.core.garment.templates import LIBRARY
 
 EDGES = 1000

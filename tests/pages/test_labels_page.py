@@ -10,14 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.deliver.export.person import write_person
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import PARTS, LabelledPerson, Part
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.people.colours import COLOURS
 from garmentq.core.people.given import PersonFiles, read_person_input
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.separate import expand_to_file
-from garmentq.core.scan import RawScan, load_raw
+from garmentq.core.people.separation import LabelledPerson
+from garmentq.core.scan.load_raw import load_raw
+from garmentq.core.scan.raw import RawScan
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request
 from garmentq.service.kinds.person import Person

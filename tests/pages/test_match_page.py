@@ -9,8 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.garment import load_template, save_pattern
-from garmentq.core.judge import compare_patterns
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.templates import load_template
+from garmentq.core.judge.comparison import compare_patterns
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ import trimesh
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.deliver.ply import read_ply
 from garmentq.core.deliver.texture.lookup import UNSEEN_COLOUR
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import load_worn
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.wear.worn import load_worn
 
 pytestmark = pytest.mark.nightly  # the recovery takes 5 to 10 s of CPU time, and 25 s where nothing is compiled yet
 

@@ -12,7 +12,7 @@ import pytest
 from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.deliver.export.point_caches import write_pc2
 from garmentq.core.deliver.ply import read_ply
-from garmentq.core.reuse.wear import load_worn
+from garmentq.core.reuse.wear.worn import load_worn
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.recover_request import PERSON

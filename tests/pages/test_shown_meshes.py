@@ -9,19 +9,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Drape, Outcome, get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
 from garmentq.core.deliver.export.animation import write_animation_result
 from garmentq.core.deliver.export.dressed import write_dressed
 from garmentq.core.deliver.export.edited import write_edited
 from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.deliver.export.outfit import write_outfit
 from garmentq.core.deliver.export.stored_result import load_result
-from garmentq.core.garment import load_draped_template
-from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.animate import AnimatedGarment, Animation, FrameVerdict
-from garmentq.core.reuse.edit import drape_edit
-from garmentq.core.reuse.wear import DressedGarment, DressedOutfit, WornGarment, judge_wear, measure_ease, measure_worn
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
+from garmentq.core.reuse.animate.moved import AnimatedGarment
+from garmentq.core.reuse.edit.redraping import drape_edit
+from garmentq.core.reuse.wear.dressing import DressedGarment, measure_worn
+from garmentq.core.reuse.wear.ease import measure_ease
+from garmentq.core.reuse.wear.outfit import DressedOutfit
+from garmentq.core.reuse.wear.verdicts import judge_wear
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.run.report import ResultReport

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.people import PARTS, Part
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.bare_chest import bare_chest_probability
 from garmentq.core.people.colour import link_alike, use_colours
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.features import Features, describe_points
 from garmentq.core.people.outfit import above_waist_probability, rank_outfits
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.points import sample_person
 from garmentq.core.people.rules import predict_by_rules
 from garmentq.core.people.tone import skin_evidence

@@ -6,11 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.garment import load_draped_template
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.people.capped import cut_part, find_hem_cap
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import name_contours
+from garmentq.core.scan.contours.contours import name_contours
+from garmentq.core.scan.scan import Scan
 from scipy.spatial import Delaunay
 
 AROUND = 72

@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.people import PARTS, Part
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.cloths import overlap_of_cloths
 from garmentq.core.people.coat import Coat, find_coat, open_evidence
 from garmentq.core.people.colour import link_alike
@@ -18,6 +18,7 @@ from garmentq.core.people.features import describe_points
 from garmentq.core.people.front import find_path
 from garmentq.core.people.looseness import loose_evidence, measure_looseness
 from garmentq.core.people.outfit import above_waist_probability, condition_on_outfit, rank_outfits
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.points import sample_person
 from garmentq.core.people.rules import WaistShown, waist_evidence
 from garmentq.core.scan.raw import RawScan

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.people import PARTS, Part
 from garmentq.core.people.depth import HANGING, HELD, LEG, LOOSE, TIGHT, Excess, find_depth
 from garmentq.core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES
 from garmentq.core.people.limbs import BodyPlace, Limb
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.separate import to_point_weights
 from garmentq.training.depth import measure_excess
 from garmentq.training.describe import Described

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.geometry.point_normals import denoise_normals, orient_normals
 from garmentq.core.people.features import FEATURE_LENGTH_SCALE, FEATURE_NAMES, describe_points
 from garmentq.core.people.limbs import Limb, closest_in_triangles, place_on_body

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from garmentq.core.body import Body, builtin_body
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.features import describe_points
 from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.points import sample_person

@@ -9,8 +9,8 @@ from hashlib import sha256
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.people import PARTS, Part
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.features import Features, describe_points
 from garmentq.core.people.learnt import (
     KINDS,
@@ -22,6 +22,7 @@ from garmentq.core.people.learnt import (
     parts_to_kinds,
     predict_by_networks,
 )
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.points import PersonPoints, sample_person
 from garmentq.core.people.rules import tell_by_rules
 from garmentq.core.scan.raw import RawScan

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.deliver.export.person import write_segmented
-from garmentq.core.people import PARTS
 from garmentq.core.people.labels import read_parts, write_labels
 from garmentq.core.people.mend import LabelsOld, apply_corrected_labels
+from garmentq.core.people.part import PARTS
 from garmentq.core.people.separate import expand_to_file
-from garmentq.core.scan import Limits, load_raw
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.refusal import LabelsMismatch
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.people import GARMENTS, PARTS, Part
 from garmentq.core.people.colour import fit_colours, is_painted, to_lab
 from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence
 from garmentq.core.people.crumbs import relabel_small_pieces
@@ -13,10 +12,11 @@ from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
 from garmentq.core.people.labels import has_names, read_parts, write_labels
 from garmentq.core.people.outfit import condition_on_outfit, marginalise_outfits, outfit_probabilities, rank_outfits
+from garmentq.core.people.part import GARMENTS, PARTS, Part
 from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit
-from garmentq.core.scan import LabelsUnreadable
-from garmentq.core.scan.contours import Contour
 from garmentq.core.scan.contours.legs import split_legs
+from garmentq.core.scan.contours.target import Contour
+from garmentq.core.scan.refusal import LabelsUnreadable
 
 UP = np.array([0.0, 1.0, 0.0])
 

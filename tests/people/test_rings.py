@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.geometry import TriangleSurface
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.people.evidence import WAIST_BEND_COST, WARMTH, find_rings, find_spans
 from garmentq.core.people.features import describe_points
 from garmentq.core.people.limbs import Limb

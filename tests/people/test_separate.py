@@ -11,17 +11,18 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 from garmentq.cli.main import group
-from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.presence import SeveralPersons
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import Part
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.people.garments import PartNotWorn, build_person_surface, extract_garment
 from garmentq.core.people.given import PersonFiles, read_person_input
 from garmentq.core.people.hints import Hints
 from garmentq.core.people.labels import has_names, read_parts
+from garmentq.core.people.part import Part
 from garmentq.core.people.separate import label_person
 from garmentq.core.people.separation import LabelledPerson
-from garmentq.core.scan.contours import segment_garment
+from garmentq.core.scan.contours.garment import segment_garment
 from garmentq.core.scan.raw import RawScan
 from shells import BODY, dress_in_shells
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.body import JOINTS, PersonFit, refit_person
+from garmentq.core.body.body import JOINTS
 from garmentq.core.body.fit import FitState
+from garmentq.core.body.person import PersonFit, refit_person
 from garmentq.core.body.registration import body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import PARTS, Part
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.people.part import PARTS, Part
 from garmentq.core.people.separate import to_point_weights
 
 TEMPLATE = load_template()

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
-from garmentq.core.people import CLOTH, PARTS, Part
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.colour import SURE, find_strays, link_alike, use_colours
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.features import Features, describe_points
+from garmentq.core.people.part import CLOTH, PARTS, Part
 from garmentq.core.people.points import PersonPoints, sample_person
 from garmentq.core.people.prior import scalp, scalp_hair_probability
 from garmentq.core.people.rules import predict_by_rules

@@ -9,22 +9,22 @@ import numpy as np
 import pypdfium2
 import pytest
 import shapely
-from garmentq.core.deliver.formats import DIALECTS, ExportOptions, find_paper
 from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text, write_archive
 from garmentq.core.deliver.formats.layered_svg import pieces_svg
+from garmentq.core.deliver.formats.options import ExportOptions
+from garmentq.core.deliver.formats.papers import find_paper
 from garmentq.core.deliver.formats.pdf_file import Page, pdf_bytes
+from garmentq.core.deliver.formats.registry import DIALECTS
 from garmentq.core.deliver.formats.sheet import arrange_pieces
 from garmentq.core.deliver.formats.tiled_pdf import TILE_MARGIN_MM, draw_sheet, pieces_pdf, roll_page, tile_pieces
-from garmentq.core.garment import Edge, Panel, Pattern, edge_length, list_templates, load_template
-from garmentq.core.garment.pieces import (
-    PieceSettings,
-    Style,
-    flatten_outline,
-    lay_on_cloth,
-    make_pieces,
-    read_allowances,
-)
+from garmentq.core.garment.curves import edge_length
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.pieces.allowance import read_allowances
+from garmentq.core.garment.pieces.flatten import flatten_outline
+from garmentq.core.garment.pieces.layout import lay_on_cloth
+from garmentq.core.garment.pieces.make import PieceSettings, Style, make_pieces
+from garmentq.core.garment.templates import list_templates, load_template
 from garmentq.core.run.errors import GarmentqError
 from garmentq_pieces import TEMPLATES, pieces_of
 from pypdf import PdfReader

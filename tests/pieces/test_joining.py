@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.garment import load_template
 from garmentq.core.garment.pieces.joining import join_halves
+from garmentq.core.garment.templates import load_template
 
 SLOPE = 0.3
 """Slope of a top seam against the warp that a recovery may leave, 17 degrees."""

@@ -7,9 +7,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from garmentq.core.deliver.formats.marker import marker_svg
-from garmentq.core.garment import load_template
-from garmentq.core.garment.pieces import CLOTH_WIDTH, PieceSettings, lay_on_cloth, make_pieces, nest_on_cloth, nesting
-from garmentq.core.garment.pieces.layout import CLOTH_GAP, list_copies
+from garmentq.core.garment.pieces import nesting
+from garmentq.core.garment.pieces.layout import CLOTH_GAP, CLOTH_WIDTH, lay_on_cloth, list_copies
+from garmentq.core.garment.pieces.make import PieceSettings, make_pieces
+from garmentq.core.garment.pieces.nesting import nest_on_cloth
+from garmentq.core.garment.templates import load_template
 from shapely import Polygon
 
 

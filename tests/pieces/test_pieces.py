@@ -2,26 +2,14 @@
 
 import numpy as np
 import pytest
-from garmentq.core.garment import (
-    Edge,
-    EdgeRef,
-    Panel,
-    Pattern,
-    Seam,
-    edge_length,
-    edge_points,
-    load_template,
-)
-from garmentq.core.garment.pieces import (
-    TURNED_UP_EDGE_USES,
-    AllowanceBad,
-    EdgeUse,
-    PieceSettings,
-    flatten_edge,
-    flatten_outline,
-    make_pieces,
-    read_allowances,
-)
+from garmentq.core.garment.curves import edge_length, edge_points
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.garment.pieces.allowance import read_allowances
+from garmentq.core.garment.pieces.errors import AllowanceBad
+from garmentq.core.garment.pieces.flatten import flatten_edge, flatten_outline
+from garmentq.core.garment.pieces.make import PieceSettings, make_pieces
+from garmentq.core.garment.pieces.piece import TURNED_UP_EDGE_USES, EdgeUse
+from garmentq.core.garment.templates import load_template
 from garmentq_pieces import TEMPLATES, pieces_of
 from shapely import LineString, Point, Polygon
 

@@ -6,14 +6,19 @@ import json
 
 import numpy as np
 import pytest
-from garmentq.core.body import MeasureRange, TapeMeasure, builtin_body, resize_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.girths import TapeMeasure
+from garmentq.core.body.measured import MeasureRange
+from garmentq.core.body.resizing import resize_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export import sizes as written_sizes
-from garmentq.core.deliver.formats import ExportOptions, Production, write_production
 from garmentq.core.deliver.formats.grading import grade_sizes
+from garmentq.core.deliver.formats.options import ExportOptions
+from garmentq.core.deliver.formats.production import Production, write_production
 from garmentq.core.deliver.formats.size_drapes import drape_size
-from garmentq.core.recover.drape import measure_wearer
-from garmentq.core.reuse.wear import WornGarment, is_valid_drape, load_worn_template
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.reuse.wear.dressing import is_valid_drape
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
 from garmentq.core.run.report import ResultReport
 from PIL import Image
 

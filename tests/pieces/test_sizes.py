@@ -8,13 +8,17 @@ import ezdxf
 import numpy as np
 import pytest
 from garmentq.cli.sizes import read_sizes
-from garmentq.core.deliver.formats import ExportOptions, SizeLine, SizesBad
 from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text
+from garmentq.core.deliver.formats.errors import SizesBad
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.nest import find_rules, nest_pdf
-from garmentq.core.garment import BodyMeasures, Edge, Panel, Pattern, load_template, seam_mismatch
-from garmentq.core.garment.pieces import make_pieces
+from garmentq.core.deliver.formats.options import ExportOptions, SizeLine
+from garmentq.core.garment.measures import BodyMeasures
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.pieces.make import make_pieces
+from garmentq.core.garment.seams import seam_mismatch
+from garmentq.core.garment.templates import load_template
 from garmentq_pieces import TEMPLATES
 from pypdf import PdfReader
 

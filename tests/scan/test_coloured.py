@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.sandbox import ReaderCrashed
-from garmentq.core.scan import Limits
 from garmentq.core.scan.coloured import ColouredScan, ColoursMissing, _check, load_coloured
+from garmentq.core.scan.limits import Limits
 from PIL import Image
 
 INSIDE = Limits(is_confined=True)

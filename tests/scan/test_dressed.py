@@ -10,19 +10,23 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.judge import evaluate_gates
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.judge.gates import evaluate_gates
 from garmentq.core.people.wearer import FoundWearer, fit_wearer
 from garmentq.core.recover.inputs import read_files
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings, SettingsBad
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.verdict import Verdict
-from garmentq.core.scan import Scan, ScanInput, Selection, cut_garment, load_scan_input, select_vertices
-from garmentq.core.scan.contours import find_loops, segment_garment, smoothed_length
+from garmentq.core.scan.contours.garment import segment_garment
+from garmentq.core.scan.contours.loop import find_loops, smoothed_length
 from garmentq.core.scan.contours.rounded_rims import straighten_scan
-from garmentq.core.scan.selection import select_other_cloth
+from garmentq.core.scan.cut import cut_garment
+from garmentq.core.scan.pieces import ScanInput, load_scan_input
+from garmentq.core.scan.scan import Scan
+from garmentq.core.scan.selection import Selection, select_other_cloth, select_vertices
 
 GAP = 0.015
 """Distance of the cloth from the skin at the waist [m]; on the shoulders, where clothes rest, it is a fifth of that."""

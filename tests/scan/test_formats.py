@@ -5,10 +5,11 @@ import hashlib
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.geometry import HalfEdges
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.connectivity import HalfEdges
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import find_units, find_up, load_pair, load_scan
+from garmentq.core.scan.load import load_pair, load_scan
+from garmentq.core.scan.units import find_units, find_up
 
 
 def shirt():

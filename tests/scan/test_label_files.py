@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Limits, read_labels
+from garmentq.core.scan.labels import read_labels
+from garmentq.core.scan.limits import Limits
 
 LABELS = np.array([0, 1, 1, 0, 2])
 

@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.scan import Limits, load_raw, load_scan
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.scan.coloured import load_coloured
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load import load_scan
+from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.parse import parse
 from PIL import Image
 

@@ -28,7 +28,8 @@ MEMORY, SECONDS = 4 << 30, 60
 
 def make_files() -> dict[str, bytes]:
     """Return one small valid file of each kind, by its name."""
-    from garmentq.core.garment import load_template, write_pattern
+    from garmentq.core.garment.garmentcode_writer import write_pattern
+    from garmentq.core.garment.templates import load_template
 
     from ..motion.foreign import make_reference, name_plainly, write_bvh
 
@@ -85,11 +86,11 @@ def mutate(content: bytes, random: np.random.Generator) -> bytes:
 
 def read(path: Path) -> None:
     """Read a file as the job's first stage does."""
-    from garmentq.core.body.motion import load_motion
+    from garmentq.core.body.motion.read import load_motion
     from garmentq.core.body.smpl import load_smpl
-    from garmentq.core.garment import load_pattern
-    from garmentq.core.scan import Limits
+    from garmentq.core.garment.garmentcode import load_pattern
     from garmentq.core.scan.labels import read_labels
+    from garmentq.core.scan.limits import Limits
     from garmentq.core.scan.load import load_scan
     from garmentq.core.scan.load_raw import load_raw
 

@@ -11,10 +11,12 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 from garmentq.cli.inspect import command as inspect
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.given import PersonInput, describe_person_input
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Limits, load_raw, load_scan
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load import load_scan
+from garmentq.core.scan.load_raw import load_raw
 
 INSIDE = Limits(is_confined=True)
 """Parsing here: a process for each file would take most of the time."""

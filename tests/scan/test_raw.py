@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Limits, load_raw
 from garmentq.core.scan.clean import _stands_beside
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.scan.parse import parse
 from hypothesis import HealthCheck, given, settings

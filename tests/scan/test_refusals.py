@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan import Limits, load_pair, load_scan
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load import load_pair, load_scan
 
 
 def tube(radius=0.2, height=0.6, around=24, rows=13):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.geometry import HalfEdges
+from garmentq.core.geometry.connectivity import HalfEdges
 from garmentq.core.scan.refusal import PiecesTooMany
 from garmentq.core.scan.repair import (
     MAX_MESH_PIECE_COUNT,

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.geometry import TriangleSurface
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.geometry.point_normals import find_normals, orient_normals, thin_points
-from garmentq.core.scan import RawScan, reconstruct, thin_raw_scan
-from garmentq.core.scan.reconstruct import SurfaceFailed, measure_spacing
+from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.scan.raw import RawScan
+from garmentq.core.scan.reconstruct import SurfaceFailed, measure_spacing, reconstruct
+from garmentq.core.scan.thin import thin_raw_scan
 
 BODY = builtin_body("builtin:female,height=1.70")
 MESH = trimesh.Trimesh(BODY.vertices, BODY.faces, process=False)

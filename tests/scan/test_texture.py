@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.scan import Limits, load_raw
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load_raw import load_raw
 from garmentq.core.scan.texture import TextureBad, open_image, sample_image
 from PIL import Image
 

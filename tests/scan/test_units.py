@@ -9,11 +9,15 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.cli.main import COMMANDS, group
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.units import METRIC, UNITS, UnitName
-from garmentq.core.scan import Limits, Selection, load_pair, load_raw, load_scan, load_scan_input
 from garmentq.core.scan.coloured import load_coloured
+from garmentq.core.scan.limits import Limits
+from garmentq.core.scan.load import load_pair, load_scan
+from garmentq.core.scan.load_raw import load_raw
+from garmentq.core.scan.pieces import load_scan_input
+from garmentq.core.scan.selection import Selection
 from garmentq.service.api.inspection import InspectionQuery
 from garmentq.service.api.schemas import ALLOWED
 

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body.spec import BuiltinWearer
-from garmentq.core.cloth import get_fabric, write_fabrics
-from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.cloth.fabric_file import write_fabrics
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.garmentcode_writer import save_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.run.errors import BadInput, GarmentqError, NotFound
 from garmentq.service import records

@@ -9,9 +9,10 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.reading import load_reading, save_reading
+from garmentq.core.garment.templates import load_template
 from garmentq.core.recover.inputs import read_request
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings

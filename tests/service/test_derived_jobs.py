@@ -9,19 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.cli.follow import Wait, follow
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Drape, Outcome, get_fabric, write_fabrics
-from garmentq.core.garment import load_draped_template
-from garmentq.core.garment.pieces import measure_pieces
-from garmentq.core.reuse.wear import (
-    DressedGarment,
-    WornGarment,
-    judge_wear,
-    load_worn,
-    measure_ease,
-    measure_worn,
-    save_worn,
-)
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabric_file import write_fabrics
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.garment.pieces.numbers import measure_pieces
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.wear.dressing import DressedGarment, measure_worn
+from garmentq.core.reuse.wear.ease import measure_ease
+from garmentq.core.reuse.wear.verdicts import judge_wear
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.core.run.report import ResultReport
 from garmentq.service.derived import DerivedOrder, submit_derived
@@ -73,7 +71,7 @@ def quick(monkeypatch):
     def dress(worn, body, fabric, clock):
         now = replace(worn, body=body, fabric=fabric or worn.fabric)
         drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
-        from garmentq.core.recover.drape import WearerGeometry
+        from garmentq.core.recover.drape.wearer import WearerGeometry
 
         ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
         metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
@@ -86,9 +84,9 @@ def quick(monkeypatch):
     def dress_over(worn, under, body, fabric, clock):
         return replace(dress(worn, body, fabric, clock), under=replace(under, body=body))
 
-    monkeypatch.setattr("garmentq.core.reuse.wear.dress_body", dress)
-    monkeypatch.setattr("garmentq.core.reuse.wear.dress_over", dress_over)
-    monkeypatch.setattr("garmentq.core.reuse.wear.make_to_measure", dress)
+    monkeypatch.setattr("garmentq.core.reuse.wear.dressing.dress_body", dress)
+    monkeypatch.setattr("garmentq.core.reuse.wear.over.dress_over", dress_over)
+    monkeypatch.setattr("garmentq.core.reuse.wear.refit.make_to_measure", dress)
 
 
 @REMOTE_BY_DAY
@@ -223,7 +221,7 @@ def test_result_of_an_older_version_is_refused_at_once(backend, queue_job, setti
 @REMOTE_BY_DAY
 def test_only_the_garment_is_read(backend, result, quick, settings, database, monkeypatch):
     """Broken where every mesh and picture of a result is copied for a job that reads one file of it."""
-    from garmentq.core.reuse import wear
+    from garmentq.core.reuse.wear import worn as wear
 
     seen, load = [], wear.load_worn
     monkeypatch.setattr(wear, "load_worn", lambda folder: seen.append(sorted(folder.iterdir())) or load(folder))
@@ -254,11 +252,11 @@ def test_thirty_is_thirty(backend, result):
 @pytest.fixture
 def still(monkeypatch):
     """Let moving take no time: every frame is the garment at rest, but each frame's body is the motion's."""
-    from garmentq.core.reuse.animate import Animation, FrameVerdict
+    from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
 
     def frames(worn, motion, settings, hooks):
-        from garmentq.core.body.motion import MovingBody
-        from garmentq.core.reuse.animate import list_times
+        from garmentq.core.body.motion.moving_body import MovingBody
+        from garmentq.core.reuse.animate.animation import list_times
 
         times = list_times(motion, settings)
         transforms = np.stack([MovingBody(worn.body).transforms(motion.at(float(t))) for t in times])

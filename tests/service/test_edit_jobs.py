@@ -9,11 +9,13 @@ from copy import deepcopy
 from pathlib import Path
 
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.result import write_json
-from garmentq.core.garment import load_draped_template, load_pattern, read_pattern, write_pattern
-from garmentq.core.reuse.wear import WornGarment, load_worn, save_worn
+from garmentq.core.garment.garmentcode import load_pattern, read_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.keys import create_key

@@ -7,17 +7,20 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.deliver.export import write_ply
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.for_programs import read_colours
-from garmentq.core.deliver.formats import FORMATS
-from garmentq.core.garment import Edge, EdgeRef, Panel, Pattern, Seam, load_draped_template, mesh_pattern
+from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.deliver.formats.registry import FORMATS
+from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.reading import Reading, save_reading
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.recovery import Request
-from garmentq.core.reuse.wear import WornGarment, save_worn
+from garmentq.core.reuse.wear.worn import WornGarment, save_worn
 from garmentq.core.run.errors import GarmentqError
-from garmentq.core.scan import Scan, ScanInput
+from garmentq.core.scan.pieces import ScanInput
+from garmentq.core.scan.scan import Scan
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.export_request import find_scan

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import httpx
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import WornGarment, save_worn
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.wear.worn import WornGarment, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.local import LocalBackend

@@ -8,8 +8,8 @@ import os
 import time
 
 import pytest
-from garmentq.core.cloth import Fabric
-from garmentq.core.garment import Edge, Panel, Pattern
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.service import audit
 from garmentq.service.backup import BackupRefused, make_backup, restore_backup
 from garmentq.service.deletion import delete_jobs, find_old_families

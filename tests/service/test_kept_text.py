@@ -16,10 +16,12 @@ from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.body.motion.errors import MotionBad
 from garmentq.core.body.motion.keys import read_keys
 from garmentq.core.cloth.fabric_file import FabricFileBad, read_fabrics
-from garmentq.core.garment import load_template, read_pattern, write_pattern
 from garmentq.core.garment.errors import PatternValueBad
+from garmentq.core.garment.garmentcode import read_pattern
+from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.garment.pieces.allowance import read_allowances
 from garmentq.core.garment.pieces.errors import AllowanceBad
+from garmentq.core.garment.templates import load_template
 from garmentq.core.run.text import TextBad, has_unstorable_text, read_json
 from garmentq.core.scan.labels import read_labels
 from garmentq.core.scan.refusal import LabelsUnreadable

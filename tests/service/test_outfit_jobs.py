@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Drape, Outcome, get_fabric
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import WornGarment, load_worn, save_worn
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job

@@ -6,8 +6,8 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from garmentq.core.cloth import FabricEstimate
-from garmentq.core.judge import summarise_estimates
+from garmentq.core.cloth.fabric import FabricEstimate
+from garmentq.core.judge.knowledge import summarise_estimates
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from garmentq.core.body import JOINTS, skin
+from garmentq.core.body.body import JOINTS
 from garmentq.core.body.presence import find_hair_vertices
+from garmentq.core.body.skinning import skin
 from garmentq.core.body.template import Template, articulate, rotations_of, transforms_of
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.geometry.geometry import vertex_normals
 
 SKIN, HAIR, SHOES, UPPER, LOWER, ONE_PIECE, OUTER = 0, 1, 2, 10, 11, 12, 13
 

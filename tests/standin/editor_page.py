@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.garment import read_pattern
 from garmentq.core.garment.curves import edge_length
+from garmentq.core.garment.garmentcode import read_pattern
 
 
 class Editor:

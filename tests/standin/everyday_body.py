@@ -5,7 +5,8 @@ from __future__ import annotations
 import igl
 import numpy as np
 import trimesh
-from garmentq.core.body import JOINTS, skin
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.skinning import skin
 from garmentq.core.body.template import Template, articulate, rotations_of, transforms_of
 
 NOISE = 2e-3

@@ -16,7 +16,8 @@ from garmentq.core.recover.recovery import Request
 from garmentq.core.run.errors import BadInput
 from garmentq.core.run.hooks import Hooks
 from garmentq.core.run.report import ResultReport
-from garmentq.core.scan import Scan, ScanInput
+from garmentq.core.scan.pieces import ScanInput
+from garmentq.core.scan.scan import Scan
 from garmentq.service.kinds import RunContext
 from garmentq.service.kinds.person_found import PersonFound
 from garmentq.service.kinds.person_request import PersonRequest

@@ -5,8 +5,10 @@ from __future__ import annotations
 import functools
 
 import pytest
-from garmentq.core.garment import list_templates, load_template
-from garmentq.core.garment.pieces import PieceSet, PieceSettings, Style, make_pieces, read_allowances
+from garmentq.core.garment.pieces.allowance import read_allowances
+from garmentq.core.garment.pieces.make import PieceSettings, Style, make_pieces
+from garmentq.core.garment.pieces.piece import PieceSet
+from garmentq.core.garment.templates import list_templates, load_template
 
 DAILY = ("tshirt", "sleeved_dress", "trousers", "skirt", "jumpsuit")
 """Templates with every kind of edge, seam and piece that there is; the others are cut from the same parts."""

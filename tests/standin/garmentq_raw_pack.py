@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.judge import RawFile, write_raw_file
-from garmentq.core.people import Part
+from garmentq.core.judge.raw_file import RawFile, write_raw_file
+from garmentq.core.people.part import Part
 
 SPACING = 0.01
 """Between neighbours [m]."""

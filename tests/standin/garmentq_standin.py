@@ -16,18 +16,20 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body import Body
-from garmentq.core.cloth import Fabric, get_fabric
-from garmentq.core.garment import Edge, Garment, Panel, Pattern
+from garmentq.core.body.body import Body
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.garment import Garment
 from garmentq.core.garment.meshes import Meshes
-from garmentq.core.garment.pieces import PieceNumbers
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
+from garmentq.core.garment.pieces.numbers import PieceNumbers
 from garmentq.core.recover.recovery import STAGES, Recovery, Request
 from garmentq.core.run.errors import BadInput, Cancelled
 from garmentq.core.run.hooks import Hooks
 from garmentq.core.run.report import ResultReport
 from garmentq.core.run.verdict import Gate, Verdict
-from garmentq.core.scan import Scan
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 
 STEPS = 40
 STEP_SECONDS = 0.1

@@ -6,8 +6,8 @@ from typing import Any
 
 import igl
 import numpy as np
-from garmentq.core.body import Solid
-from garmentq.core.geometry import face_normals
+from garmentq.core.body.solid import Solid
+from garmentq.core.geometry.geometry import face_normals
 
 
 def signed_distance(body: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

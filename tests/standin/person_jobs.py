@@ -10,8 +10,8 @@ from zlib import crc32
 import numpy as np
 import trimesh
 from garmentq.core.deliver.export.person import write_scan_ply, write_segmented
-from garmentq.core.people import Part
 from garmentq.core.people.labels import write_labels
+from garmentq.core.people.part import Part
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.person import Person
 from garmentq.service.kinds.person_found import PersonFound

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from garmentq.core.cloth import Drape, Outcome
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
 
 
 def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.people import LabelledPerson, Part
+from garmentq.core.body.body import JOINTS, Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.people.part import Part
+from garmentq.core.people.separation import LabelledPerson
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.garment import Garment
+from garmentq.core.garment.garment import Garment
 
 
 def stand_gores(garment: Garment) -> np.ndarray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from garmentq.core.body import builtin_body
-from garmentq.core.recover.drape import WearerGeometry
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.recover.drape.wearer import WearerGeometry
 
 WOMAN = "builtin:female,height=1.70"
 """The body the shipped templates were drafted for."""

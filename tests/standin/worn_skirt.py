@@ -6,33 +6,29 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from garmentq.core.body import Body, DistanceGrid
-from garmentq.core.cloth import (
-    Fabric,
-    Pins,
-    Scene,
-    SolveSettings,
-    SteadyRotation,
-    Topology,
-    equilibrium,
-    get_fabric,
-)
-from garmentq.core.garment import (
-    Garment,
-    Pattern,
-    equalise_seams,
-    load_template,
-    panel_area,
-)
-from garmentq.core.geometry import vertex_normals
-from garmentq.core.recover.drape import DrapeSettings, drape_template, waist_loop
-from garmentq.core.recover.fit import (
-    FitScene,
-    ShapeProblem,
-    ShapeSettings,
-    move_pattern,
-)
-from garmentq.core.scan.contours import Target, name_contours
+from garmentq.core.body.body import Body
+from garmentq.core.body.distance import DistanceGrid
+from garmentq.core.cloth.fabric import Fabric
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.scene import Scene, SteadyRotation
+from garmentq.core.cloth.settings import SolveSettings
+from garmentq.core.cloth.statics import equilibrium
+from garmentq.core.cloth.topology import Topology
+from garmentq.core.garment.curves import panel_area
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.pattern import Pattern
+from garmentq.core.garment.seams import equalise_seams
+from garmentq.core.garment.templates import load_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
+from garmentq.core.recover.drape.waist import waist_loop
+from garmentq.core.recover.fit.scene import FitScene
+from garmentq.core.recover.fit.settings import ShapeSettings
+from garmentq.core.recover.fit.shape import ShapeProblem
+from garmentq.core.recover.grade.grading import move_pattern
+from garmentq.core.scan.contours.contours import name_contours
+from garmentq.core.scan.contours.target import Target
 from wearers import find_wearer
 
 FINE = SolveSettings(max_iterations=150)

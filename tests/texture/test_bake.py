@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.deliver.export.sewn_mesh import square_layout
-from garmentq.core.deliver.texture import bake_texture, find_texels
-from garmentq.core.deliver.texture.bake import TexelBad, check_texel
-from garmentq.core.garment import Garment, load_draped_template
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.deliver.texture.bake import TexelBad, bake_texture, check_texel
+from garmentq.core.deliver.texture.texels import find_texels
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.scan.coloured import ColouredScan
 from garmentq.core.scan.texture import sample_image
 

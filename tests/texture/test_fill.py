@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.deliver.texture import fill_gaps
+from garmentq.core.deliver.texture.fill import fill_gaps
 
 
 def test_known_texels_stay_and_a_constant_is_filled_by_itself() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body.template import load_template
-from garmentq.core.people import Part
+from garmentq.core.people.part import Part
 from garmentq.core.people.rules import BELTED, HIDDEN, WaistModel, WaistShown, waist_evidence
 from garmentq.training.colours import WITHOUT, paint
 from garmentq.training.shards import Shard

@@ -1,7 +1,7 @@
 """What is compared: labels, their confidence, and whether the outfit was read."""
 
 import numpy as np
-from garmentq.core.people import Part
+from garmentq.core.people.part import Part
 from garmentq.training.compare import Answer, judge_answers, split_by_outfit
 
 SKIN, UPPER, LOWER, ONE_PIECE, OUTER = (

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS
+from garmentq.core.body.body import JOINTS
 from garmentq.core.body.template import load_template
-from garmentq.core.people import GARMENTS, Part
+from garmentq.core.people.part import GARMENTS, Part
 from garmentq.training.accessories import hair_shell, load_accessories, shoe_shell, worn_asset
 from garmentq.training.persons import simulate
 from garmentq.training.wearer import POSES, pose_angles, runs_into_itself, stand

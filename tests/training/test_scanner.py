@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.people import Part
+from garmentq.core.people.part import Part
 from garmentq.training.scanner import SPACING, border_distance, see
 from garmentq.training.shards import Shard, load_shard, save_shard
 from garmentq.training.wardrobe import Layer

@@ -6,16 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Drape, Outcome, get_fabric
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import WearerGeometry, redrape
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.motion import rotation_of
-from garmentq.core.reuse.wear import WornGarment, dress_body, load_worn_template
-from garmentq.core.reuse.wear.dressing import transfer_alone_to_body
+from garmentq.core.recover.drape.stage import redrape
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.wear.dressing import dress_body, transfer_alone_to_body
 from garmentq.core.reuse.wear.parting import separate_layers
+from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
 from garmentq.core.run.clock import Clock
-from garmentq.core.scan.contours import Target
+from garmentq.core.scan.contours.target import Target
 
 RATE = 8.0
 """Angular velocity of a wearer who turns [rad/s]."""

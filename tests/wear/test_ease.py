@@ -9,21 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import TapeMeasure, builtin_body
-from garmentq.core.cloth import get_fabric
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.girths import TapeMeasure
+from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.meshes import write_ply
-from garmentq.core.garment import edge_length, load_draped_template, panel_outline
-from garmentq.core.geometry import self_intersections
-from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.wear import (
-    WornGarment,
-    judge_wear,
-    measure_ease,
-    measure_pressure,
-    measure_strain,
-    slice_cloth,
-)
-from garmentq.core.reuse.wear.ease import MeasuredBody, measure_unposed_ease, unpose_points
+from garmentq.core.garment.curves import edge_length, panel_outline
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.wear.ease import MeasuredBody, measure_ease, measure_unposed_ease, slice_cloth, unpose_points
+from garmentq.core.reuse.wear.load import measure_pressure, measure_strain
+from garmentq.core.reuse.wear.verdicts import judge_wear
+from garmentq.core.reuse.wear.worn import WornGarment
 
 SPEC = "builtin:female,height=1.70"
 

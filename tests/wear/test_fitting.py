@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.reuse.wear import load_worn_template, make_to_measure, refit_pattern
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.reuse.wear.refit import make_to_measure, refit_pattern
+from garmentq.core.reuse.wear.worn import load_worn_template
 from garmentq.core.run.clock import Clock
 
 BROAD = "builtin:male,height=1.72,weight=95,chest=1.18,waist=1.04,hip=1.13"

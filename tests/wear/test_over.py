@@ -6,13 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import Drape, Outcome, get_fabric
-from garmentq.core.garment import Garment, load_draped_template
-from garmentq.core.geometry import self_intersections, vertex_normals
-from garmentq.core.recover.drape import WearerGeometry
-from garmentq.core.reuse.wear import WornGarment, drape_together, dress_outfit, dress_over, judge_wear
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.outcome import Outcome
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.geometry.intersections import self_intersections
+from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.wear.outfit import dress_outfit
+from garmentq.core.reuse.wear.over import drape_together, dress_over
 from garmentq.core.reuse.wear.underneath import is_covered, measure_layers, raise_skin_over
+from garmentq.core.reuse.wear.verdicts import judge_wear
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 

@@ -8,23 +8,21 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import get_fabric
-from garmentq.core.garment import (
-    equalise_seams,
-    list_templates,
-    load_draped_template,
-    map_controls,
-    mesh_pattern,
-    polygon_area,
-    seam_mismatch,
-)
-from garmentq.core.recover.drape import size_template
-from garmentq.core.reuse.wear import WornGarment, measure_ease, refit_pattern, transfer_curve
-from garmentq.core.reuse.wear.ease import MeasuredBody, measure_unposed_ease
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.garment.control import map_controls
+from garmentq.core.garment.polygon import polygon_area
+from garmentq.core.garment.seams import equalise_seams, seam_mismatch
+from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.garment.templates import list_templates, load_draped_template
+from garmentq.core.recover.drape.sizing import size_template
+from garmentq.core.reuse.wear.ease import MeasuredBody, measure_ease, measure_unposed_ease
 from garmentq.core.reuse.wear.fitting import widen_draft
 from garmentq.core.reuse.wear.kept_ease import EasePrediction
+from garmentq.core.reuse.wear.refit import refit_pattern
+from garmentq.core.reuse.wear.waist import transfer_curve
 from garmentq.core.reuse.wear.widening import widening_rules
+from garmentq.core.reuse.wear.worn import WornGarment
 
 OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 

@@ -6,12 +6,20 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.cloth import SteadyRotation, get_fabric
-from garmentq.core.garment import load_draped_template
-from garmentq.core.reuse.wear import WORN_FILE_NAME, ResultOld, WornGarment, load_worn, save_worn
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.scene import SteadyRotation
+from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.reuse.wear import worn as worn_file
-from garmentq.core.reuse.wear.worn import find_waist, make_waist_target
+from garmentq.core.reuse.wear.worn import (
+    WORN_FILE_NAME,
+    ResultOld,
+    WornGarment,
+    find_waist,
+    load_worn,
+    make_waist_target,
+    save_worn,
+)
 from garmentq.core.run.checkpoints import fingerprint
 
 

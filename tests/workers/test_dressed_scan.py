@@ -8,8 +8,9 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINTS, builtin_body
-from garmentq.core.geometry import vertex_normals
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.service.settings import CHECKER, PIPELINE, WRITER
 from garmentq.workers.embedded import ensure_services, stop_services
 from garmentq_home import Cli, make_environment, make_settings

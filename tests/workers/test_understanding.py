@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.service.jobs import find_job
 from garmentq.service.kinds import FileRef

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .. import JOINT_PARENTS, JOINTS, Body
+from ..body import JOINT_PARENTS, JOINTS, Body
 from ..template import articulate
 from .limb_gaps import MIN_GAP_WIDENING, Limb, LimbGaps
 from .moving_body import MovingBody

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...geometry import unit
+from ...geometry.geometry import unit
 from .joint_tree import JointTree, MirroredChains
 from .joint_words import TWIST_WORDS, Part
 

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ...geometry import unit
+from ...geometry.geometry import unit
 from .joint_words import HELPER_WORDS, Part, name_part, split_name
 
 MIN_BONE_LENGTH_RATIO = 0.6

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...run.text import read_json
-from .. import JOINT_PARENTS, JOINTS
+from ..body import JOINT_PARENTS, JOINTS
 from ..builtin import POSES, named_pose
 from .errors import MotionBad, MotionTooLarge
 from .recording import MAX_MOTION_FRAME_COUNT, Recording

@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...geometry import TriangleSurface, unit, vertex_normals
-from .. import JOINT_PARENTS, JOINTS, Body
+from ...geometry.geometry import unit, vertex_normals
+from ...geometry.surface import TriangleSurface
+from ..body import JOINT_PARENTS, JOINTS, Body
 
 MAX_LIMB_GAP = 0.05
 """Largest width of a gap, and largest depth of an overlap, that is measured [m]: a third of a thigh's width."""

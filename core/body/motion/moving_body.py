@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import Body, skin, unskin
+from ..body import Body
+from ..skinning import skin, unskin
 from .track import Pose
 
 

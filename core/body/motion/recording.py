@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import JOINTS
+from ..body import JOINTS
 
 MAX_MOTION_FRAME_COUNT = 100_000
 """Largest number of poses: 13 minutes at 120 Hz."""

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...geometry import unit
-from .. import JOINT_PARENTS, JOINTS, Body
+from ...geometry.geometry import unit
+from ..body import JOINT_PARENTS, JOINTS, Body
 from .recording import Recording
 from .track import Pose, Track
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import unit
-from .. import JOINTS
+from ...geometry.geometry import unit
+from ..body import JOINTS
 from .errors import MotionForeign
 from .joint_names import JointMapping, find_joints
 from .joint_tree import JointTree

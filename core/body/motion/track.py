@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .. import JOINT_PARENTS, Body
+from ..body import JOINT_PARENTS, Body
 from ..template import articulate, transforms_of
 
 

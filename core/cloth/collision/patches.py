@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numba import njit
 
-from ...geometry import HalfEdges
+from ...geometry.connectivity import HalfEdges
 from .closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 
 _LAYOUT_ITERATIONS = 4

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...geometry import HalfEdges
+from ...geometry.connectivity import HalfEdges
 from ..settings import SelfContactSettings
 from ..topology import Topology
 from .patches import Patches, partition_cloth

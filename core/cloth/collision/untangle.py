@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...geometry import contract_contours, intersecting_pairs
+from ...geometry.intersections import intersecting_pairs
+from ...geometry.untangling import contract_contours
 
 if TYPE_CHECKING:
     from ..scene import Scene

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...reuse.animate import AnimatedGarment, Animation
+from ...reuse.animate.animation import Animation
+from ...reuse.animate.moved import AnimatedGarment
 from .animation_report import report_animation
 from .meshes import write_meshes, write_ply
 from .morph_glb import MAX_ANIMATION_FILE_BYTES, morph_bytes, write_morphs

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...body import Body
-from ...garment import place_points
-from ...geometry import face_areas
+from ...body.body import Body
+from ...garment.orientation import place_points
+from ...geometry.geometry import face_areas
 from .sewn_mesh import SewnMesh, sanitise_names
 
 

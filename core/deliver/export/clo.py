@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ...cloth import Fabric
-from ...garment import Edge, EdgeRef, Panel, Pattern, edge_length, edge_points, equalise_seams, panel_outline
-from ...garment.curves import chord, is_flat_arc, place_on_chord, unit_circle
-from ...garment.pieces import pack_on_shelves
+from ...cloth.fabric import Fabric
+from ...garment.curves import chord, edge_length, edge_points, is_flat_arc, panel_outline, place_on_chord, unit_circle
+from ...garment.pattern import Edge, EdgeRef, Panel, Pattern
+from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.seams import equalise_seams
 from ...run.errors import BadInput
 from ...run.units import MM_PER_M
 from .sewn_mesh import sanitise_names

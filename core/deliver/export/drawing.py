@@ -6,9 +6,10 @@ from html import escape
 
 import numpy as np
 
-from ...garment import EdgeRef, Pattern, edge_points
-from ...garment.pieces import pack_on_shelves
-from ...geometry import polyline_length, resample_polyline
+from ...garment.curves import edge_points
+from ...garment.pattern import EdgeRef, Pattern
+from ...garment.pieces.shelves import pack_on_shelves
+from ...geometry.curves import polyline_length, resample_polyline
 
 DRAWING_SCALE_DENOMINATOR = 10
 """Denominator of the scale of the report's drawing. At 1:10 a dress's pieces fit the width of a page."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...garment import write_pattern
-from ...reuse.wear import DressedGarment, save_worn
+from ...garment.garmentcode_writer import write_pattern
+from ...reuse.wear.dressing import DressedGarment
+from ...reuse.wear.worn import save_worn
 from .dressed_report import draw_wearers, report_dressed
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg

@@ -7,7 +7,9 @@ from html import escape
 
 import numpy as np
 
-from ...reuse.wear import DressedGarment, Ease, WornGarment
+from ...reuse.wear.dressing import DressedGarment
+from ...reuse.wear.ease import Ease
+from ...reuse.wear.worn import WornGarment
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .person import composite_on_white

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from pathlib import Path
 
-from ...garment import write_pattern
-from ...reuse.edit import EditedGarment
-from ...reuse.wear import save_worn
+from ...garment.garmentcode_writer import write_pattern
+from ...reuse.edit.redraping import EditedGarment
+from ...reuse.wear.worn import save_worn
 from .edited_report import draw_versions, report_edited
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ...reuse.edit import EditedGarment
+from ...reuse.edit.redraping import EditedGarment
 from .dressed_report import draw_wearer, ease_html
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html

@@ -17,7 +17,7 @@ from .textured import write_textured
 
 if TYPE_CHECKING:
     from ...scan.coloured import ColouredScan
-    from ..formats import Production
+    from ..formats.production import Production
 
 
 class DetailMissing(BadInput):

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment import Garment
-from ...garment.pieces import pack_on_shelves
-from ...geometry import vertex_normals
+from ...garment.garment import Garment
+from ...garment.pieces.shelves import pack_on_shelves
+from ...geometry.geometry import vertex_normals
 
 UV_GAP = 0.02
 """Space between panels in the uv plane [m]: a texture may bleed 2 cm over an edge before it meets another panel."""

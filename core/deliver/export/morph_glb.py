@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...garment import Garment
-from ...geometry import vertex_normals
+from ...garment.garment import Garment
+from ...geometry.geometry import vertex_normals
 from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
 from .meshes import uv_layout
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...reuse.wear import DressedOutfit
+from ...reuse.wear.outfit import DressedOutfit
 from .dressed import write_garment
 from .dressed_report import WEARER_VIEW_ANGLES, aim_at, ease_html
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html

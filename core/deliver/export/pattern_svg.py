@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment import Panel, Pattern, edge_points, panel_outline, points_in_polygon
-from ...garment.pieces import pack_on_shelves
+from ...garment.curves import edge_points, panel_outline
+from ...garment.meshing import points_in_polygon
+from ...garment.pattern import Panel, Pattern
+from ...garment.pieces.shelves import pack_on_shelves
 from ...garment.svg_path import edge_path
 
 PATTERN_SVG_SHEET_WIDTH = 1.4

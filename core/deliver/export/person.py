@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...geometry import unit
-from ...people import LabelledPerson, Part
+from ...geometry.geometry import unit
 from ...people.colours import COLOURS, SURE, UNSURE
 from ...people.labels import write_labels
+from ...people.part import Part
+from ...people.separation import LabelledPerson
 from ...scan.raw import RawScan
 from ...scan.thin import thin_raw_scan
 from .meshes import write_ply

@@ -8,7 +8,8 @@ from html import escape
 
 import numpy as np
 
-from ...people import LabelledPerson, Outfit, Part
+from ...people.part import Part
+from ...people.separation import LabelledPerson, Outfit
 from ...scan.raw import RawScan
 from .page import page_html
 from .person import COLOURS

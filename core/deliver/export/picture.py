@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import gaussian_filter
 
-from ...geometry import vertex_normals
+from ...geometry.geometry import vertex_normals
 
 OVERSAMPLING_FACTOR = 2
 """Number of pixels drawn per pixel shown, each way: edges are smooth without the cost of a finer grid."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from html import escape
 
-from ...garment import Pattern
-from ...garment.pieces import CLOTH_WIDTH, PieceNumbers, describe_pieces, make_pieces
+from ...garment.pattern import Pattern
+from ...garment.pieces.layout import CLOTH_WIDTH
+from ...garment.pieces.make import make_pieces
+from ...garment.pieces.numbers import PieceNumbers, describe_pieces
 from ...run.errors import BadInput
 from ..formats.papers import find_paper
 from ..formats.tiled_pdf import tile_pieces

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import Pattern
-from ...garment.pieces import PieceBad, make_pieces
+from ...garment.pattern import Pattern
+from ...garment.pieces.errors import PieceBad
+from ...garment.pieces.make import make_pieces
 from ...scan.texture import sample_image
-from ..texture import BakedTexture, find_texels, spread_border
+from ..texture.bake import BakedTexture
+from ..texture.fill import spread_border
+from ..texture.texels import find_texels
 from .sewn_mesh import SewnMesh, sanitise_names
 
 PRINT_BLEED_WIDTH = 0.04

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ...cloth import FabricEstimate
-from ...garment import edge_length, panel_area, panel_outline
-from ...judge import Product, product_of
+from ...cloth.fabric import FabricEstimate
+from ...garment.curves import edge_length, panel_area, panel_outline
+from ...judge.gates import Product, product_of
 from ...recover.recovery import Recovery
 from ...run.verdict import worst_verdict
 from .drawing import DRAWING_SCALE_DENOMINATOR, pattern_drawing

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ...body import JOINT_PARENTS, JOINTS, Body
-from ...garment import write_pattern
-from ...geometry import TriangleSurface
+from ...body.body import JOINT_PARENTS, JOINTS, Body
+from ...garment.garmentcode_writer import write_pattern
+from ...geometry.surface import TriangleSurface
 from ...recover.recovery import Recovery
-from ...reuse.wear import save_worn, worn_from_recovery
+from ...reuse.wear.worn import save_worn, worn_from_recovery
 from ...scan.coloured import to_coloured_scan
-from ..texture import colour_vertices
+from ..texture.lookup import colour_vertices
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
 from .report import report_html

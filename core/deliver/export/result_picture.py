@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment import Pattern, panel_outline
-from ...garment.pieces import pack_on_shelves
-from ...reuse.wear import WornGarment
+from ...garment.curves import panel_outline
+from ...garment.pattern import Pattern
+from ...garment.pieces.shelves import pack_on_shelves
+from ...reuse.wear.worn import WornGarment
 from .person import composite_on_white
 from .picture import ColouredMesh, aim_camera, png_base64, render_meshes
 from .sewn_mesh import SewnMesh

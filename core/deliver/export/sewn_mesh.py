@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ...cloth import Fabric
-from ...garment import EdgeRef, Garment, edge_length
-from ...garment.pieces import pack_on_shelves
-from ...geometry import vertex_normals
+from ...cloth.fabric import Fabric
+from ...garment.curves import edge_length
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef
+from ...garment.pieces.shelves import pack_on_shelves
+from ...geometry.geometry import vertex_normals
 from .meshes import UV_GAP, uv_layout
 
 FABRIC_UNITS = {

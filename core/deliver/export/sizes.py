@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...body import MeasureRange
-from ...reuse.wear import DressedGarment
+from ...body.measured import MeasureRange
+from ...reuse.wear.dressing import DressedGarment
 from ...run.verdict import Verdict, worst_verdict
 from ..formats import nest
 from ..formats.grading import Size, grade_sizes
@@ -22,7 +22,7 @@ from .result import write_json
 from .views import DRAPE_COLOUR, SKIN_COLOUR
 
 if TYPE_CHECKING:
-    from ..formats import Production
+    from ..formats.production import Production
 
 
 def write_sizes(production: Production, folder: Path) -> list[Path]:

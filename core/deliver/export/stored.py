@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...reuse.wear import WornGarment
-from ...reuse.wear.worn import ResultOld
+from ...reuse.wear.worn import ResultOld, WornGarment
 from ..ply import PlyBad, read_ply
 from .sewn_mesh import SewnMesh
 

@@ -9,11 +9,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...body import Body
-from ...cloth import Fabric
-from ...garment import Pattern
-from ...reuse.wear import WornGarment, load_worn
-from ...reuse.wear.worn import WORN_FILE_NAME
+from ...body.body import Body
+from ...cloth.fabric import Fabric
+from ...garment.pattern import Pattern
+from ...reuse.wear.worn import WORN_FILE_NAME, WornGarment, load_worn
 from ...run.errors import BadInput, NotFound
 from .sewn_mesh import SewnMesh
 from .stored import RECOVERED_MESHES, REUSED_MESHES, garment_stem, load_stored_meshes

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...scan.coloured import ColouredScan
-from ..texture import bake_texture
-from ..texture.bake import check_texel
+from ..texture.bake import bake_texture, check_texel
 from .prints import draw_print, list_prints
 from .sewn_files import write_sewn_glb, write_sewn_obj
 from .sewn_mesh import SewnMesh

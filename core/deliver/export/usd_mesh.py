@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...garment import Garment
+from ...garment.garment import Garment
 from .meshes import uv_layout
 
 USD_MISSING_WARNING = "no USD file: `pip install garmentq[usd]` adds it."

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import TriangleSurface
+from ...geometry.surface import TriangleSurface
 from ...recover.recovery import Recovery
 from .picture import ColouredMesh, aim_camera, png_base64, render_meshes
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...garment import points_in_polygon
-from ...garment.pieces import EdgeUse, PieceSet, lay_on_cloth
+from ...garment.meshing import points_in_polygon
+from ...garment.pieces.layout import lay_on_cloth
+from ...garment.pieces.piece import EdgeUse, PieceSet
 from .drawing import describe_cutting, keep_ascii
 from .pdf_file import show_text
 from .sheet import Sheet

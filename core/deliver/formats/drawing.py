@@ -7,8 +7,9 @@ from enum import StrEnum
 
 import numpy as np
 
-from ...garment import points_in_polygon
-from ...garment.pieces import EdgeUse, Piece, PieceSet, flatten_edge, flatten_outline
+from ...garment.meshing import points_in_polygon
+from ...garment.pieces.flatten import flatten_edge, flatten_outline
+from ...garment.pieces.piece import EdgeUse, Piece, PieceSet
 
 ARROW_HEAD_LENGTH = 0.006
 """Length of an arrow's head [m]."""

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment import Panel
-from ...garment.pieces import Piece, PieceSet, flatten_outline
+from ...garment.pattern import Panel
+from ...garment.pieces.flatten import flatten_outline
+from ...garment.pieces.piece import Piece, PieceSet
 from .dialects import DIALECTS_BY_NAME, Dialect, OutlineClosing
 from .drawing import keep_ascii
 

@@ -7,7 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...garment import BodyMeasures, Pattern, TemplateUnknown, draft_template, move_by_drafts, scale_panels
+from ...garment.measures import BodyMeasures
+from ...garment.moving import move_by_drafts, scale_panels
+from ...garment.pattern import Pattern
+from ...garment.templates import TemplateUnknown, draft_template
 from .errors import SizesBad
 from .options import ExportOptions, SizeLine
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment.pieces import Piece, PieceSet
+from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.svg_path import edge_path
 from .drawing import Layer, Line, Text, keep_ascii
 from .sheet import Sheet, arrange_pieces

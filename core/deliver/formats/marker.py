@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment.pieces import CLOTH_WIDTH, Lay, nest_on_cloth
+from ...garment.pieces.layout import CLOTH_WIDTH, Lay
+from ...garment.pieces.nesting import nest_on_cloth
 from .drawing import keep_ascii
 from .errors import SheetTooSmall
 from .papers import find_paper

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment import save_pattern
-from ...garment.pieces import Piece, PieceSet, make_pieces, pack_on_shelves
+from ...garment.garmentcode_writer import save_pattern
+from ...garment.pieces.make import make_pieces
+from ...garment.pieces.piece import Piece, PieceSet
+from ...garment.pieces.shelves import pack_on_shelves
 from .dialects import DIALECTS_BY_NAME
 from .drawing import draw_lines, keep_ascii, list_texts, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive

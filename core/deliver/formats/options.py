@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...garment.pieces import PieceSettings, read_allowances
+from ...garment.pieces.allowance import read_allowances
+from ...garment.pieces.make import PieceSettings
 from ...run.errors import keep_printable
-from ..texture import check_texel
+from ..texture.bake import check_texel
 from .errors import FormatUnknown, SizesBad
 from .papers import find_paper
 from .registry import DIALECTS, FORMATS

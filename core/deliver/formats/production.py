@@ -10,10 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment import BodyMeasures, save_pattern
-from ...garment.pieces import PieceSet, Style, make_pieces
-from ...recover.drape import measure_wearer
-from ...reuse.wear import WornGarment
+from ...garment.garmentcode_writer import save_pattern
+from ...garment.measures import BodyMeasures
+from ...garment.pieces.make import Style, make_pieces
+from ...garment.pieces.piece import PieceSet
+from ...recover.drape.sizing import measure_wearer
+from ...reuse.wear.worn import WornGarment
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .options import ExportOptions
 from .registry import FORMATS

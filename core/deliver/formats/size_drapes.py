@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...body import resize_body
-from ...garment import BodyMeasures, mesh_pattern
-from ...reuse.wear import DressedGarment, WornGarment, dress_body
+from ...body.resizing import resize_body
+from ...garment.measures import BodyMeasures
+from ...garment.sewing import mesh_pattern
+from ...reuse.wear.dressing import DressedGarment, dress_body
+from ...reuse.wear.worn import WornGarment
 from ...run.clock import Clock
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .grading import Size

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...garment import points_in_polygon
-from ...garment.pieces import PieceSet
+from ...garment.meshing import points_in_polygon
+from ...garment.pieces.piece import PieceSet
 from .cover import cover_content, legend_content
 from .drawing import Layer, keep_ascii
 from .papers import Paper, find_paper

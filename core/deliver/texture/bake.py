@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import Garment
-from ...geometry import vertex_normals
+from ...garment.garment import Garment
+from ...geometry.geometry import vertex_normals
 from ...run.errors import BadInput
 from ...scan.coloured import ColouredScan
 from .fill import fill_gaps, spread_border

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...geometry import HalfEdges
+from ...geometry.connectivity import HalfEdges
 from ...scan.coloured import ColouredScan
 
 CUT_MARGIN_WIDTH = 0.015

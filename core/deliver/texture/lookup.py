@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import TriangleSurface, vertex_normals
+from ...geometry.geometry import vertex_normals
+from ...geometry.surface import TriangleSurface
 from ...scan.coloured import ColouredScan
 from .beyond import find_foreign_vertices
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import HalfEdges
+from ...geometry.connectivity import HalfEdges
 
 TEXEL_CHUNK_SIZE = 4_000_000
 """Number of pairs of texel and face that are tested together: 0.5 GB of numbers at most."""

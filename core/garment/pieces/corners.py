@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import unit
+from ...geometry.geometry import unit
 from .piece import TURNED_UP_EDGE_USES, EdgeUse
 
 MITRE_LIMIT = 3.0

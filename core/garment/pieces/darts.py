@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import Panel
+from ..pattern import Panel
 
 Span = tuple[int, int]
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import Panel, edge_length, edge_points
+from ..curves import edge_length, edge_points
+from ..pattern import Panel
 
 FLATTENING_TOLERANCE = 5e-5
 """Largest distance between a curve and its polygon [m]: a tenth of the width of a pencil line."""

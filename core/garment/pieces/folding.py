@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import Edge, split_edge
-from ..curves import place_on_chord
+from ..curves import place_on_chord, split_edge
+from ..pattern import Edge
 from .pairing import MirroredGroup
 from .piece import CutLine, EdgeUse, Notch, Piece, PieceEdge
 

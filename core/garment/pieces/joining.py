@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry import plane_rotation
-from .. import EdgeRef, Panel, Pattern, check_outline
+from ...geometry.rigid import plane_rotation
 from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
+from ..pattern import EdgeRef, Panel, Pattern
+from ..validity import check_outline
 from .piece import PanelPlace
 
 HALF_PANEL_WORDS = ("sleeve", "cuff", "band", "wb", "collar")

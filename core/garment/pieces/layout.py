@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import polygon_area
+from ..polygon import polygon_area
 from .piece import Piece
 from .shelves import pack_on_shelves
 

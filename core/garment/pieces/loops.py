@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import polygon_area
+from ..polygon import polygon_area
 
 CORNER_CROSSING_TOLERANCE = 1e-12
 """Distance of a crossing from the end of a side [share of the side] below which it is the corner itself."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .. import EdgeRef, Panel, Pattern, points_in_polygon
+from ..meshing import points_in_polygon
+from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
 from .darts import dart_lines, find_darts
 from .flatten import flatten_edge, flatten_outline

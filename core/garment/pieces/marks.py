@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from .. import EdgeRef, Pattern
+from ..pattern import EdgeRef, Pattern
 from .piece import NotchPurpose
 
 GATHER_PARTS = (0.25, 0.5, 0.75)

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from ...geometry import plane_rotation
+from ...geometry.rigid import plane_rotation
 from .layout import CLOTH_GAP, CLOTH_WIDTH, Copy, Lay, lay_on_cloth, list_copies
 from .piece import Piece
 

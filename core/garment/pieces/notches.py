@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import Panel, edge_length, edge_points
+from ..curves import edge_length, edge_points
+from ..pattern import Panel
 from .darts import Span
 from .marks import Mark
 from .offset import Offset

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...run.errors import BadInput
-from .. import Pattern, edge_length, polygon_area
+from ..curves import edge_length
+from ..pattern import Pattern
+from ..polygon import polygon_area
 from .layout import lay_on_cloth
 from .make import make_pieces
 from .piece import Piece, PieceSet

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...run.errors import keep_printable
-from .. import Panel, polygon_area
+from ..pattern import Panel
+from ..polygon import polygon_area
 from .corners import Side, join_corner
 from .errors import PieceBad
 from .flatten import flatten_edge, flatten_outline

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import fit_rigid
-from .. import EdgeRef, Pattern, edge_points, find_symmetry
+from ...geometry.rigid import fit_rigid
+from ..curves import edge_points
+from ..pattern import EdgeRef, Pattern
+from ..symmetry import find_symmetry
 from .joining import Group
 from .piece import PanelPlace
 

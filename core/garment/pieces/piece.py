@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from .. import EdgeRef, Panel
+from ..pattern import EdgeRef, Panel
 
 
 class EdgeUse(StrEnum):

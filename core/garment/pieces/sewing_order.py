@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .. import EdgeRef, Pattern, Seam, edge_length
+from ..curves import edge_length
 from ..orientation import place_points
+from ..pattern import EdgeRef, Pattern, Seam
 from .piece import Piece, PieceSide, SeamWalk
 
 Key = frozenset[tuple[str, int]]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import HalfEdges, face_normals, self_intersections
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import face_normals
+from ...geometry.intersections import self_intersections
 from .target_repair import PreparedTarget
 
 MAX_REVERT_ITERATIONS = 4

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from ...body import ExposedSurface
-from ...geometry import bending_matrix, factor_symmetric, vertex_areas
+from ...body.exposed import ExposedSurface
+from ...geometry.geometry import bending_matrix, vertex_areas
+from ...geometry.linear import factor_symmetric
 from .easing import MIN_FACE_STRETCH, find_strain_violations
 
 SMOOTH_LENGTH = 0.02

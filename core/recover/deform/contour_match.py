@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import ClosedCurve, CurvePoints
+from ...geometry.curves import ClosedCurve, CurvePoints
 from ...scan.contours.target import Contour
 
 CONTOUR_MATCH_SPACING = 5e-3

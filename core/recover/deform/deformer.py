@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import ExposedSurface, penetration_depth, project_outside, untangle_outside
-from ...garment import Garment
-from ...geometry import gradient_operator, move_towards, self_intersections, shape_gradients
+from ...body.exposed import ExposedSurface, penetration_depth
+from ...body.projection import project_outside
+from ...body.untangling import untangle_outside
+from ...garment.garment import Garment
+from ...geometry.geometry import gradient_operator, shape_gradients
+from ...geometry.intersections import self_intersections
+from ...geometry.moving_towards import move_towards
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .acceptance import accept_polish, find_crossing_faces, find_flipped_faces
 from .clearance import ProximityCache, enforce_clearance
 from .deformation import Deformation

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from ...geometry import bending_matrix, factor_symmetric, vertex_areas
+from ...geometry.geometry import bending_matrix, vertex_areas
+from ...geometry.linear import factor_symmetric
 from .acceptance import falloff_weights, find_crossing_faces
 
 MIN_FACE_STRETCH, MAX_FACE_STRETCH = 0.45, 1.55

@@ -9,8 +9,10 @@ import torch
 from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
-from ...body import ExposedSurface
-from ...geometry import ClosestPoints, HalfEdges, TriangleSurface, vertex_areas
+from ...body.exposed import ExposedSurface
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import vertex_areas
+from ...geometry.surface import ClosestPoints, TriangleSurface
 from .contour_match import ContourMatch, CurveRows
 from .rest_metric import RestMetric
 from .settings import DeformSettings

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 import torch
 
-from ...geometry import factor_symmetric
+from ...geometry.linear import factor_symmetric
 
 POISSON_REGULARISATION_SHARE = 1e-10
 """Share of the mean diagonal of the Laplacian that is added to its diagonal: the solve leaves translation free, which

@@ -5,18 +5,11 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from ...body import ExposedSurface
-from ...geometry import (
-    HalfEdges,
-    TriangleSurface,
-    analyse_pattern,
-    bending_matrix,
-    factor_symmetric,
-    polar_rotations,
-    unit,
-    vertex_areas,
-    vertex_normals,
-)
+from ...body.exposed import ExposedSurface
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import bending_matrix, polar_rotations, unit, vertex_areas, vertex_normals
+from ...geometry.linear import analyse_pattern, factor_symmetric
+from ...geometry.surface import TriangleSurface
 from ...run.hooks import Hooks
 from .contour_match import ContourMatch
 from .jacobian_stage import rows_to_jacobians

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from ...geometry import HalfEdges, factor_symmetric
+from ...geometry.connectivity import HalfEdges
+from ...geometry.linear import factor_symmetric
 
 MIN_REST_STRETCH, MAX_REST_STRETCH = 0.6, 1.6
 """Bounds on a smoothed stretch: a panel that is off by more than this was graded wrongly, and must not be copied."""

@@ -6,8 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry import ClosestPoints, HalfEdges, Rim, TriangleSurface, unit, vertex_normals
-from ...scan.contours import Contour, Target, flatten_spikes, smooth_noise
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import unit, vertex_normals
+from ...geometry.rim import Rim
+from ...geometry.surface import ClosestPoints, TriangleSurface
+from ...scan.contours.noise import smooth_noise
+from ...scan.contours.spikes import flatten_spikes
+from ...scan.contours.target import Contour, Target
 
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""

@@ -10,20 +10,18 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from ...body import (
-    JOINT_PARENTS,
-    Body,
-    ExposedSurface,
-    SignedDistance,
-    Solid,
-    advect_outside,
-    project_outside,
-    skin,
-    unskin,
-    untangle_outside,
-    weights_at,
-)
-from ...geometry import adjacency_matrix, factor_symmetric, self_intersections, undo_crossings, vertex_normals
+from ...body.body import JOINT_PARENTS, Body
+from ...body.current import advect_outside
+from ...body.exposed import ExposedSurface
+from ...body.projection import project_outside
+from ...body.signed_distance import SignedDistance
+from ...body.skinning import skin, unskin, weights_at
+from ...body.solid import Solid
+from ...body.untangling import untangle_outside
+from ...geometry.connectivity import adjacency_matrix
+from ...geometry.geometry import vertex_normals
+from ...geometry.intersections import self_intersections, undo_crossings
+from ...geometry.linear import factor_symmetric
 from .follow import DistanceConstraints, PbdSettings, PbdState, simulate_pbd
 from .layer_contact import LayerContact
 from .shell import Shell, ShellDistance

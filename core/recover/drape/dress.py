@@ -7,10 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 
-from ...body import Body, SignedDistance, TapeMeasure, armpit_height, rest_body
-from ...garment import Garment
+from ...body.body import Body
+from ...body.girths import TapeMeasure, armpit_height
+from ...body.signed_distance import SignedDistance
+from ...body.skinning import rest_body
+from ...garment.garment import Garment
 from ...garment.parts.tops import STRAPLESS_DROP
-from ...geometry import HalfEdges, factor_symmetric
+from ...geometry.connectivity import HalfEdges
+from ...geometry.linear import factor_symmetric
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .gores import fan_out, find_sides

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...garment import Pattern, mesh_pattern, panel_area
-from ...scan.contours import TOP_CATEGORIES, find_loops
+from ...garment.curves import panel_area
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
+from ...scan.contours.loop import find_loops
+from ...scan.contours.target import TOP_CATEGORIES
 from .stage import DrapeSettings
 from .waist import flat_length, waist_loop
 

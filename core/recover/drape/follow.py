@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ...body import SignedDistance
-from ...garment import Garment
-from ...geometry import HalfEdges, lump, signed_areas
+from ...body.signed_distance import SignedDistance
+from ...garment.garment import Garment
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import lump, signed_areas
 from .layer_contact import LayerContact
 from .layers import HalfSpaces
 

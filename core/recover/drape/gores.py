@@ -7,8 +7,9 @@ from itertools import permutations
 
 import numpy as np
 
-from ...garment import Garment, place_points
-from ...geometry import plane_rotation
+from ...garment.garment import Garment
+from ...garment.orientation import place_points
+from ...geometry.rigid import plane_rotation
 
 TURNED_PANEL_COSINE = 0.95
 """Cosine between the level outward direction of a panel and the depth axis of the wearer, below which the panel stands

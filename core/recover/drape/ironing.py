@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from ...body import SignedDistance
-from ...geometry import adjacency_matrix, factor_symmetric, self_intersections
+from ...body.signed_distance import SignedDistance
+from ...geometry.connectivity import adjacency_matrix
+from ...geometry.intersections import self_intersections
+from ...geometry.linear import factor_symmetric
 from .follow import DistanceConstraints, PbdSettings, PbdState, simulate_pbd
 from .layer_contact import LayerContact
 

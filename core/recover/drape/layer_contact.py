@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import self_intersections, undo_crossings
+from ...geometry.intersections import self_intersections, undo_crossings
 from .layers import HalfSpaces, find_layer_constraints
 
 

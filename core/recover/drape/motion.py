@@ -6,13 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body
-from ...cloth import Drape, Fabric, Outcome, SteadyRotation, StopCallback
-from ...garment import Garment
-from ...geometry import TriangleSurface
+from ...body.body import Body
+from ...cloth.fabric import Fabric
+from ...cloth.outcome import Outcome
+from ...cloth.scene import SteadyRotation
+from ...cloth.statics import Drape, StopCallback
+from ...garment.garment import Garment
+from ...geometry.surface import TriangleSurface
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .stage import DrapeSettings, drape_graded, remesh
 from .wearer import WearerGeometry
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import SignedDistance, Solid
-from ...geometry import edge_curvature, vertex_normals
+from ...body.signed_distance import SignedDistance
+from ...body.solid import Solid
+from ...geometry.geometry import edge_curvature, vertex_normals
 from .follow import PbdSettings
 
 OPPOSITE_CANDIDATE_COUNT = 12

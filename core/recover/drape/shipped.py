@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...body import builtin_body, project_outside
-from ...cloth import DEFAULT_FABRIC, Scene, Topology, equilibrium, get_fabric
-from ...garment import list_templates, load_template, mesh_pattern
-from ...garment.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
-from ...scan.contours import name_contours
+from ...body.builtin import builtin_body
+from ...body.projection import project_outside
+from ...cloth.fabrics import DEFAULT_FABRIC, get_fabric
+from ...cloth.scene import Scene
+from ...cloth.statics import equilibrium
+from ...cloth.topology import Topology
+from ...garment.sewing import mesh_pattern
+from ...garment.templates import DRAPED_VERTICES, LIBRARY, list_templates, load_template, save_draped_template
+from ...scan.contours.contours import name_contours
 from .dress import dress
 from .tie import pin_waist
 from .waist import waist_loop

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ...body import BELOW_ARMPIT, Body, TapeMeasure, armpit_height, crotch_height, rest_body
-from ...garment import BodyMeasures, Pattern, draft_template
+from ...body.body import Body
+from ...body.girths import BELOW_ARMPIT, TapeMeasure, armpit_height, crotch_height
+from ...body.skinning import rest_body
+from ...garment.measures import BodyMeasures
+from ...garment.pattern import Pattern
+from ...garment.templates import draft_template
 
 GIRTH_HEIGHT_STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""

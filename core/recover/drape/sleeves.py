@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern
-from ...geometry import plane_rotation
-from ...scan.contours import find_loops
+from ...body.body import Body
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...geometry.rigid import plane_rotation
+from ...scan.contours.loop import find_loops
 
 MAX_SLEEVE_ARM_ANGLE = np.radians(15.0)
 """Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it [rad].

@@ -6,24 +6,28 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...body import Body, find_hanging_arms, project_outside, skin, unskin, untangle_outside, weights_at
-from ...cloth import (
-    Drape,
-    Fabric,
-    Scene,
-    SelfContact,
-    SolveSettings,
-    SteadyRotation,
-    StopCallback,
-    Topology,
-    equilibrium,
-    reduce_membrane_stiffness,
-)
-from ...garment import Garment, Pattern, mesh_pattern, resample
-from ...geometry import deformation_gradients, principal_stretches
+from ...body.body import Body
+from ...body.hanging_arms import find_hanging_arms
+from ...body.projection import project_outside
+from ...body.skinning import skin, unskin, weights_at
+from ...body.untangling import untangle_outside
+from ...cloth.collision.self_contact import SelfContact
+from ...cloth.fabric import Fabric
+from ...cloth.locking import reduce_membrane_stiffness
+from ...cloth.scene import Scene, SteadyRotation
+from ...cloth.settings import SolveSettings
+from ...cloth.statics import Drape, StopCallback, equilibrium
+from ...cloth.topology import Topology
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.resampling import resample
+from ...garment.sewing import mesh_pattern
+from ...geometry.geometry import deformation_gradients, principal_stretches
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target, find_loops, name_contours, smoothed_length
+from ...scan.contours.contours import name_contours
+from ...scan.contours.loop import find_loops, smoothed_length
+from ...scan.contours.target import Target
 from .carry import pose_cloth
 from .dress import DressSettings, dress, place_panels
 from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd

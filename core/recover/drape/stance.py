@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body, crotch_height
-from ...geometry import HalfEdges, find_components
+from ...body.body import Body
+from ...body.girths import crotch_height
+from ...geometry.connectivity import HalfEdges, find_components
 
 MIN_GARMENT_LEG_LENGTH = 0.01
 """Length below which a part of the garment is no leg [m]: the spacing of the vertices of the body."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cloth import Pins
-from ...garment import Garment
-from ...geometry import ClosedCurve
-from ...scan.contours import Target, smooth_ragged_loop
+from ...cloth.pins import Pins
+from ...garment.garment import Garment
+from ...geometry.curves import ClosedCurve
+from ...scan.contours.loop import smooth_ragged_loop
+from ...scan.contours.target import Target
 from .waist import waist_loop
 
 LOOP_START_COUNT = 360

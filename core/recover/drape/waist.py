@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...garment import Garment
-from ...geometry import HalfEdges
-from ...scan.contours import find_loops
+from ...garment.garment import Garment
+from ...geometry.connectivity import HalfEdges
+from ...scan.contours.loop import find_loops
 
 
 def waist_loop(garment: Garment) -> np.ndarray | None:

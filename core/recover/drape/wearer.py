@@ -7,7 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ...body import Body, DistanceGrid, ExposedSurface, rest_body
+from ...body.body import Body
+from ...body.distance import DistanceGrid
+from ...body.exposed import ExposedSurface
+from ...body.skinning import rest_body
 from .carry import PosePath
 
 

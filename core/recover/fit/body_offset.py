@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import Body
+from ...body.body import Body
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ..drape import WearerGeometry
+from ..drape.wearer import WearerGeometry
 
 if TYPE_CHECKING:
     from .shape import ShapeProblem
@@ -70,7 +70,7 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
         wearer: The body that was found under the cloth.
         hooks: Cancellation.
     """
-    from ...cloth import contact_forces
+    from ...cloth.contact import contact_forces
 
     heights, pattern, registered = np.zeros(len(wearer.body.vertices)), problem.garment.pattern, problem.garment.nodes
     for radius in OFFSET_KERNEL_STD + (MAX_OFFSET_ITERATIONS - len(OFFSET_KERNEL_STD)) * OFFSET_KERNEL_STD[-1:]:

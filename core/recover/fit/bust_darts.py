@@ -6,18 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment
 from ...garment.editing.darts import find_darts
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef
 from ...run.errors import GarmentqError
-from ..grade import (
-    BustPoints,
-    SlideSettings,
-    TrunkCurvature,
-    can_be_meshed,
-    find_bust_points,
-    find_parts,
-    mesh_coarsely,
-)
+from ..grade.bust_points import BustPoints, find_bust_points
+from ..grade.parts import find_parts
+from ..grade.sliding import SlideSettings, can_be_meshed, mesh_coarsely
+from ..grade.trunk_curvature import TrunkCurvature
 from ..state import RecoveryState, made
 from .dart_cutting import cut_darts
 from .dart_search import (

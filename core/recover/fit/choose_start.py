@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...garment import Garment
-from ...geometry import self_intersections
+from ...garment.garment import Garment
+from ...geometry.intersections import self_intersections
 from ...run.best import choose_best
 from ...run.hooks import Hooks
-from ...scan.contours import name_contours
+from ...scan.contours.contours import name_contours
 from ..case import Case
-from ..deform import DeformSettings, deform
-from ..drape import redrape
+from ..deform.deformer import deform
+from ..deform.settings import DeformSettings
 from ..drape.motion import surface_rms
+from ..drape.stage import redrape
 from ..state import RecoveryState, made
 
 MAX_FLAT_START_SHARE = 0.8

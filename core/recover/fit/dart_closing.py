@@ -6,8 +6,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment, Pattern, equalise_seams, find_symmetry
 from ...garment.editing.darts import Dart, close_dart
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef, Pattern
+from ...garment.seams import equalise_seams
+from ...garment.symmetry import find_symmetry
 from .dart_cutting import CutGarment, OpenPanel, relax_panels
 from .dart_search import relax_panel
 

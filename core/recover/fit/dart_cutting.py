@@ -7,21 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...garment import (
-    EdgeRef,
-    Garment,
-    Pattern,
-    edge_length,
-    edge_points,
-    equalise_seams,
-    find_symmetry,
-    map_controls,
-)
-from ...garment.control import mean_value_coordinates
+from ...garment.control import map_controls, mean_value_coordinates
+from ...garment.curves import edge_length, edge_points
 from ...garment.editing.darts import DART_LABEL, Dart, find_darts, insert_dart
 from ...garment.editing.dividing import MIN_SPLIT_SHARE
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef, Pattern
 from ...garment.resampling import locate
-from ...geometry import fit_rigid
+from ...garment.seams import equalise_seams
+from ...garment.symmetry import find_symmetry
+from ...geometry.rigid import fit_rigid
 from .dart_search import PlannedDart, mirror_of, reflect_wedge, relax_panel
 from .wedge import FlatPanel, Wedge
 

@@ -7,8 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment, Mirror, edge_length, find_symmetry
-from ...geometry import signed_areas
+from ...garment.curves import edge_length
+from ...garment.garment import Garment
+from ...garment.mirrors import Mirror
+from ...garment.pattern import EdgeRef
+from ...garment.symmetry import find_symmetry
+from ...geometry.geometry import signed_areas
 from .wedge import FlatPanel, Wedge
 
 MIN_DART_LENGTH, MAX_DART_LENGTH = 0.06, 0.22

@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...cloth import Fabric, SolveSettings
-from ...garment import Pattern, equalise_seams
+from ...cloth.fabric import Fabric
+from ...cloth.settings import SolveSettings
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
 from ...run.checkpoints import load, save
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .adam import Adam
-from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
-from .losses.range import STIFFNESSES, logarithms
+from .losses.chamfer import ChamferLoss
+from .losses.contours import ContourLoss
+from .losses.panels import PanelLoss
+from .losses.range import STIFFNESSES, RangeLoss, logarithms
+from .losses.seams import SeamLoss
 from .scene import FitScene
 
 if TYPE_CHECKING:
-    from ...cloth import Scene
+    from ...cloth.scene import Scene
 
 _MIN_TRIANGLE_AREA_SHARE = 0.05
 """Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have an area."""
@@ -131,7 +136,7 @@ class DescentProblem:
         self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray | None, hooks: Hooks
     ) -> tuple[np.ndarray, np.ndarray]:
         """Bring the cloth to rest from nodes [m]; give positions and friction's anchors, shape [node_count, 3] each."""
-        from ...cloth import equilibrium
+        from ...cloth.statics import equilibrium
 
         scene, solver, settings = self.at(variables), self.scene.solver, self.settings.solve
         drape = equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=settings, hooks=hooks)

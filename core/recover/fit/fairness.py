@@ -6,8 +6,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ...garment import Garment, Pattern, fair_curves, update_flat_mesh
+from ...garment.control import update_flat_mesh
 from ...garment.errors import PanelCrossing, PanelDegenerate
+from ...garment.fairness import fair_curves
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
 from ...garment.validity import check_outline
 from ..proved_corner import ProvedCorner
 from .locks import find_locked_points

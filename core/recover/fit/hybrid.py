@@ -6,16 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...body import project_outside, untangle_outside
-from ...cloth import Drape, FabricEstimate
-from ...garment import Garment, resample
+from ...body.projection import project_outside
+from ...body.untangling import untangle_outside
+from ...cloth.fabric import FabricEstimate
+from ...cloth.statics import Drape
+from ...garment.garment import Garment
 from ...garment.meshes import Meshes
-from ...geometry import self_intersections
+from ...garment.resampling import resample
+from ...geometry.intersections import self_intersections
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
-from ..drape import pin_waist
-from ..grade import move_pattern
+from ..drape.tie import pin_waist
+from ..grade.grading import move_pattern
 from ..state import RecoveryState, made
 from .body_offset import estimate_body_offset, is_body_estimated
 from .fairness import fair_garment
@@ -116,7 +119,9 @@ def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: 
 
 def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
     """State the fit of pattern and cloth on the registered mesh, or on a coarser one."""
-    from ...cloth import Scene, Topology, reduce_membrane_stiffness
+    from ...cloth.locking import reduce_membrane_stiffness
+    from ...cloth.scene import Scene
+    from ...cloth.topology import Topology
 
     mesh = made(state.garment)
     if vertices < len(mesh.nodes):
@@ -170,7 +175,12 @@ def _find_equilibrium(
     hooks: Hooks,
 ) -> Drape:
     """Return the equilibrium of the recovered pattern, apart from itself, from each of some starts; the best of all."""
-    from ...cloth import BendingFriction, Scene, SelfContact, Topology, equilibrium, reduce_membrane_stiffness
+    from ...cloth.bending_friction import BendingFriction
+    from ...cloth.collision.self_contact import SelfContact
+    from ...cloth.locking import reduce_membrane_stiffness
+    from ...cloth.scene import Scene
+    from ...cloth.statics import equilibrium
+    from ...cloth.topology import Topology
 
     topology, rotation = Topology.from_garment(recovered), made(state.drape).rotation
     folds, contact = BendingFriction.at(topology, made(state.garment).nodes), SelfContact.of(topology)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...body import project_outside, untangle_outside
-from ...cloth import Fabric, FabricEstimate
+from ...body.projection import project_outside
+from ...body.untangling import untangle_outside
+from ...cloth.fabric import Fabric, FabricEstimate
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
-from ..drape import pin_waist
+from ..drape.tie import pin_waist
 from ..state import RecoveryState, made
 from .descent import DescentProblem, InverseSettings, descend
 from .locks import find_locked_coordinates, fit_reference, locks_of
@@ -40,7 +41,10 @@ def fit_inverse(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ...cloth import Scene, SelfContact, Topology, equilibrium
+    from ...cloth.collision.self_contact import SelfContact
+    from ...cloth.scene import Scene
+    from ...cloth.statics import equilibrium
+    from ...cloth.topology import Topology
 
     garment, target, wearer, fabric = made(state.graded), state.target, state.wearer, state.fabric
     locks, rotation, reference = locks_of(case, state), made(state.drape).rotation, fit_reference(case, state)

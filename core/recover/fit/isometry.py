@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern, mesh_pattern, resample
+from ...body.body import Body
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.resampling import resample
+from ...garment.sewing import mesh_pattern
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from ..case import Case
-from ..grade import Isometry, IsometrySettings, clamp_stretch, solve_isometry, subgrid_stretch
+from ..grade.isometry import Isometry, IsometrySettings
+from ..grade.sliding import solve_isometry
+from ..grade.strain import clamp_stretch, subgrid_stretch
 
 FIT_ISOMETRY_SETTINGS = IsometrySettings(stay_band=1.0, stay_hidden=1.0)
 """As `IsometrySettings` says; and bands keep the graded shape: where their long seams lie on a smooth surface cannot be

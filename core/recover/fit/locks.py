@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...garment import Pattern, equalise_seams, find_symmetry
-from ...geometry import fit_rigid
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
+from ...garment.symmetry import find_symmetry
+from ...geometry.rigid import fit_rigid
 from ...run.errors import BadInput
 from ..case import Case
 from ..state import RecoveryState, made

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...cloth import Fabric, FabricEstimate, load_fabrics
-from ...garment import Pattern
+from ...cloth.fabric import Fabric, FabricEstimate
+from ...cloth.fabrics import load_fabrics
+from ...garment.pattern import Pattern
 from ...run.checkpoints import load, save
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .settings import MaterialSettings
 from .shape import ShapeProblem, seam_null_space
 
 if TYPE_CHECKING:
-    from ...cloth import Drape
+    from ...cloth.statics import Drape
 
 MEMBRANE_STIFFNESSES = ("H00", "H01", "H11", "H22")
 """The membrane stiffnesses, in the order of the posterior's parameters; k follows them."""
@@ -44,7 +45,8 @@ def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
     S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
     grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
     """
-    from ...cloth import Energy, Scene
+    from ...cloth.energy import Energy
+    from ...cloth.scene import Scene
 
     only = replace(problem.fabric, H00=0.0, H01=0.0, H11=0.0, H22=0.0, k=1.0, density=0.0)
     return Energy(Scene(problem.scene.first.topology, only)).value(nodes)

@@ -6,17 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...garment import Garment, Pattern, mesh_pattern
 from ...garment.editing.darts import Dart, find_darts
 from ...garment.editing.partners import mirror_corners
+from ...garment.garment import Garment
 from ...garment.meshes import Meshes
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
 from ...run.errors import Cancelled, GarmentqError
 from ...run.finding import Finding, FindingKind
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import name_contours
+from ...scan.contours.contours import name_contours
 from ..case import Case
-from ..drape import DrapeSettings, drape_graded, has_hanging_sleeves
-from ..grade import Isometry, SlideSettings, move_pattern, solve_isometry
+from ..drape.stage import DrapeSettings, drape_graded, has_hanging_sleeves
+from ..grade.grading import move_pattern
+from ..grade.isometry import Isometry
+from ..grade.sliding import SlideSettings, solve_isometry
 from ..state import RecoveryState, made
 from .dart_closing import close_darts, required_dart_width
 from .dart_cutting import CutGarment, cut_darts, relax_panels

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment, Pattern
 from ...garment.editing.partners import mirror_corners
 from ...garment.fairness import MAX_SMOOTH_CORNER_ANGLE, SmoothJoin, boundary_edges, find_smooth_joins
-from ...geometry import rim_turns
-from ...scan.contours import Contour, Target
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef, Pattern
+from ...geometry.geometry import rim_turns
+from ...scan.contours.target import Contour, Target
 from ..proved_corner import ProvedCorner
 
 RIM_WINDOW_LENGTH = 0.02

@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...cloth import Fabric
-from ...garment import Garment, Pattern, Symmetry, check_outline, find_symmetry, map_controls
+from ...cloth.fabric import Fabric
+from ...garment.control import map_controls
 from ...garment.errors import PanelCrossing, PanelDegenerate
-from ...geometry import signed_areas
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.symmetry import Symmetry, find_symmetry
+from ...garment.validity import check_outline
+from ...geometry.geometry import signed_areas
 from .locks import restore_locked
 
 if TYPE_CHECKING:
-    from ...body import DistanceGrid
-    from ...cloth import FactoredEquilibrium, Parameters, Scene, Solver
+    from ...body.distance import DistanceGrid
+    from ...cloth.derivative import FactoredEquilibrium
+    from ...cloth.parameters import Parameters
+    from ...cloth.scene import Scene
+    from ...geometry.linear import Solver
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,8 @@ class FitScene:
             fabric: Names of the fabric's parameters that are fitted, too.
             locked: Which effective coordinates stay, shape [shape_count]; None where none does.
         """
-        from ...cloth import Parameters, make_solver
+        from ...cloth.parameters import Parameters
+        from ...cloth.solver import make_solver
 
         symmetry = find_symmetry(like)
         parameters = Parameters.of_garment(garment, map_controls(garment), symmetry, fabric)
@@ -86,7 +94,7 @@ class FitScene:
 
     def with_folds_held(self) -> FitScene:
         """Return the same with the internal friction that holds the folds in which the fit starts."""
-        from ...cloth import BendingFriction
+        from ...cloth.bending_friction import BendingFriction
 
         friction = BendingFriction.at(self.first.topology, self.garment.nodes)
         return replace(self, first=replace(self.first, bending_friction=friction))
@@ -101,7 +109,7 @@ class FitScene:
 
     def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> FactoredEquilibrium:
         """Return the derivative of the drape that stopped at nodes and friction's anchors [m], [node_count, 3] each."""
-        from ...cloth import linearise_at
+        from ...cloth.derivative import linearise_at
 
         return linearise_at(self.at(away), nodes, anchors, self.solver)
 

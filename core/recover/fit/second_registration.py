@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from ...garment import Garment, resample
+from ...garment.garment import Garment
+from ...garment.resampling import resample
 from ...run.best import choose_best
 from ...run.hooks import Hooks
 from ..case import Case
-from ..deform import DeformSettings, deform
+from ..deform.deformer import deform
+from ..deform.settings import DeformSettings
 from ..drape.motion import surface_rms
 from ..state import RecoveryState
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ...cloth import SolveSettings
+from ...cloth.settings import SolveSettings
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...cloth import Drape, Fabric
-from ...garment import Garment, Pattern, equalise_seams, find_symmetry, seam_constraints
-from ...garment.seams import MIN_SINGULAR_VALUE_SHARE
+from ...cloth.fabric import Fabric
+from ...cloth.statics import Drape
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.seams import MIN_SINGULAR_VALUE_SHARE, equalise_seams, seam_constraints
+from ...garment.symmetry import find_symmetry
 from ...run.checkpoints import load, save
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ..grade import area_growth, find_proportions, mean_width
+from ..grade.flattening import mean_width
+from ..grade.proportion import area_growth, find_proportions
 from .independence import count_independent
-from .losses import RegisteredLoss
+from .losses.registered import RegisteredLoss
 from .scene import FitScene
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ...cloth import Scene
+    from ...cloth.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,7 @@ class ShapeProblem:
         self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT_HOOKS, fabric: Fabric | None = None
     ) -> Drape:
         """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
-        from ...cloth import equilibrium
+        from ...cloth.statics import equilibrium
 
         scene, solver, anchors = self.at(pattern, fabric), self.scene.solver, self.garment.nodes
         return equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=self.settings.solve, hooks=hooks)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern, mesh_pattern, resample
-from ...scan.contours import name_contours
+from ...body.body import Body
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.resampling import resample
+from ...garment.sewing import mesh_pattern
+from ...scan.contours.contours import name_contours
 
 
 def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:

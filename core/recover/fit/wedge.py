@@ -8,15 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ...garment import Garment
-from ...geometry import (
-    Factor,
-    deformation_gradients,
-    factor_symmetric,
-    gradient_operator,
-    shape_gradients,
-    signed_areas,
-)
+from ...garment.garment import Garment
+from ...geometry.geometry import deformation_gradients, gradient_operator, shape_gradients, signed_areas
+from ...geometry.linear import Factor, factor_symmetric
 
 PANEL_REGULARISATION_SHARE = 1e-9
 """Share of the mean diagonal of the matrix that is added to its diagonal, as a stiffness against the rigid motions of a

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import Body, lies_under_arm
-from ...garment import Garment
+from ...body.body import Body
+from ...body.hanging_arms import lies_under_arm
+from ...garment.garment import Garment
 from .parts import find_parts
 
 

@@ -9,14 +9,18 @@ from itertools import product
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Pattern, flat_contours, list_templates, load_template, name_cut
+from ...body.body import Body
+from ...garment.curves import flat_contours
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck_width
+from ...garment.parts.cut import Bodice, Cut, Neckline, Skirt
+from ...garment.parts.draft import draft_cut, half_neck_width
+from ...garment.parts.shipped_cuts import CUTS
+from ...garment.pattern import Pattern
+from ...garment.templates import list_templates, load_template, name_cut
 from ...run.errors import BadInput
 from ...run.finding import Finding, FindingKind
-from ...scan.contours import Target
-from ..drape import oversize_measures
+from ...scan.contours.target import Target
+from ..drape.sizing import oversize_measures
 from .cut_search import search_cuts
 from .hem_gores import HemGores, find_gores
 from .sleeve_length import fit_sleeve

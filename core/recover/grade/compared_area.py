@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import EdgeRef, Panel, Pattern, polygon_area
 from ...garment.curves import chord, edge_area
+from ...garment.pattern import EdgeRef, Panel, Pattern
+from ...garment.polygon import polygon_area
 from .parts import edges_until
 
 MAX_STRAIGHT_AREA_RATIO = 1e-3

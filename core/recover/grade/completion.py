@@ -6,11 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...body import ExposedSurface, project_outside
-from ...garment import Garment
-from ...geometry import HalfEdges, Rim, TriangleSurface, shortest_paths, vertex_normals
+from ...body.exposed import ExposedSurface
+from ...body.projection import project_outside
+from ...garment.garment import Garment
+from ...geometry.connectivity import HalfEdges, shortest_paths
+from ...geometry.geometry import vertex_normals
+from ...geometry.rim import Rim
+from ...geometry.surface import TriangleSurface
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Contour, Target, smoothed_length
+from ...scan.contours.loop import smoothed_length
+from ...scan.contours.target import Contour, Target
 from .registration import HiddenCloth, RegistrationSettings, register_coarsely
 
 MIN_HIDDEN_CONTOUR_SHARE = 0.3

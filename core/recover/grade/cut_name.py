@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ...body import Body
-from ...garment import Pattern, find_cut, name_cut
-from ...garment.parts import CUTS, PARTS, Cut, differing_parts
-from ..drape import measure_wearer
+from ...body.body import Body
+from ...garment.parts.cut import PARTS, Cut, differing_parts
+from ...garment.parts.shipped_cuts import CUTS
+from ...garment.pattern import Pattern
+from ...garment.templates import find_cut, name_cut
+from ..drape.sizing import measure_wearer
 from .cut_search import RIVAL_MISFIT_SHARE, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
 
 PROPORTION_PARTS = ("skirt", "legs")

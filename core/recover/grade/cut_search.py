@@ -8,12 +8,15 @@ from itertools import product
 
 import numpy as np
 
-from ...body import Body
-from ...garment import BodyMeasures, Pattern, mesh_pattern
-from ...garment.parts import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts, draft_cut
+from ...body.body import Body
+from ...garment.measures import BodyMeasures
+from ...garment.parts.cut import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts
+from ...garment.parts.draft import draft_cut
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
 from ...run.errors import BadInput
-from ...scan.contours import Target
-from ..drape import measure_wearer
+from ...scan.contours.target import Target
+from ..drape.sizing import measure_wearer
 from .girth_profile import GirthProfile, profile_pattern, profile_target
 from .waist_seam import sew_waist
 

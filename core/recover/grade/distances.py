@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import Body
-from ...scan.contours import Contour
+from ...body.body import Body
+from ...scan.contours.target import Contour
 
 _SPINE_JOINTS = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
 _HEM_JOINTS = ("spine3", "spine2", "spine1", "pelvis", "hip", "knee", "ankle", "foot")

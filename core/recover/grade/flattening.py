@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ...garment import Garment, Panel, Pattern, edge_length, find_symmetry, map_controls, panel_area
+from ...garment.control import map_controls
+from ...garment.curves import edge_length, panel_area
+from ...garment.garment import Garment
+from ...garment.pattern import Panel, Pattern
 from ...garment.seams import MIN_SINGULAR_VALUE_SHARE
-from ...geometry import Factor, deformation_gradients, factor_symmetric, gradient_operator, right_stretch
+from ...garment.symmetry import find_symmetry
+from ...geometry.geometry import deformation_gradients, gradient_operator, right_stretch
+from ...geometry.linear import Factor, factor_symmetric
 
 MIN_GRADED_EDGE_LENGTH = 0.01
 """Length of an edge below which it is what a drawing program leaves between two corners, and keeps its vector [m]: half

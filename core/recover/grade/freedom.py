@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import EdgeRef, Garment, Pattern, find_symmetry, map_controls
+from ...garment.control import map_controls
 from ...garment.fairness import SmoothJoin, find_smooth_joins, measure_corner
+from ...garment.garment import Garment
 from ...garment.handles import (
     corner_rates,
     find_free_handles,
@@ -16,6 +17,8 @@ from ...garment.handles import (
     length_rates,
     with_handles,
 )
+from ...garment.pattern import EdgeRef, Pattern
+from ...garment.symmetry import find_symmetry
 from .flattening import seam_rows
 from .parts import find_parts
 

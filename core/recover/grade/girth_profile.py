@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ...garment import Garment
-from ...geometry import cotangent_laplacian, face_areas, factor_symmetric, find_components, signed_areas
-from ...scan.contours import Target
+from ...garment.garment import Garment
+from ...geometry.connectivity import find_components
+from ...geometry.geometry import cotangent_laplacian, face_areas, signed_areas
+from ...geometry.linear import factor_symmetric
+from ...scan.contours.target import Target
 
 GIRTH_LEVEL_COUNT = 32
 """Number of places at which girths are taken: every 2 to 4 cm of a garment."""

@@ -6,11 +6,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern, check_outline, equalise_seams, map_controls, panel_area
+from ...body.body import Body
+from ...garment.control import map_controls
+from ...garment.curves import panel_area
 from ...garment.errors import PanelCrossing, PanelDegenerate
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
+from ...garment.validity import check_outline
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .armpits import Armpits
 from .distances import ContourMeasure, compare_contours
 from .flattening import FlatteningSettings, fit_control_points, stretch_between

@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Pattern, edge_length, equalise_seams
-from ...scan.contours import Contour, Target
+from ...body.body import Body
+from ...garment.curves import edge_length
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
 from ...scan.contours.edge_turn import EdgeTurn
+from ...scan.contours.target import Contour, Target
 
 MIN_PANEL_WIDTH_CHANGE = 0.02
 """Relative change of the width of a panel above which another base pattern is made: 5 mm of a quarter of the hip, as

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...garment.parts import Bodice, Cut, Gores, Shaping, Skirt
-from ...scan.contours import Target
+from ...garment.parts.cut import Bodice, Cut, Gores, Shaping, Skirt
 from ...scan.contours.edge_turn import EdgeTurn
+from ...scan.contours.target import Target
 
 MIN_GORE_COUNT = 6
 """Number of corners from which a skirt is gored: four are where side and centre seams of a skirt of four panels end."""

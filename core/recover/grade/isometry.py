@@ -8,10 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from ...body import Body
-from ...garment import Garment, Pattern, equalise_seams, update_flat_mesh
-from ...geometry import ClosedCurve, TriangleSurface, gradient_operator, lump, shape_gradients
-from ...scan.contours import Target, name_contours
+from ...body.body import Body
+from ...garment.control import update_flat_mesh
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
+from ...geometry.curves import ClosedCurve
+from ...geometry.geometry import gradient_operator, lump, shape_gradients
+from ...geometry.surface import TriangleSurface
+from ...scan.contours.contours import name_contours
+from ...scan.contours.target import Target
 from .armpits import Armpits
 from .flattening import narrow_panels, solve_with_seams
 from .freedom import PatternParameters
@@ -21,7 +27,8 @@ from .registration import match_surface
 from .seen_seams import SeenSeam, find_seen_seams
 
 if TYPE_CHECKING:
-    from ...cloth import BlockPattern, Solver
+    from ...cloth.block_pattern import BlockPattern
+    from ...geometry.linear import Solver
 
 NEWTON_REACH = 10.0
 """Reach of Gauss-Newton steps at last [m]: that only holds a node that nothing else holds."""
@@ -197,7 +204,8 @@ class Isometry:
             strain: U of each face, shape [face_count, 2, 2].
             settings: How.
         """
-        from ...cloth import BlockPattern, make_solver
+        from ...cloth.block_pattern import BlockPattern
+        from ...cloth.solver import make_solver
 
         borders = []
         for contour in name_contours(garment.nodes, garment.faces, body)[0]:

@@ -7,8 +7,9 @@ from itertools import takewhile
 
 import numpy as np
 
-from ...garment import Panel, Pattern, edge_length
-from ...geometry import find_components
+from ...garment.curves import edge_length
+from ...garment.pattern import Panel, Pattern
+from ...geometry.connectivity import find_components
 from .flattening import MIN_GRADED_EDGE_LENGTH
 
 MIN_MIRROR_LENGTH_RATIO = 0.99

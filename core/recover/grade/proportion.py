@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import EdgeRef, Pattern, edge_length, panel_area
+from ...garment.curves import edge_length, panel_area
 from ...garment.handles import area_rates, handles_of, length_rates
+from ...garment.pattern import EdgeRef, Pattern
 from .compared_area import ComparedArea, area_rates_by_points
 from .flattening import MIN_GRADED_EDGE_LENGTH, kept_vectors
 from .parts import are_mirrored, count_seams, edges_until, find_armhole_pairs

@@ -7,25 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ...garment import Garment
-from ...geometry import (
-    ClosedCurve,
-    ClosestPoints,
-    HalfEdges,
-    Rim,
-    TriangleSurface,
-    analyse_pattern,
+from ...garment.garment import Garment
+from ...geometry.connectivity import HalfEdges, find_components
+from ...geometry.curves import ClosedCurve
+from ...geometry.geometry import (
     bending_matrix,
     cotangent_laplacian,
-    factor_symmetric,
-    find_components,
     gradient_operator,
     lump,
     signed_areas,
     vertex_normals,
 )
+from ...geometry.linear import analyse_pattern, factor_symmetric
+from ...geometry.rim import Rim
+from ...geometry.surface import ClosestPoints, TriangleSurface
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .armpits import Armpits
 from .parts import find_parts
 

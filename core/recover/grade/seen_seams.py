@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import Body
-from ...garment import EdgeRef, Garment
-from ...scan.contours import Target
+from ...body.body import Body
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef
+from ...scan.contours.target import Target
 from .parts import find_armhole_pairs
 from .shoulder_points import find_shoulder_points
 from .trunk_curvature import TrunkCurvature

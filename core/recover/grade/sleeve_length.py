@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from ...body import Body
-from ...garment.parts import SLEEVES, Cut, Sleeve
-from ...scan.contours import Target
+from ...body.body import Body
+from ...garment.parts.cut import Cut, Sleeve
+from ...garment.parts.sleeves import SLEEVES
+from ...scan.contours.target import Target
 from .distances import limb_chain, loop_centre, position_along
 
 DRAFT_ARM_LENGTH = 0.49

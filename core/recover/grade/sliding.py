@@ -7,12 +7,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern, mesh_pattern, resample
+from ...body.body import Body
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.resampling import resample
+from ...garment.sewing import mesh_pattern
 from ...run.best import choose_best
 from ...run.errors import BadInput
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import Target
+from ...scan.contours.target import Target
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
 from .strain import clamp_stretch, subgrid_stretch

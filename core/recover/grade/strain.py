@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...garment import Garment
-from ...geometry import self_intersections, signed_areas
+from ...garment.garment import Garment
+from ...geometry.geometry import signed_areas
+from ...geometry.intersections import self_intersections
 from .flattening import garment_stretch, narrow_panels
 
 MIN_COARSE_LENGTH_RATIO = 0.8

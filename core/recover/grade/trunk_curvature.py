@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import Body, rest_body
-from ...garment import BodyMeasures
-from ...geometry import HalfEdges, angle_defects, unit, vertex_normals
-from ...scan.contours import Target
-from ..drape import measure_wearer
+from ...body.body import Body
+from ...body.skinning import rest_body
+from ...garment.measures import BodyMeasures
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import angle_defects, unit, vertex_normals
+from ...scan.contours.target import Target
+from ..drape.sizing import measure_wearer
 
 
 @dataclass(frozen=True)

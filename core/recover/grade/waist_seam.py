@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...garment import Pattern, Seam
-from ...garment.parts import Cut, Skirt
+from ...garment.parts.cut import Cut, Skirt
+from ...garment.pattern import Pattern, Seam
 from .trunk_curvature import TrunkCurvature
 
 WAIST_HALF_WIDTH_SHARE = 0.16

@@ -9,13 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...body import pinched_depth, skin, unskin
-from ...body.motion import LeadIn
-from ...cloth import ClothState
-from ...geometry import self_intersections
+from ...body.exposed import pinched_depth
+from ...body.motion.track import LeadIn
+from ...body.skinning import skin, unskin
+from ...cloth.dynamics import ClothState
+from ...geometry.intersections import self_intersections
 from ...run.checkpoints import load, save
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ..wear import WornGarment
+from ..wear.worn import WornGarment
 from .settings import AnimateBad, AnimateSettings, StepLimits
 from .stage import AnimationScene, Cloth, PosedWearer
 

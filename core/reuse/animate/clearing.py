@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body.motion import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, Track, clear_limbs
-from ...geometry import TriangleSurface
-from ..wear import WornGarment
+from ...body.motion.clear_limbs import LIMB_GROUPS, MAX_LIMB_SPREAD_ANGLE, clear_limbs
+from ...body.motion.track import Track
+from ...geometry.surface import TriangleSurface
+from ..wear.worn import WornGarment
 from .settings import AnimateSettings
 
 COVERED_SKIN_RADIUS = 0.02

@@ -6,17 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...body import (
-    ExposedSurface,
-    exit_displacements,
-    penetration_depth,
-    pinched_depth,
-    project_outside,
-    untangle_outside,
-)
-from ...cloth import Energy, Scene
+from ...body.exposed import ExposedSurface, penetration_depth, pinched_depth
+from ...body.projection import exit_displacements, project_outside
+from ...body.untangling import untangle_outside
 from ...cloth.carry_step import move_collision_free
-from ...geometry import self_intersections
+from ...cloth.energy import Energy
+from ...cloth.scene import Scene
+from ...geometry.intersections import self_intersections
 
 FIRST_PUSH_CLEARANCE = 1e-3
 """Distance from the skin to which nearer cloth is pushed in the first round [m], as everywhere. In later rounds cloth

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...body.motion import Recording
+from ...body.motion.recording import Recording
 from ...run.verdict import Gate, Verdict
 from .animation import Animation
 

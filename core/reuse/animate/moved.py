@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...body.motion import LeadIn, Pose, Recording, retarget
+from ...body.motion.recording import Recording
+from ...body.motion.retarget import retarget
+from ...body.motion.track import LeadIn, Pose
 from ...run.clock import Clock
 from ...run.report import ResultReport
-from ..wear import WornGarment
+from ..wear.worn import WornGarment
 from .animation import STAGE, Animation, animate
 from .clearing import make_room_for_garment
 from .measured import judge_animation, judge_motion, measure_animation

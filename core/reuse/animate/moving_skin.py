@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import ExposedSurface
+from ...body.exposed import ExposedSurface
 
 MIN_OUTSIDE_COSINE = 0.97
 """Cosine of the angle between the direction from a point's foot to the point and the foot's normal, above which the

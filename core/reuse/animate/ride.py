@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import ExposedSurface
-from ...geometry import unit
+from ...body.exposed import ExposedSurface
+from ...geometry.geometry import unit
 
 
 def move_with_triangles(points: np.ndarray, before: np.ndarray, after: np.ndarray, corners: np.ndarray) -> np.ndarray:

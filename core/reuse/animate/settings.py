@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ...cloth import ContactSettings
 from ...cloth.motion_step import StepSettings
+from ...cloth.settings import ContactSettings
 from ...run.errors import BadInput
 
 

@@ -7,13 +7,22 @@ from functools import cached_property
 
 import numpy as np
 
-from ...body import ExposedSurface, project_outside, skin, unskin, weights_at
-from ...body.motion import LeadIn, MovingBody
-from ...cloth import BendingFriction, ClothState, Pins, Scene, SelfContact, Topology, reduce_membrane_stiffness
+from ...body.exposed import ExposedSurface
+from ...body.motion.moving_body import MovingBody
+from ...body.motion.track import LeadIn
+from ...body.projection import project_outside
+from ...body.skinning import skin, unskin, weights_at
+from ...cloth.bending_friction import BendingFriction
+from ...cloth.collision.self_contact import SelfContact
+from ...cloth.dynamics import ClothState
+from ...cloth.locking import reduce_membrane_stiffness
 from ...cloth.motion_step import SolverLayout, StepResult, step_in_motion
-from ...geometry import self_intersections
-from ...recover.drape import pin_waist
-from ..wear import WornGarment
+from ...cloth.pins import Pins
+from ...cloth.scene import Scene
+from ...cloth.topology import Topology
+from ...geometry.intersections import self_intersections
+from ...recover.drape.tie import pin_waist
+from ..wear.worn import WornGarment
 from .deliver import resolve_penetration
 from .moving_skin import MovingSkin
 from .ride import move_anchors

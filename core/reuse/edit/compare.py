@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from ...garment import Pattern, Seam, seam_lengths
+from ...garment.pattern import Pattern, Seam
+from ...garment.seams import seam_lengths
 from ...judge.comparison import Comparison, compare_patterns
 from ...run.units import MM_PER_M
 

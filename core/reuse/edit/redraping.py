@@ -6,19 +6,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...cloth import Drape, Fabric, reduce_membrane_stiffness
-from ...garment import Garment, Pattern, mesh_pattern, panel_area, transfer_nodes
-from ...geometry import ClosedCurve
+from ...cloth.fabric import Fabric
+from ...cloth.locking import reduce_membrane_stiffness
+from ...cloth.statics import Drape
+from ...garment.curves import panel_area
+from ...garment.garment import Garment
+from ...garment.laying import transfer_nodes
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
+from ...geometry.curves import ClosedCurve
 from ...judge.patterns import measure_seams
-from ...recover.drape import DrapeSettings, WearerGeometry, drape_graded, flat_length, redrape
+from ...recover.drape.stage import DrapeSettings, drape_graded, redrape
+from ...recover.drape.waist import flat_length
+from ...recover.drape.wearer import WearerGeometry
 from ...run.clock import Clock
 from ...run.hooks import Hooks
 from ...run.report import ResultReport
 from ...run.verdict import Gate, Verdict
-from ...scan.contours import Contour
-from ..wear import Ease, WornGarment, judge_wear, measure_ease, measure_pressure, measure_strain, measure_worn
-from ..wear.dressing import tabulate_ease
+from ...scan.contours.target import Contour
+from ..wear.dressing import measure_worn, tabulate_ease
+from ..wear.ease import Ease, measure_ease
+from ..wear.load import measure_pressure, measure_strain
 from ..wear.parting import separate_layers
+from ..wear.verdicts import judge_wear
+from ..wear.worn import WornGarment
 from .compare import PatternDifference, compare_versions
 
 STAGES = ("drape", "measure")

@@ -6,9 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...body import Body, BuiltinWearer, builtin_body, is_smpl, load_smpl, pose_body, register_body
+from ...body.body import Body
+from ...body.builtin import builtin_body
+from ...body.posing import pose_body
+from ...body.registration import register_body
+from ...body.smpl import is_smpl, load_smpl
+from ...body.spec import BuiltinWearer
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan import Limits, Scan, describe_scan, load_scan
+from ...scan.limits import Limits
+from ...scan.load import load_scan
+from ...scan.scan import Scan, describe_scan
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body, penetration_depth
-from ...cloth import Drape, Fabric
-from ...garment.pieces import PieceNumbers, measure_pieces
-from ...geometry import self_intersections
-from ...recover.drape import WearerGeometry, redrape
+from ...body.body import Body
+from ...body.exposed import penetration_depth
+from ...cloth.fabric import Fabric
+from ...cloth.statics import Drape
+from ...garment.pieces.numbers import PieceNumbers, measure_pieces
+from ...geometry.intersections import self_intersections
+from ...recover.drape.stage import redrape
+from ...recover.drape.wearer import WearerGeometry
 from ...run.clock import Clock
 from ...run.hooks import Hooks
 from ...run.report import ResultReport
-from ...scan.contours import name_contours
+from ...scan.contours.contours import name_contours
 from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
 from .parting import separate_layers

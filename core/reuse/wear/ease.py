@@ -8,10 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import GIRTHS, Body, Girth, TapeMeasure, unskin, weights_at
-from ...garment import Garment
-from ...geometry import find_components, self_intersections
-from ...recover.drape import flat_length
+from ...body.body import Body
+from ...body.girths import GIRTHS, Girth, TapeMeasure
+from ...body.skinning import unskin, weights_at
+from ...garment.garment import Garment
+from ...geometry.connectivity import find_components
+from ...geometry.intersections import self_intersections
+from ...recover.drape.waist import flat_length
 
 LEG_OFFSET_SHARE = 0.5
 """Share of the hip joint's distance from the middle beyond which cloth belongs to one leg: a skirt's line is in the

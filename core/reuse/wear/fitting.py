@@ -7,14 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body, builtin_body, rest_body
-from ...cloth import get_fabric
-from ...garment import Garment, Pattern, draft_template, load_draped_template, mesh_pattern, move_by_drafts
-from ...garment.templates import DRAPED_VERTICES
-from ...recover.drape import WearerGeometry, measure_wearer
+from ...body.body import Body
+from ...body.builtin import builtin_body
+from ...body.skinning import rest_body
+from ...cloth.fabrics import get_fabric
+from ...garment.garment import Garment
+from ...garment.moving import move_by_drafts
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
+from ...garment.templates import DRAPED_VERTICES, draft_template, load_draped_template
 from ...recover.drape.shipped import TEMPLATE_FABRIC, TEMPLATE_WEARER
+from ...recover.drape.sizing import measure_wearer
+from ...recover.drape.wearer import WearerGeometry
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours import name_contours
+from ...scan.contours.contours import name_contours
 from .dressing import drape_worn, transfer_to_body
 from .kept_ease import EasePrediction, max_ease_change, preserve_ease
 from .widening import widening_rules

@@ -7,8 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body
-from ...garment import Garment, Pattern, check_outline, equalise_seams, map_controls
+from ...body.body import Body
+from ...garment.control import map_controls
+from ...garment.garment import Garment
+from ...garment.pattern import Pattern
+from ...garment.seams import equalise_seams
+from ...garment.validity import check_outline
 from ...run.errors import BadInput
 from .ease import MeasuredBody, measure_ease, measure_unposed_ease, unpose_points
 from .waist import transfer_curve

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cloth import Scene, Topology
 from ...cloth.contact import contact_forces
-from ...geometry import deformation_gradients, lump, principal_stretches
-from ...recover.drape import WearerGeometry
+from ...cloth.scene import Scene
+from ...cloth.topology import Topology
+from ...geometry.geometry import deformation_gradients, lump, principal_stretches
+from ...recover.drape.wearer import WearerGeometry
 from .worn import WornGarment
 
 

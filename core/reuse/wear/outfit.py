@@ -6,9 +6,9 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from ...body import Body
-from ...cloth import Drape
-from ...recover.drape import WearerGeometry
+from ...body.body import Body
+from ...cloth.statics import Drape
+from ...recover.drape.wearer import WearerGeometry
 from ...run.clock import Clock
 from ...run.report import ResultReport
 from .dressing import DressedGarment, drape_worn, judge_dressed, transfer_alone_to_body, transfer_to_body

@@ -7,19 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...body import Body, penetration_depth, project_outside, untangle_outside
-from ...cloth import (
-    Drape,
-    Fabric,
-    Pins,
-    Scene,
-    SelfContact,
-    Topology,
-    equilibrium,
-    reduce_membrane_stiffness,
-    stack_garments,
-)
-from ...recover.drape import WearerGeometry, redrape, waist_loop
+from ...body.body import Body
+from ...body.exposed import penetration_depth
+from ...body.projection import project_outside
+from ...body.untangling import untangle_outside
+from ...cloth.collision.self_contact import SelfContact
+from ...cloth.fabric import Fabric
+from ...cloth.layers import stack_garments
+from ...cloth.locking import reduce_membrane_stiffness
+from ...cloth.pins import Pins
+from ...cloth.scene import Scene
+from ...cloth.statics import Drape, equilibrium
+from ...cloth.topology import Topology
+from ...recover.drape.stage import redrape
+from ...recover.drape.waist import waist_loop
+from ...recover.drape.wearer import WearerGeometry
 from ...run.clock import Clock
 from ...run.hooks import Hooks
 from .dressing import DressedGarment, drape_worn, judge_dressed, transfer_to_body

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import project_outside
-from ...cloth import Drape, Scene, SelfContact, Topology, equilibrium, reduce_membrane_stiffness
-from ...geometry import self_intersections
-from ...recover.drape import WearerGeometry, pin_waist
+from ...body.projection import project_outside
+from ...cloth.collision.self_contact import SelfContact
+from ...cloth.locking import reduce_membrane_stiffness
+from ...cloth.scene import Scene
+from ...cloth.statics import Drape, equilibrium
+from ...cloth.topology import Topology
+from ...geometry.intersections import self_intersections
+from ...recover.drape.tie import pin_waist
+from ...recover.drape.wearer import WearerGeometry
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .worn import WornGarment
 

@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...body import Body, TapeMeasure
-from ...cloth import Fabric
-from ...garment import (
-    Pattern,
-    TemplateUnknown,
-    mesh_pattern,
-    move_by_drafts,
-    scale_panels,
-)
-from ...recover.drape import measure_wearer
+from ...body.body import Body
+from ...body.girths import TapeMeasure
+from ...cloth.fabric import Fabric
+from ...garment.moving import move_by_drafts, scale_panels
+from ...garment.pattern import Pattern
+from ...garment.sewing import mesh_pattern
+from ...garment.templates import TemplateUnknown
+from ...recover.drape.sizing import measure_wearer
 from ...run.clock import Clock
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .dressing import DressedGarment, dress_body

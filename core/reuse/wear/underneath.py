@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import ExposedSurface
-from ...cloth import SelfContactSettings
-from ...garment import Garment
-from ...geometry import HalfEdges, TriangleSurface, intersecting_pairs, vertex_normals
-from ...recover.drape import WearerGeometry
+from ...body.exposed import ExposedSurface
+from ...cloth.settings import SelfContactSettings
+from ...garment.garment import Garment
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import vertex_normals
+from ...geometry.intersections import intersecting_pairs
+from ...geometry.surface import TriangleSurface
+from ...recover.drape.wearer import WearerGeometry
 
 RAISED_SKIN_CLEARANCE = 2.0 * SelfContactSettings().thickness
 """Distance of the raised skin from the cloth under it [m]: two thicknesses. What is cleared of the raised skin then

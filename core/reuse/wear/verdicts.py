@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...cloth import MAX_REST_RESIDUAL
+from ...cloth.settings import MAX_REST_RESIDUAL
 from ...run.verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body, register_body, skin, unskin, weights_at
-from ...geometry import TriangleSurface
+from ...body.body import Body
+from ...body.registration import register_body
+from ...body.skinning import skin, unskin, weights_at
+from ...geometry.surface import TriangleSurface
 
 
 def transfer_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:

@@ -6,8 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from ...body import BELOW_ARMPIT
-from ...garment import BodyMeasures, Panel, Pattern, draft_template
+from ...body.girths import BELOW_ARMPIT
+from ...garment.measures import BodyMeasures
+from ...garment.pattern import Panel, Pattern
+from ...garment.templates import draft_template
 
 SEWN_POINT_TOLERANCE = 5e-3
 """Distance of two placed control points up to which they are sewn together [m]. A back's corner that was moved until

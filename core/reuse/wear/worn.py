@@ -9,15 +9,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ...body import Body, builtin_body
-from ...cloth import Fabric, SteadyRotation
-from ...garment import EdgeRef, Garment, Pattern, load_draped_template
-from ...recover.drape import waist_loop
+from ...body.body import Body
+from ...body.builtin import builtin_body
+from ...cloth.fabric import Fabric
+from ...cloth.scene import SteadyRotation
+from ...garment.garment import Garment
+from ...garment.pattern import EdgeRef, Pattern
+from ...garment.templates import load_draped_template
 from ...recover.drape.shipped import TEMPLATE_WEARER
+from ...recover.drape.waist import waist_loop
 from ...recover.recovery import Recovery
 from ...run.checkpoints import pack, unpack
 from ...run.errors import BadInput
-from ...scan.contours import Contour, Target
+from ...scan.contours.target import Contour, Target
 
 WORN_FILE_NAME = "worn.npz"
 """Name of the file in the folder of a result."""

@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from ...geometry import ClosedCurve
+from ...geometry.curves import ClosedCurve
 
 MIN_BITE_RIM_RATIO = 2.5
 """Least length of a bite's rim over its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: these are

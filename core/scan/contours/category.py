@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body
+from ...body.body import Body
 from .contours import ARM_BONES, LEG_BONES, limb_place
 from .encirclement import find_crossings
 from .target import Contour

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import Body
-from ...geometry import unit, vertex_normals
+from ...body.body import Body
+from ...geometry.geometry import unit, vertex_normals
 from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry import ClosedCurve, rim_turns
-from . import Contour, Target
+from ...geometry.curves import ClosedCurve
+from ...geometry.geometry import rim_turns
+from .target import Contour, Target
 
 NARROW_WINDOW_STD, BROAD_WINDOW_STD = 0.01, 0.02
 """Standard deviations of the windows over which an edge's turn is summed [m]: one and two edges of a scan's mesh."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import JOINT_PARENTS, JOINTS, Body
+from ...body.body import JOINT_PARENTS, JOINTS, Body
 from .loop import smooth_loop, span_disk
 
 LEAF_LENGTHS = {"head": 0.3, "left_foot": 0.5, "right_foot": 0.5, "left_hand": 0.3, "right_hand": 0.3}

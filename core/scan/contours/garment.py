@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...body import Body
-from ...geometry import HalfEdges, face_areas, vertex_normals
+from ...body.body import Body
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import face_areas, vertex_normals
 from ...run.errors import BadInput
-from .. import Scan, thin_scan
+from ..scan import Scan
+from ..thin import thin_scan
 from .category import choose_category
 from .contours import name_contours
 from .loop import find_loops, smoothed_length

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import ClosedCurve
+from ...geometry.curves import ClosedCurve
 from .loop import smoothed_length
 
 MAX_PINCH_CHORD_RATIO = 0.15

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import ClosedCurve, HalfEdges
+from ...geometry.connectivity import HalfEdges
+from ...geometry.curves import ClosedCurve
 
 CONTOUR_SMOOTHING_LENGTH = 0.03
 """Width over which a contour is smoothed before it is measured [m]: wider than the teeth that a cut along the triangles

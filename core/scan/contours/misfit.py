@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...body import Body
+from ...body.body import Body
 from ...body.solid import Solid
-from ...geometry import TriangleSurface
+from ...geometry.surface import TriangleSurface
 
 MAX_CLOTH_PENETRATION = 0.02
 """Depth inside the body that noise and pressed-in cloth do not reach [m]."""

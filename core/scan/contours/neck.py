@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import Body
+from ...body.body import Body
 from .loop import smooth_loop
 
 NECK_SMOOTHING_LENGTH = 0.02

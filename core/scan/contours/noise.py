@@ -6,7 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from ...geometry import HalfEdges, edge_lengths, vertex_normals
+from ...geometry.connectivity import HalfEdges
+from ...geometry.geometry import edge_lengths, vertex_normals
 
 MIN_SCAN_NOISE_STD = 4e-3
 """Noise of a scan from which it is smoothed first [m per coordinate]. Below, the garment's own edges average it out (2

@@ -8,8 +8,10 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.spatial import cKDTree
 
-from ...geometry import HalfEdges, edge_lengths, factor_symmetric, shortest_paths, unit, vertex_normals
-from .. import Scan
+from ...geometry.connectivity import HalfEdges, shortest_paths
+from ...geometry.geometry import edge_lengths, unit, vertex_normals
+from ...geometry.linear import factor_symmetric
+from ..scan import Scan
 
 ROUNDED_RIM_WIDTH = 0.012
 """Width of the strip along a cut in which the surface bends off to what lies beyond [m], three cells of 4 mm of a fused

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry import HalfEdges, adjacency_matrix, edge_lengths
+from ...geometry.connectivity import HalfEdges, adjacency_matrix
+from ...geometry.geometry import edge_lengths
 
 SPIKE_EDGES = 1.3
 """Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry import HalfEdges, find_components
+from ...geometry.connectivity import HalfEdges, find_components
 
 CONTOUR_NAMES = (
     "neck", "waist", "hem",

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...geometry import ClosedCurve, area_vectors, unit
+from ...geometry.curves import ClosedCurve
+from ...geometry.geometry import area_vectors, unit
 
 COARSE_ZIGZAG_LENGTH = 0.02
 """Length over which a zigzag is measured that is wider than the triangles are [m]: of a cut of a coarse mesh that was

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....garment import Garment
-from ....geometry import TriangleSurface, lump, mean_curvature, signed_areas
+from ....garment.garment import Garment
+from ....geometry.geometry import lump, mean_curvature, signed_areas
+from ....geometry.surface import TriangleSurface
 
 REFERENCE_FOLD_RADIUS = 0.025
 """Radius of a fold whose inverse is the unit of mean curvature [m]: a fold of 2.5 cm radius counts twice a flat

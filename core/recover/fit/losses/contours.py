@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....garment import Garment
-from ....geometry import ClosedCurve
-from ....scan.contours import Target
+from ....garment.garment import Garment
+from ....geometry.curves import ClosedCurve
+from ....scan.contours.target import Target
 
 CONTOUR_LOSS_SPACING = 5e-3
 """Distance between samples of a target's contour [m]: a fraction of the edges of any mesh that is fitted to it."""

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....garment import ControlMap, Garment, Panel, Pattern, Symmetry, edge_points, find_symmetry, map_controls
-from ....geometry import signed_areas
+from ....garment.control import ControlMap, map_controls
+from ....garment.curves import edge_points
+from ....garment.garment import Garment
+from ....garment.pattern import Panel, Pattern
+from ....garment.symmetry import Symmetry, find_symmetry
+from ....geometry.geometry import signed_areas
 
 FOLD_PENALTY_AREA_SHARE = 0.3
 """Share of its area below which a flat triangle is penalised: well before it turns over."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....garment import Garment
-from ....geometry import TriangleSurface
+from ....garment.garment import Garment
+from ....geometry.surface import TriangleSurface
 from .chamfer import flat_shares
 
 

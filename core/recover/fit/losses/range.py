@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....cloth import Fabric, load_fabrics
+from ....cloth.fabric import Fabric
+from ....cloth.fabrics import load_fabrics
 
 STIFFNESSES = ("H00", "H01", "H11", "H22", "k")
 """The parameters of thesis eq. 3.11, in the order of the logarithms."""

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....garment import Garment, Pattern, seam_lengths, seam_ratios, seam_sides
+from ....garment.garment import Garment
+from ....garment.pattern import Pattern
+from ....garment.seams import seam_lengths, seam_ratios, seam_sides
 
 
 @dataclass(frozen=True)
