@@ -14,12 +14,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from garmentq.cli.bench.packs import read_packs
 from garmentq.core.body.motion.read import load_motion
 from garmentq.core.body.motion.retarget import retarget
 from garmentq.core.body.motion.shipped import find_shipped_motion
 from garmentq.core.body.motion.track import LeadIn, Pose
 from garmentq.core.deliver.export.animation import write_animation
-from garmentq.core.judge.packs import read_packs
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from garmentq.cli.bench_raw_target import StageClock, spent_seconds
+from garmentq.cli.bench.raw_file import RawFile, read_raw_file, write_raw_file
+from garmentq.cli.bench.raw_target import StageClock, spent_seconds
 from garmentq.core.geometry.connectivity import HalfEdges
 from garmentq.core.geometry.geometry import edge_lengths, vertex_normals
 from garmentq.core.geometry.surface import TriangleSurface
-from garmentq.core.judge.raw_file import RawFile, read_raw_file, write_raw_file
 
 PERSON = Path(__file__).parents[1] / "examples" / "data" / "person.ply"
 

@@ -19,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from garmentq.cli.bench.packs import read_packs
+from garmentq.cli.bench.truth import measure_recovery
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.garment.curves import edge_points
 from garmentq.core.garment.garmentcode_writer import save_pattern
@@ -26,13 +28,11 @@ from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.connectivity import HalfEdges
 from garmentq.core.geometry.surface import TriangleSurface
-from garmentq.core.judge.packs import read_packs
 from garmentq.core.recover.drape.stage import drape_template, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.recover.truth import measure_recovery
 from garmentq.core.scan.contours.contours import name_contours
 from numba import njit
 

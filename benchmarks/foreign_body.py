@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import torch
 import trimesh
-from garmentq.core.body import build_assets
 from garmentq.core.body.body import Body
 from garmentq.core.body.registration import register_body
 from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.training import body_assets
 
 HEIGHTS = (1.50, 1.95)
 """Between which a drawn wearer's height lies [m]: 95 of 100 adults."""
@@ -45,12 +45,12 @@ SIDE = {"underbust": "bust", "bust_points": "bust", "back_width": "bust", "waist
 
 def draw_body(model: Any, seed: int) -> tuple[np.ndarray, np.ndarray, str]:
     """Return vertices [m], faces and the gender of a drawn adult in T-pose."""
-    skin, faces = build_assets.close_surface(model)
+    skin, faces = body_assets.close_surface(model)
     rng = np.random.default_rng(seed)
-    build_assets.LOCAL_SPREAD = LOCAL_SPREAD
+    body_assets.LOCAL_SPREAD = LOCAL_SPREAD
     while True:
-        phenotype, changes, gender = build_assets.draw_phenotype(model, rng)
-        vertices = skin @ build_assets.pose_t(model, phenotype, changes)[0]
+        phenotype, changes, gender = body_assets.draw_phenotype(model, rng)
+        vertices = skin @ body_assets.pose_t(model, phenotype, changes)[0]
         if HEIGHTS[0] <= np.ptp(vertices[:, 1]) <= HEIGHTS[1]:
             return vertices, faces, "female" if gender else "male"
 

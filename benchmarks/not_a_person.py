@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from garmentq.cli.bench_raw_target import spent_seconds
-from garmentq.core.judge.raw_file import RawFile, read_raw_file, write_raw_file
+from garmentq.cli.bench.raw_file import RawFile, read_raw_file, write_raw_file
+from garmentq.cli.bench.raw_target import spent_seconds
 from garmentq.core.run.errors import GarmentqError
 
 sys.path.insert(0, str(Path(__file__).parent))

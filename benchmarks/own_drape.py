@@ -20,6 +20,8 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from garmentq.cli.bench.packs import read_packs, read_true_pattern
+from garmentq.cli.bench.truth import measure_recovery
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabric import Fabric
 from garmentq.core.cloth.fabrics import get_fabric
@@ -30,14 +32,12 @@ from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.templates import draft_template, load_template
 from garmentq.core.geometry.geometry import vertex_normals
-from garmentq.core.judge.packs import read_packs, read_true_pattern
 from garmentq.core.judge.patterns import measure_panels
 from garmentq.core.recover.drape.stage import drape_graded, drape_template, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.recover.truth import measure_recovery
 from garmentq.core.scan.contours.target import Target
 
 BODY = "builtin:female,height=1.70"

@@ -132,7 +132,7 @@ ERRORS = (
         '"body_penetration_mm": 1e3 * depth.free', '"body_penetration_mm": 0.95e3 * depth.free',
     ),
     PlantedError(
-        ErrorKind.METRIC, "the overlap of labels is told 5 % smaller", "core/judge/raw_labels.py",
+        ErrorKind.METRIC, "the overlap of labels is told 5 % smaller", "cli/bench/raw_labels.py",
         "return float(np.sum(one & other) / either)", "return 0.95 * float(np.sum(one & other) / either)",
     ),
     PlantedError(

@@ -16,12 +16,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from garmentq.cli.bench.packs import Pack, read_packs, read_true_mesh, read_true_pattern
 from garmentq.core.garment.curves import unit_points
 from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.judge.crossings import count_crossings
 from garmentq.core.judge.fit import measure_distance
-from garmentq.core.judge.packs import Pack, read_packs, read_true_mesh, read_true_pattern
 from garmentq.core.judge.true_pattern import TruePanel
 from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.recover.recovery import Request

@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from garmentq.cli.bench.raw_file import RawFile, write_raw_file
 from garmentq.core.body.body import Body
 from garmentq.core.body.person import fit_person
-from garmentq.core.judge.raw_file import RawFile, write_raw_file
 from garmentq.core.people.colour import link_alike
 from garmentq.core.people.diffusion import link_points
 from garmentq.core.people.points import sample_person

@@ -23,9 +23,9 @@ MARKS = (b"tetgenio", b"CGAL::", b"triangledeinit")
 USES = """
 import igl, numpy as np, trimesh, sys
 from garmentq.core.body.solid import Solid
-from garmentq.core.judge import raw_states
+from garmentq.cli.bench import raw_states
 from garmentq.core.geometry.surface import TriangleSurface
-import garmentq.core.body.build_assets
+import garmentq.training.body_assets
 ball = trimesh.creation.icosphere(subdivisions=4)
 points, faces = np.array(ball.vertices), np.array(ball.faces)
 assert list(Solid(points, faces).contains(np.array([[0.0, 0, 0], [2.0, 0, 0]]))) == [True, False]

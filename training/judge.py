@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.judge.raw_labels import MIN_SURE_CONFIDENCE, measure_calibration
+from ..cli.bench.raw_labels import MIN_SURE_CONFIDENCE, measure_calibration
 from ..core.people.part import CLOTH, PARTS
 
 NUMBERS = np.array([int(part) for part in PARTS])

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.body.model import BodyModel
 from ..core.scan.raw import RawScan
+from .body_model import BodyModel
 
 VERSION = 1
 """Layout of the files."""

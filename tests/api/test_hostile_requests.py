@@ -60,7 +60,8 @@ import sys
 from pathlib import Path
 from starlette.testclient import TestClient
 from api_work import ask, upload
-from garmentq.core.garment import load_template, save_pattern
+from garmentq.core.garment.garmentcode import save_pattern
+from garmentq.core.garment.templates import load_template
 from garmentq.service.api.app import make_app
 from garmentq_home import make_settings
 home = Path(sys.argv[1])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bench_compare import compare_lines, format_changes, format_verdicts, list_figures, list_verdicts
 from bench_runs import MOVED, move_pack
-from garmentq.core.judge.raw_file import read_raw_file
+from garmentq.cli.bench.raw_file import read_raw_file
 from trimesh import PointCloud, Trimesh
 from trimesh.creation import icosphere
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from garmentq.cli.bench.packs import read_packs
+from garmentq.cli.bench.raw_file import read_raw_file
+from garmentq.cli.bench.raw_packs import read_cover, read_raw_packs, read_true_labels, read_visible
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.garmentcode_writer import save_pattern
-from garmentq.core.judge.packs import read_packs
-from garmentq.core.judge.raw_file import read_raw_file
-from garmentq.core.judge.raw_packs import read_cover, read_raw_packs, read_true_labels, read_visible
 from garmentq.core.reuse.wear.worn import load_worn_template
 from unseen_draw import Draft, draw_targets
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person

@@ -8,10 +8,10 @@ import torch
 import trimesh
 from garmentq.core.body.body import JOINTS
 from garmentq.core.body.builtin import BODY_DENSITY, BodyMissing, BodySpecBad, builtin_body
-from garmentq.core.body.model import BodyModel
 from garmentq.core.body.skinning import rest_body
 from garmentq.core.body.spec import BuiltinWearer, read_wearer
 from garmentq.core.body.template import load_template, rotations_of
+from garmentq.training.body_model import BodyModel
 
 TEMPLATE = load_template()
 

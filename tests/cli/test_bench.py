@@ -9,8 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
-from garmentq.cli import bench, bench_process, bench_target
-from garmentq.cli.bench_table import mean, print_tables
+from garmentq.cli.bench import process, target
+from garmentq.cli.bench import run as bench
+from garmentq.cli.bench.table import mean, print_tables
 from garmentq.core.cloth.fabric import FabricEstimate
 from garmentq.core.deliver.export.meshes import write_ply
 from garmentq.core.garment.curves import edge_points
@@ -58,7 +59,7 @@ def requests(monkeypatch: pytest.MonkeyPatch, tube_recovery) -> list:
         return tube_recovery(estimates=(FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),))
 
     monkeypatch.setitem(sys.modules, "garmentq.core.recover.pipeline", SimpleNamespace(recover=recover))
-    monkeypatch.setattr(bench, "run_target", lambda pack, order, timeout: bench_target.recover_target(order))
+    monkeypatch.setattr(bench, "run_target", lambda pack, order, timeout: target.recover_target(order))
     return seen
 
 
@@ -159,13 +160,13 @@ def test_means_are_unweighted_and_pass_over_gaps(capsys: pytest.CaptureFixture[s
     """Fails if a missing number counted as zero, or a failed target took part in the mean."""
     assert mean([1.0, None, 3.0, float("nan")]) == 2.0
     assert mean([None]) is None
-    print_tables([bench_target.empty_line("a", "deform") | {"error": {"code": "x.y", "message": "no"}}], {})
+    print_tables([target.empty_line("a", "deform") | {"error": {"code": "x.y", "message": "no"}}], {})
     assert "0 of 1" in capsys.readouterr().out
 
 
 def test_a_crash_is_a_line(packs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Fails if a process that died took the bench with it."""
-    monkeypatch.setattr(bench_process.sys, "executable", "/bin/false")
+    monkeypatch.setattr(process.sys, "executable", "/bin/false")
     result = run(packs, "--only", "good", "--json")
     line = json.loads(result.stdout)
     assert result.exit_code == 5

@@ -9,8 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
-from garmentq.cli import bench, bench_ablate
-from garmentq.cli.bench_ablate import (
+from garmentq.cli.bench import ablation
+from garmentq.cli.bench import run as bench
+from garmentq.cli.bench.ablation import (
     OURS,
     SWITCHES,
     Ablation,
@@ -65,7 +66,7 @@ def fake_stage(monkeypatch: pytest.MonkeyPatch) -> list[Switch]:
         return {"chamfer_vertex_m2e3": 0.1 if better else 0.2, "normal_cosine": 0.01 if switch.name == OURS else 0.02}
 
     stage = SimpleNamespace(pack=SimpleNamespace(name="a"), descend=run, deform=run)
-    monkeypatch.setattr(bench_ablate, "_Stage", SimpleNamespace(of=lambda pack, preset: stage))
+    monkeypatch.setattr(ablation, "_Stage", SimpleNamespace(of=lambda pack, preset: stage))
     return seen
 
 
@@ -111,7 +112,7 @@ def test_the_command_runs_the_study(pack: Path, monkeypatch: pytest.MonkeyPatch)
     result = CliRunner().invoke(bench.command, [str(pack.parent), "--ablate", "--preset", "thesis", "--json"])
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["setting"] == OURS
-    assert orders == [("bench_ablate", {"pack": str(pack.resolve()), "preset": "thesis"})]
+    assert orders == [("ablation", {"pack": str(pack.resolve()), "preset": "thesis"})]
     monkeypatch.setattr(bench, "_run_study", lambda *_: ([], {"code": "bench.crashed", "message": "gone"}))
     assert CliRunner().invoke(bench.command, [str(pack.parent), "--ablate", "--json"]).exit_code == 5
 
@@ -120,9 +121,9 @@ def test_the_module_appends_lines(pack: Path, monkeypatch: pytest.MonkeyPatch, t
     """Fails if an order without tables ran none, a line were lost, or an unreadable garment were a crash."""
     order, lines = tmp_path / "order.json", tmp_path / "lines.jsonl"
     order.write_text(json.dumps({"pack": str(pack)}))
-    bench_ablate.main([str(order), str(lines)])
+    ablation.main([str(order), str(lines)])
     (refused,) = map(json.loads, lines.read_text().splitlines())
     assert refused["error"]["code"].startswith("scan.")
     fake_stage(monkeypatch)
-    bench_ablate.main([str(order), str(lines)])
+    ablation.main([str(order), str(lines)])
     assert len(lines.read_text().splitlines()) == 1 + len(SWITCHES)

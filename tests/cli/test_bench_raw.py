@@ -11,14 +11,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from garmentq.cli import bench, bench_raw, bench_raw_target
-from garmentq.cli.bench_raw import OUTCOMES, STATE_NAMES
+from garmentq.cli.bench import raw_run, raw_target
+from garmentq.cli.bench import run as bench
+from garmentq.cli.bench.packs import read_mesh_file
+from garmentq.cli.bench.raw_file import read_raw_file
+from garmentq.cli.bench.raw_outcome import Outcome
+from garmentq.cli.bench.raw_run import OUTCOMES, STATE_NAMES
+from garmentq.cli.bench.raw_states import SCAN_STATES
 from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.reading import Reading
-from garmentq.core.judge.packs import read_mesh_file
-from garmentq.core.judge.raw_file import read_raw_file
-from garmentq.core.judge.raw_outcome import Outcome
-from garmentq.core.judge.raw_states import SCAN_STATES
 from garmentq.core.people.part import Part
 from garmentq.core.people.separation import FoundContour, FoundGarment, LabelledPerson, Outfit
 from garmentq.core.run.errors import BadInput
@@ -94,15 +95,15 @@ def road(monkeypatch: pytest.MonkeyPatch, packs: Path, tube_recovery, bare_body)
     found = Road(bare_body(*read_mesh_file(packs / "sheet" / "truth" / "body.ply")), tube_recovery())
     modules = {
         "scan.load_raw": {"load_raw": found.load_raw},
-        "person.separate": {"separate": found.separate},
-        "person.hints": {"Hints": lambda label=None: SimpleNamespace(label=label)},
-        "person.labels": {"write_labels": lambda label, confidence, path: np.savez(path, label=label)},
-        "person.garments": {"cut_garment_of": found.cut_garment_of, "find_surface": found.find_surface},
-        "pipeline": {"recover": found.recover},
+        "people.separate": {"label_person": found.separate},
+        "people.hints": {"Hints": lambda label=None: SimpleNamespace(label=label)},
+        "people.labels": {"write_labels": lambda label, confidence, path: np.savez(path, label=label)},
+        "people.garments": {"extract_garment": found.cut_garment_of, "build_person_surface": found.find_surface},
+        "recover.pipeline": {"recover": found.recover},
     }
     for name, values in modules.items():
         monkeypatch.setitem(sys.modules, f"garmentq.core.{name}", SimpleNamespace(**values))
-    monkeypatch.setattr(bench_raw, "run_raw_pack", lambda pack, order, timeout: bench_raw_target.run_pack(order))
+    monkeypatch.setattr(raw_run, "run_raw_pack", lambda pack, order, timeout: raw_target.run_pack(order))
     return found
 
 
@@ -190,8 +191,8 @@ def test_names_that_are_stated_twice_agree() -> None:
 
 def test_a_crash_is_a_line(packs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Broken where a process that died took the bench with it, or passed for a refusal."""
-    from garmentq.cli import bench_process
+    from garmentq.cli.bench import process
 
-    monkeypatch.setattr(bench_process.sys, "executable", "/bin/false")
+    monkeypatch.setattr(process.sys, "executable", "/bin/false")
     (line,) = run(packs, status=5)
     assert line["error"]["code"] == "bench.crashed" and line["outcome"] == "failed" and set(line) == KEYS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import numba
-from garmentq.cli.compiling import time_compiling
+from garmentq.cli.bench.compiling import time_compiling
 
 
 def test_compiling_is_timed_once_and_running_is_not():

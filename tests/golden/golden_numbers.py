@@ -162,8 +162,8 @@ def measure_separation(separation: LabelledPerson, truth: np.ndarray, true_body:
         truth: True part of each point, shape [n].
         true_body: Vertices of the true body, in the built-in body's topology [m], shape [m, 3].
     """
+    from garmentq.cli.bench.raw_labels import measure_calibration, measure_labels
     from garmentq.core.geometry.surface import TriangleSurface
-    from garmentq.core.judge.raw_labels import measure_calibration, measure_labels
 
     score = measure_labels(truth, separation.label)
     calibration = measure_calibration(truth, separation.label, separation.confidence)

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
+from garmentq.cli.bench.packs import read_packs, read_true_pattern
+from garmentq.cli.bench.truth import measure_recovery as measure_beside_truth
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.body.motion.read import load_motion
@@ -24,7 +26,6 @@ from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import describe_pieces
 from garmentq.core.garment.templates import draft_template, list_templates
 from garmentq.core.geometry.geometry import vertex_normals
-from garmentq.core.judge.packs import read_packs, read_true_pattern
 from garmentq.core.judge.patterns import PATTERN_METRICS
 from garmentq.core.judge.patterns import measure_pattern as measure_beside_true_pattern
 from garmentq.core.judge.penetration import measure_penetration
@@ -37,7 +38,6 @@ from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.recover.truth import measure_recovery as measure_beside_truth
 from garmentq.core.reuse.animate.moved import animate_garment
 from garmentq.core.reuse.animate.settings import AnimateSettings
 from garmentq.core.reuse.edit.redraping import drape_edit

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from garmentq.core.judge.damage import DAMAGES
+from garmentq.cli.bench.damage import DAMAGES
 from garmentq.core.scan.repair import repair_surface
 
 BY_NAME = {damage.name: damage for damage in DAMAGES}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.judge.packs import read_packs, read_true_mesh, read_true_pattern
+from garmentq.cli.bench.packs import read_packs, read_true_mesh, read_true_pattern
 from garmentq.core.run.errors import BadInput, NotFound
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.cli.bench.truth import measure_fabric
 from garmentq.core.cloth.fabric import Fabric
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.polygon import polygon_width
@@ -14,7 +15,6 @@ from garmentq.core.judge.outlines import outline_rms
 from garmentq.core.judge.patterns import measure_panels, measure_pattern, measure_seams, unmatched_panels
 from garmentq.core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
 from garmentq.core.judge.turning import turning_distance
-from garmentq.core.recover.truth import measure_fabric
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TRAPEZOID = np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.6], [0.1, 0.5]])

@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.judge.packs import read_mesh_file, read_packs
-from garmentq.core.judge.raw_borders import find_edges, measure_borders
-from garmentq.core.judge.raw_file import RawFile, read_raw_file, write_raw_file
-from garmentq.core.judge.raw_frame import find_frame
-from garmentq.core.judge.raw_labels import measure_calibration, measure_labels
-from garmentq.core.judge.raw_outcome import Outcome, judge_outcome
-from garmentq.core.judge.raw_packs import (
+from garmentq.cli.bench.packs import read_mesh_file, read_packs
+from garmentq.cli.bench.raw_borders import find_edges, measure_borders
+from garmentq.cli.bench.raw_file import RawFile, read_raw_file, write_raw_file
+from garmentq.cli.bench.raw_frame import find_frame
+from garmentq.cli.bench.raw_labels import measure_calibration, measure_labels
+from garmentq.cli.bench.raw_outcome import Outcome, judge_outcome
+from garmentq.cli.bench.raw_packs import (
     read_cover,
     read_garment_pattern,
     read_raw_packs,
     read_true_labels,
     read_visible,
 )
-from garmentq.core.judge.raw_shape import measure_true_body, measure_visible
-from garmentq.core.judge.raw_states import SCAN_STATES, degrade_scan
+from garmentq.cli.bench.raw_shape import measure_true_body, measure_visible
+from garmentq.cli.bench.raw_states import SCAN_STATES, degrade_scan
 from garmentq.core.people.part import Part
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan.raw import RawScan

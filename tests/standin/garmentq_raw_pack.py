@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.judge.raw_file import RawFile, write_raw_file
+from garmentq.cli.bench.raw_file import RawFile, write_raw_file
 from garmentq.core.people.part import Part
 
 SPACING = 0.01

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import Enum
 
-from ..people.part import Part
+from ...core.people.part import Part
 
 MIN_FOUND_OVERLAP = 0.5
 """Least overlap with its true points (intersection over union) at which a garment counts as found. Below it most of

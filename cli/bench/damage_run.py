@@ -1,6 +1,6 @@
 """Recover one target pack under every damage, in a process of its own; print what became of it beside the clean run.
 
-python -m garmentq.cli.bench_damage ORDER.json LINES.jsonl
+python -m garmentq.cli.bench.damage_run ORDER.json LINES.jsonl
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .bench_lines import Line, append_lines, keep_failure
-from .bench_table import mean
-from .terminal import print_table
+from ..terminal import print_table
+from .lines import Line, append_lines, keep_failure
+from .table import mean
 
 if TYPE_CHECKING:
-    from ..core.judge.damage import Damage
-    from ..core.judge.packs import Pack
-    from ..core.run.hooks import Arrays
-    from ..core.scan.scan import Scan
+    from ...core.run.hooks import Arrays
+    from ...core.scan.scan import Scan
+    from .damage import Damage
+    from .packs import Pack
 
 SHOWN_METRICS = (
     "surface_rms_mm.s2t",
@@ -63,8 +63,8 @@ def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
     one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
     and is shared between presets. All else is run again.
     """
-    from ..core.judge.damage import DAMAGES
-    from ..core.judge.packs import read_packs
+    from .damage import DAMAGES
+    from .packs import read_packs
 
     pack = read_packs(Path(order.pack))[0]
     with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
@@ -114,13 +114,13 @@ class _Study:
 
     def recover(self, damage: Damage, preset: str) -> Line:
         """Return the figures of one run."""
-        from ..core.deliver.export.result import to_plain_json
-        from ..core.recover.inputs import read_files
-        from ..core.recover.pipeline import recover
-        from ..core.recover.recovery import Request
-        from ..core.recover.settings import RecoverySettings
-        from ..core.recover.truth import measure_recovery
-        from ..core.run.hooks import Hooks
+        from ...core.deliver.export.result import to_plain_json
+        from ...core.recover.inputs import read_files
+        from ...core.recover.pipeline import recover
+        from ...core.recover.recovery import Request
+        from ...core.recover.settings import RecoverySettings
+        from ...core.run.hooks import Hooks
+        from .truth import measure_recovery
 
         garment, body = _damaged_files(self.pack, damage, self.seed, self.folder)
         settings = RecoverySettings(method="deform", preset=preset, seed=self.seed)
@@ -150,8 +150,8 @@ class _Study:
 
 def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple[Path, Path | None]:
     """Write the damaged garment, and where it moves with it the body; give both paths."""
-    from ..core.deliver.export.meshes import write_ply
-    from ..core.judge.packs import read_true_mesh
+    from ...core.deliver.export.meshes import write_ply
+    from .packs import read_true_mesh
 
     garment = folder / f"{damage.name}_garment.ply"
     vertices, faces = damage.apply(*read_true_mesh(pack), np.random.default_rng(seed))

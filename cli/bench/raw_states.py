@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.surface import TriangleSurface
-from ..scan.repair import repair_surface
+from ...core.geometry.surface import TriangleSurface
+from ...core.scan.repair import repair_surface
 from .damage import HOLE_RADII, cut_holes
 from .raw_file import RawFile
 

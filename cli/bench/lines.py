@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..core.run.errors import GarmentqError
+from ...core.run.errors import GarmentqError
 
 Line = dict[str, Any]
 T = TypeVar("T")

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..people.part import Part
+from ...core.judge.true_pattern import TruePattern
+from ...core.people.part import Part
 from .packs import PackBad, find_packs, is_raw_pack, read_pattern_file
-from .true_pattern import TruePattern
 
 ROLES = {"upper": Part.UPPER, "lower": Part.LOWER, "onepiece": Part.ONE_PIECE, "outer": Part.OUTER}
 """What a garment of a raw pack is called in the names of its files."""

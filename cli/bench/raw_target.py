@@ -1,6 +1,6 @@
 """Take one raw pack apart and recover its garments, in a process of its own, and measure all of it against the truth.
 
-python -m garmentq.cli.bench_raw_target ORDER.json LINE.json
+python -m garmentq.cli.bench.raw_target ORDER.json LINE.json
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..core.run.units import MM_PER_M
-from .bench_lines import Line, answer_order, keep_failure
-from .bench_target import peak_mb
+from ...core.run.units import MM_PER_M
+from .lines import Line, answer_order, keep_failure
+from .target import peak_mb
 
 if TYPE_CHECKING:
-    from ..core.judge.raw_frame import TruthFrame
-    from ..core.judge.raw_packs import RawPack, TrueGarment
-    from ..core.people.garments import PersonSurface
-    from ..core.people.separation import FoundGarment, LabelledPerson
-    from ..core.recover.recovery import Recovery
-    from ..core.run.hooks import Hooks
-    from ..core.scan.raw import RawScan
+    from ...core.people.garments import PersonSurface
+    from ...core.people.separation import FoundGarment, LabelledPerson
+    from ...core.recover.recovery import Recovery
+    from ...core.run.hooks import Hooks
+    from ...core.scan.raw import RawScan
+    from .raw_frame import TruthFrame
+    from .raw_packs import RawPack, TrueGarment
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def run_pack(order: RawOrder) -> Line:
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    from ..core.deliver.export.result import to_plain_json
+    from ...core.deliver.export.result import to_plain_json
     from .compiling import time_compiling
 
     line = empty_line(Path(order.pack).name, order)
@@ -116,7 +116,7 @@ class _Run:
     """
 
     def __init__(self, order: RawOrder, line: Line) -> None:
-        from ..core.judge.raw_packs import read_raw_packs
+        from .raw_packs import read_raw_packs
 
         self.order, self.line = order, line
         self.pack: RawPack = read_raw_packs(Path(order.pack))[0]
@@ -125,9 +125,9 @@ class _Run:
 
     def run(self) -> None:
         """Bring the scan into its state, take it apart, and recover every garment that was found."""
-        from ..core.judge.raw_file import read_raw_file, write_raw_file
-        from ..core.judge.raw_packs import read_true_labels
-        from ..core.judge.raw_states import SCAN_STATES, degrade_scan
+        from .raw_file import read_raw_file, write_raw_file
+        from .raw_packs import read_true_labels
+        from .raw_states import SCAN_STATES, degrade_scan
 
         file, labels = read_raw_file(self.pack.scan), read_true_labels(self.pack)
         with tempfile.TemporaryDirectory(prefix="garmentq-raw-") as folder:
@@ -150,9 +150,9 @@ class _Run:
             self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
 
     def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, LabelledPerson]:
-        from ..core.people.hints import Hints
-        from ..core.people.separate import label_person
-        from ..core.scan.load_raw import load_raw
+        from ...core.people.hints import Hints
+        from ...core.people.separate import label_person
+        from ...core.scan.load_raw import load_raw
 
         with self.clock.stage("load"):
             raw = load_raw(path)
@@ -165,8 +165,8 @@ class _Run:
     def _write_separation(self, separation: LabelledPerson) -> None:
         folder = self._folder()
         if folder is not None:
-            from ..core.deliver.export.meshes import write_ply
-            from ..core.people.labels import write_labels
+            from ...core.deliver.export.meshes import write_ply
+            from ...core.people.labels import write_labels
 
             write_labels(separation.label, separation.confidence, folder / "labels.npz")
             write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply")
@@ -183,13 +183,13 @@ class _Run:
     def _measure_separation(
         self, raw: RawScan, separation: LabelledPerson, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
     ) -> TruthFrame:
-        from ..core.judge.packs import read_mesh_file
-        from ..core.judge.raw_borders import find_edges, measure_borders
-        from ..core.judge.raw_frame import find_frame
-        from ..core.judge.raw_labels import measure_calibration, measure_labels
-        from ..core.judge.raw_outcome import judge_outcome
-        from ..core.judge.raw_packs import read_cover
-        from ..core.judge.raw_shape import measure_true_body
+        from .packs import read_mesh_file
+        from .raw_borders import find_edges, measure_borders
+        from .raw_frame import find_frame
+        from .raw_labels import measure_calibration, measure_labels
+        from .raw_outcome import judge_outcome
+        from .raw_packs import read_cover
+        from .raw_shape import measure_true_body
 
         line, found = self.line, separation.label
         score = measure_labels(labels, found)
@@ -222,7 +222,7 @@ class _Run:
         return frame
 
     def _find_surface(self, raw: RawScan, separation: LabelledPerson) -> PersonSurface:
-        from ..core.people.garments import build_person_surface
+        from ...core.people.garments import build_person_surface
 
         with self.clock.stage("surface"):
             return build_person_surface(raw, separation.body)
@@ -230,12 +230,12 @@ class _Run:
     def _recover(
         self, path: Path, surface: PersonSurface, separation: LabelledPerson, garment: FoundGarment, frame: TruthFrame
     ) -> None:
-        from ..core.deliver.export.result import write_recovery
-        from ..core.garment.garmentcode import load_pattern
-        from ..core.people.garments import extract_garment
-        from ..core.recover.pipeline import recover
-        from ..core.recover.recovery import Request
-        from ..core.recover.settings import RecoverySettings
+        from ...core.deliver.export.result import write_recovery
+        from ...core.garment.garmentcode import load_pattern
+        from ...core.people.garments import extract_garment
+        from ...core.recover.pipeline import recover
+        from ...core.recover.recovery import Request
+        from ...core.recover.settings import RecoverySettings
 
         truth = next((each for each in self.pack.garments if each.part == garment.part), None)
         line = next(each for each in self.line["garments"] if each["part"] == garment.part.word)
@@ -269,11 +269,11 @@ class _Run:
 
 def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, own_template: bool) -> Line:
     """Measure a recovered garment against the visible part of its truth, and its pattern."""
-    from ..core.judge.matching import is_same_cut
-    from ..core.judge.packs import read_mesh_file
-    from ..core.judge.patterns import measure_panels, measure_pattern
-    from ..core.judge.raw_packs import read_garment_pattern, read_visible
-    from ..core.judge.raw_shape import measure_visible
+    from ...core.judge.matching import is_same_cut
+    from ...core.judge.patterns import measure_panels, measure_pattern
+    from .packs import read_mesh_file
+    from .raw_packs import read_garment_pattern, read_visible
+    from .raw_shape import measure_visible
 
     detail = (frame.apply(recovery.meshes.detail), recovery.garment.faces)
     score = measure_visible(detail, read_mesh_file(truth.mesh), read_visible(truth))
@@ -301,7 +301,7 @@ class StageClock:
         return self
 
     def __enter__(self) -> Hooks:
-        from ..core.run.hooks import Hooks
+        from ...core.run.hooks import Hooks
 
         self._turn_to(self._outer)
         return Hooks(on_progress=lambda stage, fraction, message: self._turn_to(f"{self._outer}.{stage}"))

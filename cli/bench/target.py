@@ -1,6 +1,6 @@
 """Recover one target pack in a process of its own, so that its memory and CPU time are its own and a crash is one line.
 
-python -m garmentq.cli.bench_target ORDER.json LINE.json
+python -m garmentq.cli.bench.target ORDER.json LINE.json
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .bench_lines import Line, answer_order, keep_failure
+from .lines import Line, answer_order, keep_failure
 
 
 @dataclass(frozen=True)
@@ -67,14 +67,14 @@ def empty_line(target: str, method: str) -> Line:
 
 
 def _recover(order: TargetOrder) -> Line:
-    from ..core.deliver.export.result import to_plain_json, write_recovery
-    from ..core.judge.packs import read_packs, read_true_pattern
-    from ..core.judge.patterns import measure_panels
-    from ..core.recover.pipeline import recover
-    from ..core.recover.recovery import Request
-    from ..core.recover.settings import RecoverySettings
-    from ..core.recover.truth import measure_recovery
+    from ...core.deliver.export.result import to_plain_json, write_recovery
+    from ...core.judge.patterns import measure_panels
+    from ...core.recover.pipeline import recover
+    from ...core.recover.recovery import Request
+    from ...core.recover.settings import RecoverySettings
     from .compiling import time_compiling
+    from .packs import read_packs, read_true_pattern
+    from .truth import measure_recovery
 
     pack = read_packs(Path(order.pack))[0]
     template = None if order.shipped else pack.template

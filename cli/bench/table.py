@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from .bench_lines import Line
-from .terminal import print_table
+from ..terminal import print_table
+from .lines import Line
 
 KEY_COLUMNS = (
     ("s2t", "surface_rms_mm.s2t"),

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.connectivity import HalfEdges
-from ..people.part import GARMENTS, Part
+from ...core.geometry.connectivity import HalfEdges
+from ...core.people.part import GARMENTS, Part
 
 CLOUD_EDGE_COUNT = 8
 """Number of points of a cloud that each point is joined to: as many as a mesh has around a vertex, and two more for

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..body.exposed import ExposedSurface, penetration_depth
-from ..cloth.fabric import Fabric
-from ..geometry.surface import TriangleSurface
-from ..judge.contours import transfer_contours
-from ..judge.fit import SURFACE_SAMPLES, Reference, measure_fit
-from ..judge.matching import is_same_cut
-from ..judge.packs import Pack, read_true_mesh, read_true_pattern
-from ..judge.patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
-from ..run.units import MM_PER_M
-from .recovery import Recovery
+from ...core.body.exposed import ExposedSurface, penetration_depth
+from ...core.cloth.fabric import Fabric
+from ...core.geometry.surface import TriangleSurface
+from ...core.judge.contours import transfer_contours
+from ...core.judge.fit import SURFACE_SAMPLES, Reference, measure_fit
+from ...core.judge.matching import is_same_cut
+from ...core.judge.patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
+from ...core.recover.recovery import Recovery
+from ...core.run.units import MM_PER_M
+from .packs import Pack, read_true_mesh, read_true_pattern
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""

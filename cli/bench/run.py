@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import exits
-from .bench_lines import Line
-from .bench_process import one_thread, run_in_process
-from .bench_raw import STATE_NAMES, RawChoice, run_raw_packs
-from .bench_target import TargetOrder, empty_line
-from .options import gather, json_option, method_options
-from .output import NewFolder
+from .. import exits
+from ..options import gather, json_option, method_options
+from ..output import NewFolder
+from .lines import Line
+from .process import one_thread, run_in_process
+from .raw_run import STATE_NAMES, RawChoice, run_raw_packs
+from .target import TargetOrder, empty_line
 
 if TYPE_CHECKING:
-    from ..core.judge.packs import Pack
+    from .packs import Pack
 
 BENCH_TARGET_TIMEOUT = 1800.0
 """Time limit of one target [s]: thirty times what a recovery should take, so that only one that hangs is stopped."""
@@ -98,10 +98,10 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
       garmentq bench targets --only gc_skirt2 --damage
       garmentq bench targets --only gc_skirt2 --only gpg_tee --ablate
     """
-    from ..core.judge.packs import read_packs
-    from ..core.judge.raw_packs import read_raw_packs
-    from .bench_table import print_tables
-    from .terminal import print_json, print_note
+    from ..terminal import print_json, print_note
+    from .packs import read_packs
+    from .raw_packs import read_raw_packs
+    from .table import print_tables
 
     packs, raw_packs = read_packs(directory, options.only), read_raw_packs(directory, options.only)
     if options.damage or options.ablate:
@@ -142,7 +142,7 @@ def _raw_choice(options: BenchOptions, out: str | None) -> RawChoice:
 
 def run_target(pack: Pack, order: TargetOrder, timeout: float) -> Line:
     """Run one target in a process of its own; whatever becomes of it, return its line."""
-    return run_in_process("bench_target", order, empty_line(pack.name, order.method), timeout)
+    return run_in_process("target", order, empty_line(pack.name, order.method), timeout)
 
 
 @dataclass(frozen=True)
@@ -158,14 +158,14 @@ class _Study:
     runs: int
 
 
-_DAMAGE = _Study("bench_damage", 22)  # eleven states of the target with two presets
-_ABLATION = _Study("bench_ablate", 9)  # the rows of both tables
+_DAMAGE = _Study("damage_run", 22)  # eleven states of the target with two presets
+_ABLATION = _Study("ablation", 9)  # the rows of both tables
 
 
 def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, as_json: bool) -> int:
     """Run a study on the packs that are a garment with a body, and print it."""
-    from . import bench_ablate, bench_damage
-    from .terminal import print_json, print_note
+    from ..terminal import print_json, print_note
+    from . import ablation, damage_run
 
     lines: list[Line] = []
     for pack in packs:
@@ -175,14 +175,14 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
         order = {"pack": str(pack.folder.resolve())} | ({"preset": preset} if study is _ABLATION else {})
         found, error = _run_study(study, order, timeout)
         if error is not None:
-            no_line = bench_damage.empty_line(pack.name, "study", "default")
-            found.append((no_line if study is _DAMAGE else bench_ablate.empty_line(pack.name)) | {"error": error})
+            no_line = damage_run.empty_line(pack.name, "study", "default")
+            found.append((no_line if study is _DAMAGE else ablation.empty_line(pack.name)) | {"error": error})
         lines += found
         for line in found:
             if as_json:
                 print_json(line)
     if not as_json and lines:
-        (bench_damage.print_study if study is _DAMAGE else bench_ablate.print_ablation)(lines)
+        (damage_run.print_study if study is _DAMAGE else ablation.print_ablation)(lines)
     return exits.OK if lines and all(line["ok"] for line in lines) else exits.FAILED
 
 
@@ -191,7 +191,7 @@ def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[li
     with tempfile.TemporaryDirectory(prefix="garmentq-study-") as folder:
         given, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
         given.write_text(json.dumps(order), encoding="utf-8")
-        process = [sys.executable, "-m", f"garmentq.cli.{study.module}", str(given), str(lines)]
+        process = [sys.executable, "-m", f"garmentq.cli.bench.{study.module}", str(given), str(lines)]
         error = None
         try:
             with log.open("wb") as out:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from .bench_lines import Line
-from .bench_process import run_in_process
-from .bench_raw_target import RawOrder, empty_line
-from .bench_table import mean, round_to_three_digits
+from .lines import Line
+from .process import run_in_process
+from .raw_target import RawOrder, empty_line
+from .table import mean, round_to_three_digits
 
 if TYPE_CHECKING:
-    from ..core.judge.raw_packs import RawPack
+    from .raw_packs import RawPack
 
 STATE_NAMES = ("as_is", "noise_5mm", "holes_10", "no_colours", "decimated_10k", "cloud_50k")
 """The states of a raw scan, named here so that the options need not load what makes them."""
@@ -54,7 +54,7 @@ class RawChoice:
 
 def run_raw_packs(packs: Sequence[RawPack], choice: RawChoice, as_json: bool) -> list[Line]:
     """Run raw packs in all states, one process each; print lines or tables."""
-    from .terminal import print_json, print_note
+    from ..terminal import print_json, print_note
 
     lines: list[Line] = []
     runs = [(state, pack) for state in choice.states for pack in packs]
@@ -86,7 +86,7 @@ def order_of(pack: RawPack, state: str, choice: RawChoice) -> RawOrder:
 def run_raw_pack(pack: RawPack, order: RawOrder, timeout: float) -> Line:
     """Run one raw pack in a process of its own; whatever becomes of it, return its line."""
     line = empty_line(pack.name, order) | {"outcome": "failed"}
-    return run_in_process("bench_raw_target", order, line, timeout)
+    return run_in_process("raw_target", order, line, timeout)
 
 
 def summarise(line: Line) -> str:
@@ -114,7 +114,7 @@ def pick(line: Line, path: str) -> Any:
 
 def print_raw_tables(lines: Sequence[Line]) -> None:
     """Print the scans, the garments, and how many of the runs went right."""
-    from .terminal import print_table
+    from ..terminal import print_table
 
     rows: list[list[object]] = []
     for line in lines:

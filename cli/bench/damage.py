@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.geometry import face_areas
+from ...core.geometry.geometry import face_areas
 
 Mesh = tuple[np.ndarray, np.ndarray]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.surface import TriangleSurface
-from ..people.part import GARMENTS, Part
-from .fit import SURFACE_SAMPLES
+from ...core.geometry.surface import TriangleSurface
+from ...core.judge.fit import SURFACE_SAMPLES
+from ...core.people.part import GARMENTS, Part
 
 
 @dataclass(frozen=True)

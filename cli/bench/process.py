@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from .bench_lines import Line
+from .lines import Line
 
 
 def run_in_process(module: str, order: Any, line: Line, timeout: float) -> Line:
@@ -30,7 +30,7 @@ def run_in_process(module: str, order: Any, line: Line, timeout: float) -> Line:
     with tempfile.TemporaryDirectory(prefix="garmentq-bench-") as folder:
         paths = [Path(folder) / name for name in ("order.json", "line.json", "log.txt")]
         paths[0].write_text(json.dumps(asdict(order)), encoding="utf-8")
-        process = [sys.executable, "-m", f"garmentq.cli.{module}", str(paths[0]), str(paths[1])]
+        process = [sys.executable, "-m", f"garmentq.cli.bench.{module}", str(paths[0]), str(paths[1])]
         status = "no status"
         try:
             with paths[2].open("wb") as log:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.rigid import fit_rigid
-from ..scan.raw import RawScan
+from ...core.geometry.rigid import fit_rigid
+from ...core.scan.raw import RawScan
 
 
 @dataclass(frozen=True)

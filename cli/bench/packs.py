@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..run.errors import BadInput, NotFound
-from .true_pattern import TruePanel, TruePattern, TrueSeam
+from ...core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
+from ...core.run.errors import BadInput, NotFound
 
 FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
 """Parameters of a fabric that a pack may know, in the simulator's units (N/m, N m, kg/m2)."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..people.part import GARMENTS, Part
+from ...core.people.part import GARMENTS, Part
 
 PERSON_PARTS = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
 """The parts that count: what is no person is left out, wherever it is so in truth."""
