@@ -54,7 +54,8 @@ def test_weights_are_smooth_and_follow_the_near_limb(body: Body) -> None:
 def test_the_type_loads_no_heavy_library() -> None:
     """An import of torch at package level costs the command line its quick answer."""
     code = (
-        "import sys; from garmentq.core.body.body import Body; print({'torch', 'igl', 'numba', 'scipy'} & set(sys.modules))"
+        "import sys; from garmentq.core.body.body import Body; "
+        "print({'torch', 'igl', 'numba', 'scipy'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

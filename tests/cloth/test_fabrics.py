@@ -44,6 +44,7 @@ def test_unknown_fabric_lists_what_there_is():
 
 def test_listing_fabrics_stays_light():
     """`garmentq materials` must not load the compiled kernels."""
-    code = "import sys; from garmentq.core.cloth.fabrics import load_fabrics; load_fabrics(); print('numba' in sys.modules)"
+    code = "import sys; from garmentq.core.cloth.fabrics import load_fabrics; load_fabrics(); "
+    code += "print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
