@@ -37,6 +37,7 @@ from garmentq.service.settings import ServiceSettings
 from garmentq.service.states import ENDED
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 from garmentq.workers.embedded import ensure_services, stop_services
 from garmentq_home import make_environment
 from postgres_server import PostgresServer
@@ -172,7 +173,7 @@ def measure_submit(settings: ServiceSettings, table: int = 10_000, count: int = 
         session.execute(insert(OwnerRow), [{"key": key.id, "job": f"{index:012x}"} for index in range(table)])
     content, path = mesh(1, 10_000), settings.home / "a.ply"
     path.write_bytes(content)
-    order = Order(path, body, force=True, key=key.id, quota=1_000_000)
+    order = Order(path, body, terms=JobTerms(force=True, key=key.id, quota=1_000_000))
     show(f"submit(), {table} jobs in the table", lambda: submit(database, store, order), count)
     with (
         serving(settings) as (_, url),

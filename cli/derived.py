@@ -11,7 +11,7 @@ import click
 
 from ..service.states import QUEUES, State
 from . import exits
-from .options import gather, home_option, json_option, lenient_option, timeout_option, workers_option
+from .options import Decorator, gather, home_option, json_option, lenient_option, timeout_option, workers_option
 from .output import NewFolder
 
 if TYPE_CHECKING:
@@ -54,7 +54,8 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
         home_option,
         json_option,
     ]
-    return gather(DerivedOptions, options)(function)
+    command: Decorator = gather(DerivedOptions, options)(function)
+    return command
 
 
 def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
@@ -69,6 +70,7 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
+    from ..service.terms import JobTerms
     from ..workers.embedded import ensure_services
     from .follow import Wait
     from .run import wait_and_show
@@ -76,8 +78,8 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
 
     settings = read_settings(home=options.home)
     backend = open_backend(settings)
-    chosen = {name: getattr(options, name) for name in ("name", "tags", "priority", "queue", "force")}
-    done = backend.submit_derived(replace(order, **chosen))
+    terms = JobTerms(options.name, options.tags, options.priority, options.queue, options.force)
+    done = backend.submit_derived(replace(order, terms=terms))
     if not (options.wait or options.out):
         if options.as_json:
             print_json({"job": done.job, "state": done.state, "is_new": done.is_new})

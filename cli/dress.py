@@ -12,7 +12,7 @@ import click
 from ..core.body.spec import is_builtin
 from ..core.run.units import UNITS
 from .derived import DerivedOptions, derived_options
-from .options import AXES, gather
+from .options import AXES, Decorator, gather
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ def wearer_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the body's file.  [default: found]"),
         click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: found]"),
     ]
-    return gather(WearerOptions, options, "wearer")(function)
+    command: Decorator = gather(WearerOptions, options, "wearer")(function)
+    return command
 
 
 def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..core.deliver.formats.registry import DIALECTS, FORMATS
-from .options import gather, json_option, known_home_option, out_option, timeout_option, workers_option
+from .options import Decorator, gather, json_option, known_home_option, out_option, timeout_option, workers_option
 from .output import writing
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
         known_home_option,
         json_option,
     ]
-    return gather(ProductionOptions, options, "production")(function)
+    command: Decorator = gather(ProductionOptions, options, "production")(function)
+    return command
 
 
 @click.command("export")

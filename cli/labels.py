@@ -52,4 +52,5 @@ def label_options(function: Decorator) -> Decorator:
             help="Distance in RGB, 0 to 255.",
         ),
     ]
-    return gather(LabelOptions, options, "part")(function)
+    command: Decorator = gather(LabelOptions, options, "part")(function)
+    return command

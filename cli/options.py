@@ -217,4 +217,5 @@ def order_options(function: Decorator) -> Decorator:
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
         click.option("--tag", "tags", multiple=True, help="Tag that they are found by; may be given several times."),
     ]
-    return gather(OrderOptions, options)(function)
+    command: Decorator = gather(OrderOptions, options)(function)
+    return command

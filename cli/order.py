@@ -11,6 +11,7 @@ from ..core.people.part import GARMENTS
 from ..core.recover.settings import RecoverySettings, SettingsBad
 from ..service.backend import Backend
 from ..service.order import Order, PartOrder, is_person
+from ..service.terms import JobTerms
 from .options import OrderOptions
 
 WORDS = tuple(part.word for part in GARMENTS)
@@ -35,14 +36,12 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
         read_wearer(options.body),
         file,
         make_settings(options),
-        force=options.force,
         labels=options.labels,
-        name=options.name,
-        tags=options.tags,
         given_as=options.given_as,
         wearing=options.wearing,
         marks=options.mark,
         choices=make_choices(options, by_part),
+        terms=JobTerms(options.name, options.tags, force=options.force),
     )
     return backend.check_order(order, None if file is not None else template)
 

@@ -39,7 +39,8 @@ def hint_options(function: Decorator) -> Decorator:
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
     ]
-    return gather(HintOptions, options)(function)
+    command: Decorator = gather(HintOptions, options)(function)
+    return command
 
 
 @click.command("segment")

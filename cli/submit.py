@@ -70,7 +70,7 @@ def command(
         try:
             order = make_order(backend, file, chosen)
             taken = describe_choice(order)
-            submitted = backend.submit(replace(order, priority=priority, queue=queue))
+            submitted = backend.submit(replace(order, terms=replace(order.terms, priority=priority, queue=queue)))
         except GarmentqError as error:
             print_error(error.code, name_file(str(file), error.message))
             if as_json:

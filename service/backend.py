@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from ..core.cloth.fabric import Fabric
     from .catalogue import ImportedTemplate, Template
     from .derived import DerivedOrder
+    from .order import Order
     from .query import JobQuery
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
-    from .submission import Order, SubmissionResult
+    from .submission import SubmissionResult
     from .versions import Version
     from .webhook_records import Receipt, Webhook
 

@@ -14,7 +14,7 @@ from sqlalchemy.sql.functions import FunctionElement
 from sqlalchemy.sql.visitors import iterate
 
 from .columns import SQLITE, is_sound, is_utf8
-from .models import Base
+from .model_base import Base
 
 MAX_NAMED_ROWS = 5
 """Damaged rows that one line of text names; `garmentq verify` lists them all."""

@@ -200,7 +200,7 @@ def skip_damaged_rows(ask: Callable[Concatenate[Database, P], T]) -> Callable[Co
                 database.doubtful_until = time.monotonic() + DOUBT_SECONDS
         return ask(database.sound, *args, **kwargs)
 
-    return go_on
+    return cast(Callable[Concatenate[Database, P], T], go_on)
 
 
 def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: bool = False) -> Database:
@@ -266,7 +266,7 @@ def take_advisory_lock(session: Session, key: str) -> None:
 
 def starts_with(column: Any, text: str) -> ColumnElement[bool]:
     """Return the condition of a value that begins with a text; unlike LIKE it knows no signs and, on SQLite, case."""
-    return cast(ColumnElement[bool], func.substr(column, 1, len(text)) == text)
+    return func.substr(column, 1, len(text)) == text
 
 
 def change_rows(session: Session, statement: Update | Delete) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,13 +13,13 @@ from sqlalchemy.orm import Session
 from ..core.cloth.fabric import Fabric
 from ..core.run.errors import BadInput
 from ..core.run.sandbox import IsStopped, never_stopped
-from .jobs import find_job
+from .jobs import JobUnknown, find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .materials import resolve_fabric
 from .models import ArtifactRow, JobRow, OwnerRow
 from .results import RESULT
-from .states import QUEUES
-from .submission import PERSON_KIND, JobRequest, JobUnknown, SubmissionResult, add_job, check_labels, clean_name
+from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job, check_labels, clean_name
+from .terms import JobTerms
 
 if TYPE_CHECKING:
     from .kinds import Kind
@@ -43,31 +42,15 @@ class DerivedOrder:
         over: Id of the job whose garment the result is worn over, or a beginning of it; empty: it is worn alone.
         options: Fields of the kind's request that are no files, as JSON values.
         files: Files of the request by field: on this machine, or stored ones.
-        name: What it is called; empty: as the result's job.
-        tags: Words that it can be found by.
-        priority: Larger goes first.
-        queue: One of `QUEUES`.
-        force: Make a new job even where an equal one exists.
-        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
-        key: Id of the API key that asks, or empty.
-        quota: Jobs that the key may have open at a time.
-        realm: Whose equal orders are one job: a key's id; empty: everybody's.
+        terms: How the job is queued.
     """
 
     kind: str
     result: str
     options: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Path | FileRef] = field(default_factory=dict)
-    name: str = ""
-    tags: tuple[str, ...] = ()
-    priority: int = 0
-    queue: str = QUEUES[0]
-    force: bool = False
-    nonce: str = ""
-    key: str = ""
-    quota: int = 0
-    realm: str = ""
     over: str = ""
+    terms: JobTerms = field(default_factory=JobTerms)
 
 
 def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStopped = never_stopped) -> SubmissionResult:
@@ -90,7 +73,7 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
     ((folder, kinds),) = kind.reads.items()
     reads = [(folder, kinds, order.result)]
     reads += [(name, others, order.over) for name, others in kind.reads_too.items() if order.over]
-    check_labels(order.name, order.tags)
+    check_labels(order.terms)
     files = {name: _keep(services, file) for name, file in order.files.items()}
     asked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
     request = pack_request(asked)
@@ -111,21 +94,8 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
         more = kind.find_inputs(session, request, row)
         for name, job in more.items():
             _check_files(session, job, kind.choose_input(asked, name))
-        wanted = JobRequest(
-            kind.name,
-            request,
-            row.scan,
-            order.name or row.name,
-            order.tags,
-            inputs={name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)} | more,
-            priority=order.priority,
-            queue=order.queue,
-            nonce=(order.nonce or uuid.uuid4().hex) if order.force else "",
-            key=order.key,
-            quota=order.quota,
-            realm=order.realm,
-        )
-        return add_job(session, wanted)
+        inputs = {name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)} | more
+        return add_job(session, JobRequest(kind.name, request, row.scan, inputs, order.terms.complete(row.name)))
 
 
 def _choose_kind(services: Services, order: DerivedOrder) -> Kind:
@@ -145,7 +115,7 @@ def _find_own(services: Services, order: DerivedOrder, named: str) -> JobRow:
     """
     row = find_job(services.database, named)
     with services.database.read() as session:
-        if order.key and session.get(OwnerRow, (order.key, row.id)) is None:
+        if order.terms.key and session.get(OwnerRow, (order.terms.key, row.id)) is None:
             raise JobUnknown(f"there is no job '{named[:40]}'; `garmentq status` lists them all.")
     return row
 

@@ -15,7 +15,8 @@ from sqlalchemy.orm import Session
 from .columns import RowDamaged
 from .damage import DamagedRow, read_damaged_references
 from .database import Database
-from .models import Base, JobRow
+from .model_base import Base
+from .models import JobRow
 from .store import ArtifactMissing, Store, StoreEntry
 
 HASH = re.compile(r"[0-9a-f]{64}")

@@ -24,6 +24,7 @@ from . import (
 )
 from .catalogue import ImportedTemplate, Template
 from .database import Database
+from .order import Order
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Key, News
 from .services import Services, open_services
@@ -92,11 +93,11 @@ class LocalBackend:
         """Count the jobs by state, and list the living workers."""
         return health.read_queue(self._database)
 
-    def check_order(self, order: submission.Order, template: str | None = None) -> submission.Order:
+    def check_order(self, order: Order, template: str | None = None) -> Order:
         """Check an order's files and names before anything is queued."""
         return ordering.check_order(self.services, order, template)
 
-    def submit(self, order: submission.Order) -> submission.SubmissionResult:
+    def submit(self, order: Order) -> submission.SubmissionResult:
         """Keep an order's files, and queue the job."""
         return submission.submit(self._database, self.services.store, order)
 

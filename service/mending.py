@@ -11,6 +11,7 @@ from .kinds import FileRef, pack_request, read_request
 from .kinds.person_request import PersonRequest
 from .results import ResultMissing, export_files, list_files, report_jobs
 from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job
+from .terms import JobTerms
 
 if TYPE_CHECKING:
     from .models import JobRow
@@ -61,16 +62,7 @@ def submit_relabelling(services: Services, row: JobRow, wanted: RelabelOrder) ->
     before = read_request(PersonRequest, row.request)
     request = pack_request(replace(before, labels=file, wearing=None, marks=(), given_as="person"))
     (report,) = report_jobs(services.database, [row], services.settings)
-    order = JobRequest(
-        PERSON_KIND,
-        request,
-        row.scan,
-        row.name,
-        tuple(report.tags),
-        queue=row.queue,
-        key=wanted.key,
-        quota=wanted.quota,
-        realm=wanted.realm,
-    )
+    terms = JobTerms(row.name, tuple(report.tags), queue=row.queue)
+    terms = replace(terms, key=wanted.key, quota=wanted.quota, realm=wanted.realm)
     with services.database.write() as session:
-        return add_job(session, order)
+        return add_job(session, JobRequest(PERSON_KIND, request, row.scan, terms=terms))

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core.body.spec import Wearer
 from ..core.cloth.fabric import Fabric
 from ..core.recover.settings import RecoverySettings, SettingsBad
-from .states import QUEUES
+from .terms import JobTerms
 
 PERSON, GARMENT = "person", "garment"
 GIVEN_AS = (PERSON, GARMENT)
@@ -46,40 +46,24 @@ class Order:
         body: The wearer's file, a built-in body, or None.
         template: A pattern file, or None.
         settings: Everything else.
-        priority: Larger goes first.
-        force: Make a new job even where an equal one exists.
         labels: A file with one label per vertex of a dressed person's scan, or None.
-        queue: One of `QUEUES`: which kind of worker takes it.
-        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
-        key: Id of the API key that asks, or empty; the job is then that key's too.
-        quota: Jobs that the key may have queued at a time.
-        realm: Whose equal orders are one job: a key's id; empty: everybody's.
-        name: What the family is called; empty: after the scan's file.
-        tags: Words that it can be found by.
         given_as: One of `GIVEN_AS`, or None: found out.
         wearing: Exactly these garments of a person, `upper,lower`, or None.
         marks: What is at single places of a person, `upper=0.1,1.2,0.05` each.
         choices: Of single garments of a person, by their words.
+        terms: How the job is queued.
     """
 
     scan: Path
     body: Wearer | None
     template: Path | None = None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
-    priority: int = 0
-    force: bool = False
     labels: Path | None = None
-    queue: str = QUEUES[0]
-    nonce: str = ""
-    key: str = ""
-    quota: int = 0
-    name: str = ""
-    tags: tuple[str, ...] = ()
     given_as: str | None = None
     wearing: str | None = None
     marks: tuple[str, ...] = ()
     choices: Mapping[str, PartOrder] = field(default_factory=dict)
-    realm: str = ""
+    terms: JobTerms = field(default_factory=JobTerms)
 
 
 def is_person(order: Order) -> bool:

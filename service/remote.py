@@ -32,6 +32,7 @@ from .derived import DerivedOrder
 from .jobs import order_by_ids
 from .kinds import FileRef, RequestBad
 from .materials import is_shipped
+from .order import Order
 from .ordering import check_order_locally
 from .query import JobQuery
 from .queue_records import Queue
@@ -40,7 +41,8 @@ from .remote_libraries import RemoteLibraries, read, read_all
 from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
-from .submission import BodyUnreadable, Order, SubmissionResult
+from .submission import BodyUnreadable, SubmissionResult
+from .terms import JobTerms
 from .versions import Version
 
 MAX_JOBS_PER_REQUEST = 1000
@@ -99,13 +101,8 @@ class RemoteBackend(RemoteLibraries):
         wanted: dict[str, Any] = {
             "scan": self.upload("scans", order.scan),
             "settings": settings,
-            "priority": order.priority,
-            "queue": order.queue,
-            "force": order.force,
-            "name": order.name,
-            "tags": list(order.tags),
         }
-        wanted |= self._describe_person(order)
+        wanted |= _describe_terms(order.terms) | self._describe_person(order)
         if isinstance(order.body, BuiltinWearer):
             wanted["body"] = order.body.spec
         elif order.body is not None:
@@ -116,9 +113,7 @@ class RemoteBackend(RemoteLibraries):
             wanted["pattern"] = self.upload("patterns", order.template)
         elif template is not None:
             wanted["template"] = template
-        token = order.nonce or uuid.uuid4().hex
-        found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
-        return _read_submitted(found)
+        return self._submit(wanted, order.terms)
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Upload an order's files and ask for the job that works on a stored result."""
@@ -127,17 +122,16 @@ class RemoteBackend(RemoteLibraries):
             "result": self._complete(order.result),
             "options": dict(order.options),
             "files": {name: self._send_file(name, file) for name, file in order.files.items()},
-            "priority": order.priority,
-            "queue": order.queue,
-            "force": order.force,
-            "name": order.name,
-            "tags": list(order.tags),
+            **_describe_terms(order.terms),
         }
         if order.over:  # a service of an earlier version knows no such field
             wanted["over"] = self._complete(order.over)
-        token = order.nonce or uuid.uuid4().hex
-        found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
-        return _read_submitted(found)
+        return self._submit(wanted, order.terms)
+
+    def _submit(self, wanted: dict[str, Any], terms: JobTerms) -> SubmissionResult:
+        """Ask for a job; one that is forced is the same job when the question is repeated."""
+        headers = {"idempotency-key": terms.nonce or uuid.uuid4().hex} if terms.force else {}
+        return _read_submitted(self._ask("POST", "/v1/jobs", json=wanted, headers=headers))
 
     def _complete(self, job: str) -> str:
         """Return the whole id of a job of which a beginning is given."""
@@ -293,6 +287,12 @@ class RemoteBackend(RemoteLibraries):
         finally:
             temporary.unlink(missing_ok=True)
         return path
+
+
+def _describe_terms(terms: JobTerms) -> dict[str, Any]:
+    """Return how a job is to be queued as fields of a request; the service knows whose key asks."""
+    names = ("priority", "queue", "force", "name")
+    return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)}
 
 
 def _read_submitted(found: Json) -> SubmissionResult:

@@ -6,8 +6,7 @@ import hashlib
 import json
 import re
 import unicodedata
-import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -26,12 +25,14 @@ from .jobs import JobUnknown, create
 from .keys import check_quota, grant_job
 from .kinds import FileRef, pack_request
 from .kinds.person_request import PartChoice, PersonRequest
-from .kinds.recover import Recover, RecoverRequest
+from .kinds.recover import Recover
+from .kinds.recover_request import RecoverRequest
 from .models import JobRow, OwnerRow, ScanRow
 from .new_job import NewJob
 from .order import Order, is_person
-from .states import QUEUES, UNSUCCESSFUL, State
+from .states import UNSUCCESSFUL, State
 from .store import Store, StoredFile
+from .terms import JobTerms
 
 
 class BodyUnreadable(BadInput):
@@ -71,29 +72,15 @@ class JobRequest:
         request: What `pack_request` makes of the kind's request.
         scan: Key and cleaned name of the file that the family's work goes back to; of a job that only reads results,
             that of an input.
-        name: What it is called; empty: after the file.
-        tags: Words that it can be found by.
         inputs: Ids of the jobs whose results it reads, by the name of the folder in which it finds them.
-        priority: Larger goes first.
-        queue: One of `QUEUES`.
-        nonce: Makes it another job than an equal one without it.
-        key: Id of the API key that asks, or empty.
-        quota: Jobs that the key may have open at a time.
-        realm: Whose equal orders are one job: a key's id; empty: everybody's.
+        terms: How it is queued, with the name that it has.
     """
 
     kind: str
     request: dict[str, Any]
     scan: str
-    name: str = ""
-    tags: tuple[str, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
-    priority: int = 0
-    queue: str = QUEUES[0]
-    nonce: str = ""
-    key: str = ""
-    quota: int = 0
-    realm: str = ""
+    terms: JobTerms = field(default_factory=JobTerms)
 
 
 @dataclass(frozen=True)
@@ -123,7 +110,7 @@ def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
     of_person = is_person(order)
     if order.body is None and not of_person:
         _check_dressed(order)
-    check_labels(order.name, order.tags)
+    check_labels(order.terms)
     scan = store.put(order.scan)
     request = _describe_person(order, scan, store) if of_person else _describe(order, scan, store)
     with database.write() as session:
@@ -132,21 +119,8 @@ def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
             name = request["scan"]["name"]
             session.add(ScanRow(sha256=scan.sha256, name=name, size=scan.size, created=clock()))
             session.flush()
-        nonce = (order.nonce or uuid.uuid4().hex) if order.force else ""
-        wanted = JobRequest(
-            PERSON_KIND if of_person else Recover.name,
-            request,
-            scan.sha256,
-            order.name or own_name(order.scan.name),
-            order.tags,
-            priority=order.priority,
-            queue=order.queue,
-            nonce=nonce,
-            key=order.key,
-            quota=order.quota,
-            realm=order.realm,
-        )
-        return add_job(session, wanted)
+        kind, terms = PERSON_KIND if of_person else Recover.name, order.terms.complete(own_name(order.scan.name))
+        return add_job(session, JobRequest(kind, request, scan.sha256, terms=terms))
 
 
 def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
@@ -157,32 +131,36 @@ def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
         InputNotEnded: where a job to be read has no result.
         QueueFull: where the key has as many open jobs as it may.
     """
+    terms = wanted.terms
     for job in wanted.inputs.values():  # first, or an equal job would show what its inputs hold to whoever names them
-        _check_input(session, job, wanted.key)
+        _check_input(session, job, terms.key)
     dedup = _hash(wanted)
     take_advisory_lock(session, dedup)  # equal orders at the same time are one job
     row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
     if row is not None:
         if row.state in UNSUCCESSFUL:
-            requeue_jobs(session, [row], "resubmitted", wanted.key, wanted.quota)
+            requeue_jobs(session, [row], "resubmitted", terms.key, terms.quota)
         grant_family(
-            session, wanted.key, row
+            session, terms.key, row
         )  # after the quota: a new owner's row holds the key's, which the quota locks
         return SubmissionResult(row.id, False, row.state)
-    check_quota(session, wanted.key, wanted.quota)
-    columns = ("kind", "request", "scan", "name", "priority", "queue", "tags", "inputs")
-    new = NewJob(dedup, payer=wanted.key, **{name: getattr(wanted, name) for name in columns})
+    check_quota(session, terms.key, terms.quota)
+    new = NewJob(
+        dedup, wanted.kind, wanted.request, wanted.scan, terms.name, terms.priority, terms.queue, terms.key, terms.tags,
+        wanted.inputs,
+    )  # fmt: skip
     made = create(session, new)
-    grant_job(session, wanted.key, made.id)
+    grant_job(session, terms.key, made.id)
     return SubmissionResult(made.id, True, made.state)
 
 
-def check_labels(name: str, tags: Sequence[str]) -> None:
+def check_labels(terms: JobTerms) -> None:
     """Check what a user calls a family.
 
     Raises:
         LabelBad: where it cannot be used.
     """
+    name, tags = terms.name, terms.tags
     is_bad = len(name) > MAX_FAMILY_NAME_LENGTH or not name.isprintable() or len(set(tags)) > MAX_FAMILY_TAGS
     if is_bad or any(not 0 < len(tag) <= MAX_TAG_LENGTH or not tag.isprintable() for tag in tags):
         raise LabelBad()
@@ -273,11 +251,12 @@ def _check_input(session: Session, job: str, key: str) -> None:
 
 def _hash(wanted: JobRequest) -> str:
     """Return what makes a job the same as another: what is computed, not what it is called."""
-    value: dict[str, Any] = {"request": _name_fabric(wanted.request), "version": __version__, "nonce": wanted.nonce}
+    terms, request = wanted.terms, _name_fabric(wanted.request)
+    value: dict[str, Any] = {"request": request, "version": __version__, "nonce": terms.nonce}
     if wanted.kind != Recover.name:
         value["kind"] = wanted.kind
-    if wanted.realm:
-        value["realm"] = wanted.realm
+    if terms.realm:
+        value["realm"] = terms.realm
     if wanted.inputs:
         value["inputs"] = dict(wanted.inputs)
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()

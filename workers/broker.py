@@ -174,7 +174,7 @@ def stop_broker(settings: ServiceSettings) -> bool:
             return False
         client = _connect(settings)
         with suppress(redis.RedisError, OSError):
-            client.execute_command("SHUTDOWN", "NOSAVE")
+            client.execute_command("SHUTDOWN", "NOSAVE")  # type: ignore[no-untyped-call]
         client.close()
         deadline = time.monotonic() + BROKER_START_TIMEOUT
         while is_broker_up(settings) and time.monotonic() < deadline:

@@ -51,7 +51,7 @@ class MessageGuard(bootsteps.StartStopStep):
                 try:
                     super().ack(multiple)
                 except (OSError, RedisError):
-                    virtual.QoS.ack(self.channel.qos, self.delivery_tag)
+                    virtual.QoS.ack(self.channel.qos, self.delivery_tag)  # type: ignore[no-untyped-call]
                     raise
 
         channel.Message = WakeUp

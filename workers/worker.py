@@ -195,7 +195,7 @@ def _make_worker(app: Celery, **options: Any) -> Any:
     Celery's own ends its jobs at the second SIGINT, and starts itself anew at a SIGHUP.
     """
 
-    class Worker(app.Worker):  # type: ignore[misc, name-defined]
+    class Worker(app.Worker):
         """Work until told to stop."""
 
         def install_platform_tweaks(self, worker: Any) -> None:
@@ -233,7 +233,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
         return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
 
     @signals.task_failure.connect(weak=False)
-    def mourn(task_id: str = "", exception: Any = None, **_: Any) -> None:
+    def release_leases(task_id: str = "", exception: Any = None, **_: Any) -> None:
         if not isinstance(exception, WorkerLostError | TimeLimitExceeded):
             return
         database = Database(settings.database, pooled=False)

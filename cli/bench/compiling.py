@@ -39,8 +39,8 @@ class CompileClock(event.Listener):
 def time_compiling() -> Iterator[CompileClock]:
     """Measure what is compiled while the context lasts."""
     clock = CompileClock()
-    event.register("numba:compile", clock)
+    event.register("numba:compile", clock)  # type: ignore[no-untyped-call]
     try:
         yield clock
     finally:
-        event.unregister("numba:compile", clock)
+        event.unregister("numba:compile", clock)  # type: ignore[no-untyped-call]

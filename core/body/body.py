@@ -61,7 +61,8 @@ class Body:
 
     def joint(self, name: str) -> np.ndarray:
         """Return the position [m] of a joint by its name, shape [3]."""
-        return self.joints[JOINTS.index(name)]
+        found: np.ndarray = self.joints[JOINTS.index(name)]
+        return found
 
     def raised(self, heights: np.ndarray) -> Body:
         """Return the body with its vertices moved out along their normals by heights [m], shape [vertex_count].

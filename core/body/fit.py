@@ -332,7 +332,7 @@ class Fitter:
                 joint_slopes[j] if p < 0 else posed_slopes[p] + world[p] @ (joint_slopes[j] - joint_slopes[p])
             )
         shift = posed_slopes - world @ joint_slopes
-        slopes = (shift.reshape(24, -1).T @ self.weights).reshape(3, count, -1)
+        slopes: np.ndarray = (shift.reshape(24, -1).T @ self.weights).reshape(3, count, -1)
         for a in range(3):
             for b in range(3):
                 slopes[a] += placed.blend[a, b] * self.directions[b, :count]
@@ -373,7 +373,8 @@ def axis_angles_of(rotations: np.ndarray) -> np.ndarray:
     """Return the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3]."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_matrix(rotations).as_rotvec()
+    found: np.ndarray = Rotation.from_matrix(rotations).as_rotvec()
+    return found
 
 
 def _left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:

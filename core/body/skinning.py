@@ -16,7 +16,8 @@ that the cloth under an arm does not jump from the arm's bone to the trunk's fro
 
 def blend(weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
     """Return each point's own transform, the weighted mean of the joints', shape [n, 4, 4]."""
-    return (weights @ transforms.reshape(len(transforms), 16)).reshape(-1, 4, 4)
+    found: np.ndarray = (weights @ transforms.reshape(len(transforms), 16)).reshape(-1, 4, 4)
+    return found
 
 
 def skin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
@@ -31,7 +32,8 @@ def skin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.
         Positions in the pose [m], shape [n, 3].
     """
     own = blend(weights, transforms)
-    return np.einsum("nab,nb->na", own[:, :3, :3], points) + own[:, :3, 3]
+    found: np.ndarray = np.einsum("nab,nb->na", own[:, :3, :3], points) + own[:, :3, 3]
+    return found
 
 
 def unskin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
@@ -73,7 +75,8 @@ def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
     gauss /= gauss.sum(axis=1, keepdims=True)
     # A sparse product: gathering the weights of every face within reach would take 25 kB per point.
     rows = np.arange(0, gauss.size + 1, reach)
-    return csr_matrix((gauss.ravel(), index.ravel(), rows), shape=(len(points), len(centres))) @ values
+    found: np.ndarray = csr_matrix((gauss.ravel(), index.ravel(), rows), shape=(len(points), len(centres))) @ values
+    return found
 
 
 def rest_body(body: Body) -> Body:

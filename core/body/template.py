@@ -70,7 +70,8 @@ def rotations_of(vectors: np.ndarray) -> np.ndarray:
     k = cross_matrices(vectors)
     # np.sinc(x) is sin(pi x) / (pi x), so both factors stay finite at angle 0.
     first, second = np.sinc(angle / np.pi), 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    return np.eye(3) + first * k + second * (k @ k)
+    found: np.ndarray = np.eye(3) + first * k + second * (k @ k)
+    return found
 
 
 def cross_matrices(vectors: np.ndarray) -> np.ndarray:

@@ -54,4 +54,5 @@ def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndar
     known = np.setdiff1d(np.arange(len(values)), inner)
     filled = values.copy()
     filled[inner] = factor_symmetric(rows[:, inner]).solve(-(rows[:, known] @ values[known]))
-    return filled / filled.sum(axis=1, keepdims=True)
+    found: np.ndarray = filled / filled.sum(axis=1, keepdims=True)
+    return found

@@ -104,7 +104,8 @@ class BlockPattern:
     @cached_property
     def _keys(self) -> np.ndarray:
         """One number for the node pair of each block, ascending, shape [block_count]."""
-        return self.rows * self.node_count + self.columns
+        found: np.ndarray = self.rows * self.node_count + self.columns
+        return found
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray | None = None) -> np.ndarray:
         """Return the matrix's data from its blocks [block_count, 3, 3]; fixed nodes [node_count] get the identity."""

@@ -198,10 +198,12 @@ def pull_pins(scene: Scene, blocks: np.ndarray, weights: np.ndarray, upstream: n
     if pins is None:
         return np.zeros((0, 3))
     if pins.stiffness is not None:
-        return pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
+        found: np.ndarray = pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
+        return found
     topology = scene.topology
     data = topology.assemble(blocks, np.zeros(len(weights), dtype=bool))
-    return upstream[pins.nodes] - (matrix_of(topology, data) @ weights.ravel()).reshape(-1, 3)[pins.nodes]
+    found = upstream[pins.nodes] - (matrix_of(topology, data) @ weights.ravel()).reshape(-1, 3)[pins.nodes]
+    return found
 
 
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import torch
 
 from .bending_friction import FoldFriction
 from .energy import Energy
+from .scene import Scene
+from .topology import Topology
 
 FormGradient = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -50,14 +54,23 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
     return float(form.detach()), (by_nodes, by_rest, by_fabric)
 
 
-def _membrane(topology, x, edges, areas, H, one, other):  # type: ignore[no-untyped-def]
+def _membrane(
+    topology: Topology,
+    x: torch.Tensor,
+    edges: torch.Tensor,
+    areas: torch.Tensor,
+    H: torch.Tensor,
+    one: torch.Tensor,
+    other: torch.Tensor,
+) -> torch.Tensor:
     """A (eps_1 : H eps_2 + sum_ij S+_ij f_1i . f_2j), f_n = D(F)[n], eps_n = sym(F^T f_n), S+ the stress's PSD part."""
     undo = torch.linalg.inv(edges)
     faces = torch.from_numpy(topology.faces)
 
     def gradient(field: torch.Tensor) -> torch.Tensor:
         # rows: derivatives along both flat axes, shape [face_count, 2, 3]
-        return undo @ (field[faces[:, 1:]] - field[faces[:, :1]])
+        found: torch.Tensor = undo @ (field[faces[:, 1:]] - field[faces[:, :1]])
+        return found
 
     def stress(e: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         e0, e1, e2 = e[:, 0, 0], e[:, 1, 1], 0.5 * (e[:, 0, 1] + e[:, 1, 0])
@@ -74,7 +87,7 @@ def _membrane(topology, x, edges, areas, H, one, other):  # type: ignore[no-unty
     return (areas * (material + geometric)).sum()
 
 
-def _positive_part(a, b, c):  # type: ignore[no-untyped-def]
+def _positive_part(a: torch.Tensor, b: torch.Tensor, c: torch.Tensor) -> tuple[torch.Tensor, ...]:
     """As `membrane.positive_part`, for many matrices [[a, c], [c, b]] at once."""
     mean, half = 0.5 * (a + b), 0.5 * (a - b)
     tense = mean.detach() - torch.sqrt(half.detach() ** 2 + c.detach() ** 2) >= 0
@@ -89,7 +102,15 @@ def _positive_part(a, b, c):  # type: ignore[no-untyped-def]
     )
 
 
-def _bending(scene, x, rest, areas, k, one, other):  # type: ignore[no-untyped-def]
+def _bending(
+    scene: Scene,
+    x: torch.Tensor,
+    rest: torch.Tensor,
+    areas: torch.Tensor,
+    k: torch.Tensor,
+    one: torch.Tensor,
+    other: torch.Tensor,
+) -> torch.Tensor:
     """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `BendingFriction`."""
     topology = scene.topology
     hinged = topology.hinges
@@ -114,15 +135,19 @@ def _bending(scene, x, rest, areas, k, one, other):  # type: ignore[no-untyped-d
     slopes = (-(1.0 - t1) * g2 - (1.0 - t2) * g3, -t1 * g2 - t2 * g3, g2, g3)
 
     def turns(field: torch.Tensor) -> torch.Tensor:
-        return sum((slope * field[hinges[:, n]]).sum(1) for n, slope in enumerate(slopes))  # type: ignore[return-value]
+        found: torch.Tensor = sum((slope * field[hinges[:, n]]).sum(1) for n, slope in enumerate(slopes))
+        return found
 
     sound = ~((m1 < 1e-8 * squared**2) | (m2 < 1e-8 * squared**2))
     return torch.where(sound, second * turns(one) * turns(other), torch.zeros_like(second)).sum()
 
 
-def _contact(scene, x, shares, one, other):  # type: ignore[no-untyped-def]
+def _contact(
+    scene: Scene, x: torch.Tensor, shares: torch.Tensor, one: torch.Tensor, other: torch.Tensor
+) -> torch.Tensor:
     """2 a_v k (delta - d) (n . one)(n . other) where d < delta; d and n to first order about the nodes themselves."""
-    distance, slope, curve = (torch.from_numpy(part) for part in scene.body.evaluate(x.detach().numpy()))
+    body: Any = scene.body
+    distance, slope, curve = (torch.from_numpy(part) for part in body.evaluate(x.detach().numpy()))
     moved = x - x.detach()
     depth = torch.relu(scene.contact.thickness - distance - (slope * moved).sum(1))
     normal = slope + (curve @ moved[:, :, None])[:, :, 0]
@@ -130,9 +155,10 @@ def _contact(scene, x, shares, one, other):  # type: ignore[no-untyped-def]
     return (pressed * (normal * one).sum(1) * (normal * other).sum(1)).sum()
 
 
-def _friction(energy, x, one, other):  # type: ignore[no-untyped-def]
+def _friction(energy: Energy, x: torch.Tensor, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
     """L (f'/y one_t . other_t + (f'' - f'/y) (u . one)(u . other) / y^2), u the slide, y = |u|; see `friction`."""
     given = energy.friction
+    assert given is not None
     held = np.flatnonzero(given.limits > 0)
     n, limits = torch.from_numpy(given.normals[held]), torch.from_numpy(given.limits[held])
     away, first, second = x[held] - torch.from_numpy(given.anchors[held]), one[held], other[held]

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .derivative import NotAtRest, adjoint, matrix_of, place_pinned
+from .derivative import adjoint, matrix_of, place_pinned
 from .energy import Energy
+from .rest import NotAtRest
 from .sensitivity import Sensitivity, pull_forces
 from .solver import Solver
 from .steps import TimeSteps
@@ -39,7 +40,8 @@ class LinearisedSteps(TimeSteps):
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
         placed = place_pinned(step.scene, nodes)
         _, gradient = _factor(step, placed, solver)
-        return placed - adjoint(step.scene, solver, gradient)
+        found: np.ndarray = placed - adjoint(step.scene, solver, gradient)
+        return found
 
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver

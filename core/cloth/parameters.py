@@ -56,7 +56,7 @@ class Parameters:
     @property
     def count(self) -> int:
         """Return how many there are."""
-        return self.shape.shape[1] + len(self.fabric)
+        return int(self.shape.shape[1]) + len(self.fabric)
 
     def move(self, scene: Scene, step: np.ndarray) -> Scene:
         """Return the scene with its rest shape and fabric moved by a step, shape [count]."""

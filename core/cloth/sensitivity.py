@@ -118,7 +118,8 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
     found += _gather(topology.hinges.nodes, topology.node_count) @ spread
     node_rates = _gather(faces, topology.node_count) @ np.repeat(area_rates / 3, 3, axis=0)
     found = found.reshape(-1, 3, many)
-    return found + _load_per_area(energy, nodes)[:, :, None] * node_rates[:, None, :]
+    whole: np.ndarray = found + _load_per_area(energy, nodes)[:, :, None] * node_rates[:, None, :]
+    return whole
 
 
 def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:

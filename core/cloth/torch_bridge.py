@@ -18,7 +18,7 @@ class _Drape(torch.autograd.Function):
     """Solve forwards; pull a gradient back through the solution."""
 
     @staticmethod
-    def forward(  # type: ignore[override]
+    def forward(
         ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, given: Any
     ) -> torch.Tensor:
         """Bring the cloth to where `given`'s derivative is taken."""

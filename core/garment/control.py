@@ -39,11 +39,13 @@ class ControlMap:
 
     def apply(self, points: np.ndarray) -> np.ndarray:
         """Return the uv vertices [m], shape [uv_count, 2], for moved control points [m], shape [point_count, 2]."""
-        return (self.matrix @ np.asarray(points, float).ravel()).reshape(-1, 2)
+        found: np.ndarray = (self.matrix @ np.asarray(points, float).ravel()).reshape(-1, 2)
+        return found
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
         """Return the derivative by the control points, shape [point_count, 2], from that by uv, shape [uv_count, 2]."""
-        return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
+        found: np.ndarray = (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
+        return found
 
 
 @memoise
@@ -120,7 +122,8 @@ def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarra
     dot = (offset * after).sum(axis=2)
     tangent = cross / (radius * np.roll(radius, -1, axis=1) + dot)
     weight = (tangent + np.roll(tangent, 1, axis=1)) / radius
-    return weight / weight.sum(axis=1, keepdims=True)
+    found: np.ndarray = weight / weight.sum(axis=1, keepdims=True)
+    return found
 
 
 def _as_real(weights: np.ndarray) -> np.ndarray:

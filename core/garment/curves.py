@@ -46,7 +46,8 @@ def place_on_chord(unit: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.n
     """Map relative (along, across) coordinates, shape [n, 2], onto a chord [m], shape [n, 2] (thesis eq. 3.1)."""
     along = end - start
     left = np.array([-along[1], along[0]])
-    return start + unit[:, :1] * along + unit[:, 1:] * left
+    found: np.ndarray = start + unit[:, :1] * along + unit[:, 1:] * left
+    return found
 
 
 def relative_to_chord(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -54,7 +55,8 @@ def relative_to_chord(points: np.ndarray, start: np.ndarray, end: np.ndarray) ->
     along = end - start
     left = np.array([-along[1], along[0]])
     offset = points - start
-    return np.stack([offset @ along, offset @ left], axis=-1) / (along @ along)
+    found: np.ndarray = np.stack([offset @ along, offset @ left], axis=-1) / (along @ along)
+    return found
 
 
 def unit_points(edge: Edge, segments: int) -> np.ndarray:
@@ -192,7 +194,8 @@ def _speed_integral(control: np.ndarray, low: np.ndarray, high: np.ndarray) -> n
     middle, half = (low + high) / 2, (high - low) / 2
     parameter = (middle[:, None] + half[:, None] * _GAUSS_NODES).ravel()
     speed = np.linalg.norm(_bezier(hodograph, parameter), axis=-1).reshape(-1, len(_GAUSS_NODES))
-    return half * (speed @ _GAUSS_WEIGHTS)
+    found: np.ndarray = half * (speed @ _GAUSS_WEIGHTS)
+    return found
 
 
 @memoise
@@ -208,7 +211,7 @@ def _parameters(edge: Edge, fraction: np.ndarray) -> np.ndarray:
     table = _length_table(edge)
     grid = np.linspace(0.0, 1.0, LENGTH_TABLE_SPAN_COUNT + 1)
     goal = fraction * table[-1]
-    parameter = np.interp(goal, table, grid)
+    parameter: np.ndarray = np.interp(goal, table, grid)
     hodograph = (len(control) - 1) * np.diff(control, axis=0)
     for _ in range(3):
         cell = np.clip((parameter * LENGTH_TABLE_SPAN_COUNT).astype(int), 0, LENGTH_TABLE_SPAN_COUNT - 1)

@@ -222,7 +222,8 @@ def _tangent(panel: Panel, edge: int, is_end: bool) -> np.ndarray:
     along = panel.points[(edge + 1) % len(panel.points)] - panel.points[edge]
     x, y = _unit_tangent(panel.edges[edge], is_end)
     found = x * along + y * np.array([-along[1], along[0]])
-    return found / max(float(np.linalg.norm(found)), 1e-12)
+    direction: np.ndarray = found / max(float(np.linalg.norm(found)), 1e-12)
+    return direction
 
 
 def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
@@ -232,7 +233,8 @@ def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
     if edge.kind == "arc":
         _, _, first, sweep = unit_circle(edge)
         angle = first + (sweep if is_end else 0.0)
-        return np.sign(sweep) * np.array([-np.sin(angle), np.cos(angle)])
+        found: np.ndarray = np.sign(sweep) * np.array([-np.sin(angle), np.cos(angle)])
+        return found
     control = np.concatenate([[[0.0, 0.0]], edge.handles, [[1.0, 0.0]]])
     steps = np.diff(control[::-1] if is_end else control, axis=0) * (-1.0 if is_end else 1.0)
     lengths = np.linalg.norm(steps, axis=1)

@@ -47,7 +47,8 @@ class Garment:
     @property
     def rest(self) -> np.ndarray:
         """Return the flat rest triangles [m], shape [face_count, 3, 2]."""
-        return self.uv[self.uv_faces]
+        found: np.ndarray = self.uv[self.uv_faces]
+        return found
 
     def at(self, nodes: np.ndarray, contours: tuple[Contour, ...] | None = None) -> Garment:
         """Return the same garment with its nodes elsewhere [m], shape [node_count, 3]."""

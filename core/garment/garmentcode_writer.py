@@ -114,9 +114,12 @@ def _euler_degrees(rotation: np.ndarray) -> list[float]:
         # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
         warnings.simplefilter("ignore")
         angles = Rotation.from_matrix(rotation).as_euler("xyz", degrees=True)
-    return (angles.round(RADIUS_DIGIT_COUNT - 6) + 0.0).tolist()  # near 90 degrees an arc sine keeps half of the digits
+    # near 90 degrees an arc sine keeps half of the digits
+    found: list[float] = (angles.round(RADIUS_DIGIT_COUNT - 6) + 0.0).tolist()
+    return found
 
 
 def _round_lengths(values: np.ndarray, per_metre: float) -> list[Any]:
     """Return lengths in a file's unit, without digits below the resolution."""
-    return (values.round(LENGTH_DECIMAL_COUNT - round(np.log10(per_metre))) + 0.0).tolist()
+    found: list[Any] = (values.round(LENGTH_DECIMAL_COUNT - round(np.log10(per_metre))) + 0.0).tolist()
+    return found

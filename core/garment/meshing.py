@@ -159,7 +159,8 @@ def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
         + middle
     )
     points = points[points_in_polygon(boundary, points)]
-    return points[_distance(boundary, points, size) > clearance * size] if len(points) else points
+    found: np.ndarray = points[_distance(boundary, points, size) > clearance * size] if len(points) else points
+    return found
 
 
 def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarray:
@@ -168,7 +169,8 @@ def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarr
     count = np.maximum(1, np.ceil(np.linalg.norm(step, axis=1) / (0.1 * size)).astype(int))
     index = np.repeat(np.arange(len(boundary)), count)
     part = (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) / count[index]
-    return cKDTree(start[index] + part[:, None] * step[index]).query(points)[0]
+    found: np.ndarray = cKDTree(start[index] + part[:, None] * step[index]).query(points)[0]
+    return found
 
 
 def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
@@ -225,7 +227,8 @@ def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
     keep = np.abs(area) > 1e-5 * longest
     doubtful = keep & (faces < len(boundary)).all(axis=1)
     keep[doubtful] = points_in_polygon(boundary, ((a + b + c) / 3.0)[doubtful])
-    return faces[keep].astype(np.int64)
+    found: np.ndarray = faces[keep].astype(np.int64)
+    return found
 
 
 def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:

@@ -52,7 +52,8 @@ def flip_panel(panel: Panel) -> Panel:
 
 def place_points(panel: Panel, points: np.ndarray) -> np.ndarray:
     """Put flat points [m], shape [n, 2], where the panel stands in 3D [m], shape [n, 3]."""
-    return points @ panel.rotation[:, :2].T + panel.translation
+    found: np.ndarray = points @ panel.rotation[:, :2].T + panel.translation
+    return found
 
 
 def agree_orientation(pattern: Pattern) -> Pattern:

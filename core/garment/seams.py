@@ -36,7 +36,8 @@ def seam_lengths(pattern: Pattern) -> np.ndarray:
     """Return the lengths of both sides of every seam [m], shape [seam_count, 2]."""
     starts, ends, factors = seam_sides(pattern)
     points = pattern.points
-    return factors * np.linalg.norm(points[ends] - points[starts], axis=-1)
+    found: np.ndarray = factors * np.linalg.norm(points[ends] - points[starts], axis=-1)
+    return found
 
 
 def seam_mismatch(pattern: Pattern) -> float:

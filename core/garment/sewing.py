@@ -116,7 +116,8 @@ def _find_nonmanifold_edges(
         ends = flat.edges[np.unique(flat.edge[crowded])]
         places = [Place(ref.panel, edge=ref.edge) for ref, line in edge_uv.items() if np.isin(ends, line).all(1).any()]
         raise MeshTooCoarse("two seams share both ends with one short edge; raise vertex_count.", *places)
-    return flat.edges[np.unique(flat.edge[crowded & inner])]
+    found: np.ndarray = flat.edges[np.unique(flat.edge[crowded & inner])]
+    return found
 
 
 def _split(meshes: list[FlatMesh], starts: np.ndarray, crowded: np.ndarray) -> list[FlatMesh]:

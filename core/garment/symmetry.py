@@ -35,15 +35,18 @@ class Symmetry:
 
     def expand(self, effective: np.ndarray) -> np.ndarray:
         """Return all control points [m], shape [point_count, 2], from effective ones, shape [effective_count, 2]."""
-        return (self.matrix @ np.asarray(effective, float).ravel() + self.offset).reshape(-1, 2)
+        found: np.ndarray = (self.matrix @ np.asarray(effective, float).ravel() + self.offset).reshape(-1, 2)
+        return found
 
     def reduce(self, points: np.ndarray) -> np.ndarray:
         """Return the effective control points [m], shape [effective_count, 2], out of all, shape [point_count, 2]."""
-        return np.asarray(points, float)[self.effective]
+        found: np.ndarray = np.asarray(points, float)[self.effective]
+        return found
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
         """Return the derivative by the effective points from that by all, shape [point_count, 2]."""
-        return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
+        found: np.ndarray = (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
+        return found
 
 
 @memoise

@@ -90,7 +90,8 @@ class HalfEdges:
     @cached_property
     def opposed(self) -> np.ndarray:
         """Mark the `pairs` whose half-edges run opposite ways, as those of two faces that agree do, [pair_count]."""
-        return self.tail[self.pairs[:, 0]] == self.head[self.pairs[:, 1]]
+        found: np.ndarray = self.tail[self.pairs[:, 0]] == self.head[self.pairs[:, 1]]
+        return found
 
     @cached_property
     def twin(self) -> np.ndarray:
@@ -112,7 +113,8 @@ class HalfEdges:
         """
         same = self.edge[self._by_edge][1:] == self.edge[self._by_edge][:-1]
         found = np.stack([self._by_edge[:-1][same], self._by_edge[1:][same]], axis=1)
-        return found[self.opposite[found[:, 0]] != self.opposite[found[:, 1]]]
+        turning: np.ndarray = found[self.opposite[found[:, 0]] != self.opposite[found[:, 1]]]
+        return turning
 
     @cached_property
     def hinge_vertices(self) -> np.ndarray:
@@ -154,7 +156,10 @@ class HalfEdges:
     @cached_property
     def _keys(self) -> np.ndarray:
         """Number for each half-edge that orders undirected edges by their ends, shape [3 face_count]."""
-        return np.minimum(self.tail, self.head) * max(self.vertex_count, 1) + np.maximum(self.tail, self.head)
+        found: np.ndarray = np.minimum(self.tail, self.head) * max(self.vertex_count, 1) + np.maximum(
+            self.tail, self.head
+        )
+        return found
 
 
 def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:

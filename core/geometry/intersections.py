@@ -91,7 +91,7 @@ def undo_crossings(
 
 
 @njit(cache=True)
-def _sweep(corners, faces, low, high):
+def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Test every pair of overlapping boxes, which come in ascending order of `low[:, 0]`."""
     pairs = np.zeros((64, 2), np.int64)
     count = 0
@@ -117,7 +117,7 @@ def _sweep(corners, faces, low, high):
 
 
 @njit(cache=True)
-def _adjacent(first, second):
+def _adjacent(first: np.ndarray, second: np.ndarray) -> bool:
     """Return whether two faces share a vertex."""
     for p in first:
         for q in second:
@@ -127,7 +127,7 @@ def _adjacent(first, second):
 
 
 @njit(cache=True)
-def _crosses(first, second):
+def _crosses(first: np.ndarray, second: np.ndarray) -> bool:
     """Return whether an edge of the first triangle passes through the inside of the second."""
     for k in range(3):
         start = first[k]
@@ -145,9 +145,10 @@ def _crosses(first, second):
 
 
 @njit(cache=True)
-def _volume(a, b, c, d):
+def _volume(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> float:
     """Return six times the signed volume of a tetrahedron."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     wx, wy, wz = d[0] - a[0], d[1] - a[1], d[2] - a[2]
-    return ux * (vy * wz - vz * wy) - uy * (vx * wz - vz * wx) + uz * (vx * wy - vy * wx)
+    found: float = ux * (vy * wz - vz * wy) - uy * (vx * wz - vz * wx) + uz * (vx * wy - vy * wx)
+    return found

@@ -143,7 +143,8 @@ class Cholesky:
 def _neighbours(indptr: np.ndarray, indices: np.ndarray, block: int) -> np.ndarray:
     """Return the nodes beside each node, from the first of its `block` rows and the first of each block's columns."""
     rows = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
-    return indices[(rows % block == 0) & (indices % block == 0)].astype(np.int64) // block
+    found: np.ndarray = indices[(rows % block == 0) & (indices % block == 0)].astype(np.int64) // block
+    return found
 
 
 def _plan_storage(parents: list[int], sizes: np.ndarray) -> np.ndarray:

@@ -33,7 +33,8 @@ class ClosestPoints:
 
     def interpolate(self, values: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Interpolate vertex values, shape [vertex_count, k], linearly at the points, shape [n, k]."""
-        return np.einsum("nk,nkd->nd", self.barycentric, values[faces[self.face]])
+        found: np.ndarray = np.einsum("nk,nkd->nd", self.barycentric, values[faces[self.face]])
+        return found
 
     def interpolation(self, faces: np.ndarray, count: int) -> sp.csr_matrix:
         """Return the matrix of `interpolate` for `count` vertices, shape [n, count]."""
@@ -151,4 +152,5 @@ def barycentric_coordinates(points: np.ndarray, corners: np.ndarray) -> np.ndarr
     p, q = (first * offset).sum(1), (second * offset).sum(1)
     determinant = np.maximum(a * c - b * b, 1e-30)
     u, v = (c * p - b * q) / determinant, (a * q - b * p) / determinant
-    return np.clip(np.stack([1 - (u + v), u, v], axis=1), 0.0, 1.0)
+    found: np.ndarray = np.clip(np.stack([1 - (u + v), u, v], axis=1), 0.0, 1.0)
+    return found

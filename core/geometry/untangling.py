@@ -45,7 +45,10 @@ def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray
         faces: Vertex indices, shape [face_count, 3].
         pairs: Pairs of faces that intersect, from `intersecting_pairs`, shape [pair_count, 2].
     """
-    return -(_clamp_gradient(measure_contour(vertices, faces, pairs)[1]) + _patch_directions(faces, vertices, pairs))
+    found: np.ndarray = -(
+        _clamp_gradient(measure_contour(vertices, faces, pairs)[1]) + _patch_directions(faces, vertices, pairs)
+    )
+    return found
 
 
 def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_STEP_LENGTH) -> np.ndarray:

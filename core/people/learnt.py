@@ -149,7 +149,7 @@ class Network:
     def embed(self, values: np.ndarray, cells: LimbCells) -> np.ndarray:
         """Compute what the heads read, shape [n, width]."""
         w = self.weights
-        hidden = np.clip((values - w["mean"]) / w["spread"], -MAX_FEATURE_DEVIATION, MAX_FEATURE_DEVIATION)
+        hidden: np.ndarray = np.clip((values - w["mean"]) / w["spread"], -MAX_FEATURE_DEVIATION, MAX_FEATURE_DEVIATION)
         hidden = _leaky_relu(self._apply("second", _leaky_relu(self._apply("first", hidden))))
         pooling = _Pooling.of(cells)
         for turn in range(EXCHANGE_ROUND_COUNT):
@@ -276,7 +276,8 @@ def softmax(logits: np.ndarray) -> np.ndarray:
 
 
 def _leaky_relu(values: np.ndarray) -> np.ndarray:
-    return np.maximum(values, RECTIFIER_SLOPE * values)
+    found: np.ndarray = np.maximum(values, RECTIFIER_SLOPE * values)
+    return found
 
 
 class WrongWeights(GarmentqError):

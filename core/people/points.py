@@ -221,4 +221,5 @@ def _border_distance(positions: np.ndarray, normals: np.ndarray, spacing: float)
     is_border = (gap > BORDER_GAP_ANGLE) | (there.sum(axis=1) < 3)
     if not is_border.any():
         return np.full(len(positions), MAX_SAMPLE_BORDER_DISTANCE)
-    return np.minimum(cKDTree(positions[is_border]).query(positions)[0], MAX_SAMPLE_BORDER_DISTANCE)
+    found: np.ndarray = np.minimum(cKDTree(positions[is_border]).query(positions)[0], MAX_SAMPLE_BORDER_DISTANCE)
+    return found

@@ -128,7 +128,8 @@ def below_hair(points: PersonPoints, features: Features, body: Body, tone: np.nd
     if not stands.any():
         return stands
     away = cKDTree(points.positions[stands]).query(points.positions, distance_upper_bound=HAIR_WEB)[0]
-    return np.isfinite(away)
+    found: np.ndarray = np.isfinite(away)
+    return found
 
 
 SOLE = 0.0065

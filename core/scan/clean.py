@@ -186,7 +186,7 @@ def _transfer_classes(points: np.ndarray, samples: np.ndarray, fate: np.ndarray,
     from scipy.spatial import cKDTree
 
     distance, nearest = cKDTree(samples).query(points)
-    found = fate[nearest]
+    found: np.ndarray = fate[nearest]
     found[(distance > link) & (found == 0)] = 3
     return found
 
@@ -195,7 +195,8 @@ def _is_near(points: np.ndarray, person: np.ndarray) -> np.ndarray:
     """Mark points in the box of the person's samples and a margin around it, shape [n]."""
     low, high = person.min(axis=0), person.max(axis=0)
     margin = PERSON_BOX_MARGIN_SHARE * float((high - low).max())
-    return ((points >= low - margin) & (points <= high + margin)).all(axis=1)
+    found: np.ndarray = ((points >= low - margin) & (points <= high + margin)).all(axis=1)
+    return found
 
 
 def _find_fragments(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> np.ndarray:
@@ -208,7 +209,8 @@ def _find_fragments(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> 
     number, piece = HalfEdges.of(inside, len(points)).vertex_pieces
     area = face_areas(points, inside)
     size = np.bincount(piece[inside[:, 0]], area, number)
-    return kept & (size[piece] < MIN_SCAN_PIECE_SHARE * area.sum())
+    found: np.ndarray = kept & (size[piece] < MIN_SCAN_PIECE_SHARE * area.sum())
+    return found
 
 
 def _describe_dropped(counts: dict[str, int], pieces: int) -> tuple[str, ...]:

@@ -40,5 +40,7 @@ def as_bytes(colours: np.ndarray) -> np.ndarray:
     if np.issubdtype(colours.dtype, np.floating):
         finite = np.nan_to_num(colours)
         scale = 255.0 if finite.size and finite.max() <= 1.0 else 1.0
-        return np.clip(np.round(finite * scale), 0, 255).astype(np.uint8)
-    return np.clip(colours, 0, 255).astype(np.uint8)
+        found: np.ndarray = np.clip(np.round(finite * scale), 0, 255).astype(np.uint8)
+        return found
+    found = np.clip(colours, 0, 255).astype(np.uint8)
+    return found

@@ -124,7 +124,8 @@ def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _as_numbers(rows: np.ndarray) -> np.ndarray:
     """Return a number for each row of three integers, shape [n]: equal for equal rows, and seldom for others."""
-    return (rows.astype(np.uint64) * _ROW_HASH_FACTORS).sum(axis=1)
+    found: np.ndarray = (rows.astype(np.uint64) * _ROW_HASH_FACTORS).sum(axis=1)
+    return found
 
 
 def _are_distinct(numbers: np.ndarray) -> bool:

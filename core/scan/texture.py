@@ -76,7 +76,8 @@ def sample_image(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
     s, t = (x - left)[:, None], (y - top)[:, None]
     above = (1.0 - s) * image[top, left] + s * image[top, right]
     below = (1.0 - s) * image[low, left] + s * image[low, right]
-    return (1.0 - t) * above + t * below
+    found: np.ndarray = (1.0 - t) * above + t * below
+    return found
 
 
 def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: Any = None) -> dict[str, np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+from collections.abc import Callable
 from typing import Any
 
 from fastapi import APIRouter
@@ -55,10 +56,11 @@ def _look(rooms: AppState) -> Response:
     found: dict[str, str] = {}
     troubles: list[str] = []
     told: list[str] = []
-    for name, check in {
+    checks: dict[str, Callable[[], list[str] | None]] = {
         "database": lambda: find_troubles(hide_worker_names(read_queue(rooms.database))),
         "store": lambda: rooms.store.check(rooms.settings.free_bytes),
-    }.items():
+    }
+    for name, check in checks.items():
         try:
             troubles += check() or []
             found[name] = "ok"

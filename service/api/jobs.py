@@ -27,6 +27,7 @@ from ..ordering import check_order
 from ..query import MAX_QUERY_OFFSET, JobQuery, find_jobs
 from ..results import report_jobs
 from ..submission import SubmissionResult, clean_name, own_name, submit
+from ..terms import JobTerms
 from ..uploads import begin_idempotent, end_idempotent, find_upload
 from ..versions import list_versions
 from .access import AppState, AppStateDependency, Reader, Submitter, find_own
@@ -206,7 +207,7 @@ def _create(
     else:
         with rooms.copying() as folder:
             order = check_order(rooms, _unpack(rooms, caller, wanted, folder), wanted.template)
-            done = submit(rooms.database, rooms.store, replace(order, nonce=nonce))
+            done = submit(rooms.database, rooms.store, replace(order, terms=replace(order.terms, nonce=nonce)))
     if token is not None:
         end_idempotent(rooms.database, caller.key, token, done.job)
     return done
@@ -223,13 +224,19 @@ def _derive(rooms: AppState, caller: Caller, wanted: DerivedIn, nonce: str) -> D
         field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
         for field, sha256 in wanted.files.items()
     }
-    asked = wanted.model_dump(exclude={"files", "tags", "over"})
-    return DerivedOrder(
-        **asked,
-        over=wanted.over or "",
-        files={field: FileRef(wanted.files[field], clean_name(name)) for field, name in names.items()},
-        tags=tuple(wanted.tags),
-        nonce=nonce,
+    files = {field: FileRef(wanted.files[field], clean_name(name)) for field, name in names.items()}
+    terms = replace(_read_terms(rooms, caller, wanted), nonce=nonce)
+    return DerivedOrder(wanted.kind, wanted.result, wanted.options, files, wanted.over or "", terms)
+
+
+def _read_terms(rooms: AppState, caller: Caller, wanted: JobIn | DerivedIn) -> JobTerms:
+    """Return how a caller wants a job to be queued."""
+    return JobTerms(
+        wanted.name,
+        tuple(wanted.tags),
+        wanted.priority,
+        wanted.queue,
+        wanted.force,
         key=caller.key,
         quota=caller.quota,
         realm=find_realm(rooms, caller),
@@ -255,25 +262,18 @@ def _unpack(rooms: AppState, caller: Caller, wanted: JobIn, folder: Path) -> Ord
         file = unpack(f"pattern-{word}", one.pattern, "patterns") if one.pattern else None
         return PartOrder(file, one.template, one.garment, one.fabric, one.lock, one.cut)
 
-    body = read_wearer(wanted.body)
+    terms, body = _read_terms(rooms, caller, wanted), read_wearer(wanted.body)
     if isinstance(body, Path) and wanted.body is not None:
         body = unpack("body", wanted.body, "bodies")
     return Order(
         scan=unpack("scan", wanted.scan, "scans"),
-        name=wanted.name or own_name(find_upload(rooms.database, caller.key, wanted.scan).name),
-        tags=tuple(wanted.tags),
         body=body,
         template=unpack("pattern", wanted.pattern, "patterns") if wanted.pattern else None,
         settings=RecoverySettings(**wanted.settings.model_dump()),
-        priority=wanted.priority,
-        force=wanted.force,
         labels=unpack("labels", wanted.labels, "labels") if wanted.labels else None,
-        queue=wanted.queue,
-        key=caller.key,
-        quota=caller.quota,
         given_as=wanted.given_as,
         wearing=wanted.wearing,
         marks=tuple(wanted.marks),
         choices={word: choose(word, one) for word, one in wanted.parts.items()},
-        realm=find_realm(rooms, caller),
+        terms=replace(terms, name=terms.name or own_name(find_upload(rooms.database, caller.key, wanted.scan).name)),
     )

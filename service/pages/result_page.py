@@ -9,12 +9,12 @@ from fastapi import Response
 from sqlalchemy import select
 
 from ..api.access import AppState, AppStateDependency, find_own
+from ..jobs import JobUnknown
 from ..kinds.recover_request import PERSON
 from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
 from ..results import ResultMissing, list_files, report_jobs
 from ..states import State
-from ..submission import JobUnknown
 from .fabric_words import draw_fabric
 from .markup import Html, html, join
 from .page_route import make_router

@@ -15,7 +15,7 @@ GENERATOR = "openapi-python-client==0.29.1"
 CONFIG = "content_type_overrides:\n  application/zip: application/octet-stream\n"
 """What the generator does not know: a .zip is a file."""
 
-SCRIPT = '''
+SCRIPT = """
 import io, json, sys
 from garmentq_client import AuthenticatedClient
 from garmentq_client.api.files import upload_scan
@@ -39,7 +39,7 @@ print(json.dumps({
     "job": asked.job, "state": shown.state, "is_new": asked.is_new, "name": shown.name,
     "problems": [[one.status_code, one.parsed.code, one.parsed.detail] for one in problems],
 }))
-'''
+"""
 
 
 @pytest.mark.nightly

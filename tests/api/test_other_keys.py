@@ -18,6 +18,7 @@ from garmentq.service.models import ApiKeyRow, ArtifactRow, JobRow
 from garmentq.service.results import RESULT, list_files
 from garmentq.service.states import State
 from garmentq.service.submission import JobRequest, add_job
+from garmentq.service.terms import JobTerms
 from sqlalchemy import select
 
 NOBODY = {
@@ -53,7 +54,8 @@ def theirs(client, settings, database, store, tmp_path):
     row = find_job(database, done)
     request = pack_request(PersonRequest(FileRef(row.scan, "skirt.ply")))
     with database.write() as session:
-        wanted = JobRequest("person", request, row.scan, "Anna", key=find_owner(session, "theirs"), quota=9)
+        terms = JobTerms("Anna", key=find_owner(session, "theirs"), quota=9)
+        wanted = JobRequest("person", request, row.scan, terms=terms)
         person = add_job(session, wanted).job
     hook = client.post("/v1/webhooks", json={"url": "https://studio.example/"}, headers=header).json()["webhook"]
     return {
@@ -164,7 +166,8 @@ def test_an_export_of_another_key_is_not_handed_out(settings, database, store, t
         finish(settings, database, store, job, tmp_path / "made")
         with database.write() as session:
             wanted = JobRequest("export", {"format": "pdf"}, find_job(database, job).scan, inputs={"result": job})
-            made = add_job(session, replace(wanted, key=find_owner(session, "theirs"), quota=9)).job
+            terms = JobTerms(key=find_owner(session, "theirs"), quota=9)
+            made = add_job(session, replace(wanted, terms=terms)).job
             row, (file,) = session.get(JobRow, made), list_files(database, job)[:1]
             row.state, row.finished = State.SUCCEEDED, row.created
             same = {"sha256": file.sha256, "size": file.size}

@@ -38,6 +38,7 @@ from garmentq.service.results import export_files
 from garmentq.service.settings import ServiceSettings, read_settings
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 
 WEARER = "builtin:female,height=1.68,pose=A"
 HIPS = 0.85
@@ -137,7 +138,7 @@ def compare(method: str, vertices: int, every: int, home: Path, is_registered: b
     arrays, jobs = [], []
     for name, count in (("alone", 0), ("killed", every)):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        jobs.append(submit(database, store, Order(scan, wearer, settings=wanted, force=True)).job)
+        jobs.append(submit(database, store, Order(scan, wearer, settings=wanted, terms=JobTerms(force=True))).job)
         killed = run_to_end(settings, database, jobs[-1], count)
         row, after = find_job(database, jobs[-1]), resource.getrusage(resource.RUSAGE_CHILDREN)
         assert row.state == "succeeded", f"{row.error_code}: {row.error_message}"

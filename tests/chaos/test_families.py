@@ -8,6 +8,7 @@ from garmentq.service.models import ArtifactRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.states import ENDED, State
 from garmentq.service.submission import JobRequest, add_job
+from garmentq.service.terms import JobTerms
 from garmentq.workers.broker import start_broker
 from garmentq_family import KINDS, PIECES, Root
 from garmentq_home import SQLITE_BY_DAY, wait_ended, wait_for
@@ -28,7 +29,7 @@ def test_a_family_killed_at_every_stage(settings, database, queue_job, start_wor
     with start_worker(lease_seconds=600.0, max_attempts=20, kinds=KINDS):
         scan = wait_ended(settings, source).scan
         with database.write() as session:
-            root = add_job(session, JobRequest(Root.name, {"text": "one"}, scan, "Kleid")).job
+            root = add_job(session, JobRequest(Root.name, {"text": "one"}, scan, terms=JobTerms("Kleid"))).job
         wait_ended(settings, root)
         family = JobQuery({"family": root}).conditions
         wait_for(lambda: all(row.state in ENDED for row in find_jobs(database, family)))

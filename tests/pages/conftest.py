@@ -33,6 +33,7 @@ from garmentq.service.results import store_result
 from garmentq.service.services import Services, open_services
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 from garmentq_home import (  # noqa: F401
     blank_database,
     database,
@@ -181,7 +182,7 @@ def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
     scan, body = own / "scan.ply", own / "body.ply"
     trimesh.Trimesh(recovery.scan.vertices, recovery.scan.faces, process=False).export(scan)
     trimesh.Trimesh(recovery.body.vertices, recovery.body.faces, process=False).export(body)
-    return submit(services.database, services.store, Order(scan, body, name=name, force=True)).job
+    return submit(services.database, services.store, Order(scan, body, terms=JobTerms(name, force=True))).job
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.results import list_files, report_jobs
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 from garmentq.service.versions import list_versions
 from garmentq.workers.recovery import run_job
 from quick_edit import drape_at_once
@@ -205,7 +206,7 @@ def test_a_recovered_shirt_is_widened_draped_and_undone(page, site):
     first = submit(
         site.services.database,
         site.services.store,
-        Order(scan, body, name="recovered", settings=RecoverySettings(method="deform", vertex_count=1500)),
+        Order(scan, body, settings=RecoverySettings(method="deform", vertex_count=1500), terms=JobTerms("recovered")),
     ).job
     work(site, first, ServiceSettings(home=site.settings.home))  # whose recovery is no stand-in
     editor = open_editor(page, first)

@@ -28,6 +28,7 @@ from garmentq.service.models import PieceRow
 from garmentq.service.query import JobQuery
 from garmentq.service.results import export_files, list_files
 from garmentq.service.services import Services
+from garmentq.service.terms import JobTerms
 from garmentq_family_home import REMOTE_BY_DAY, work_off
 from sqlalchemy import select
 
@@ -95,7 +96,7 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     """Broken where body, pose or fabric get lost on the way, the input is changed, or numbers cannot be searched."""
     before = {file.name: file.sha256 for file in list_files(database, result)}
     options = {"body": SPEC, "pose": "A", "fabric": "denim"}
-    done = backend.submit_derived(DerivedOrder(kind, result, options, tags=("try",)))
+    done = backend.submit_derived(DerivedOrder(kind, result, options, terms=JobTerms(tags=("try",))))
     assert done.is_new and not backend.submit_derived(DerivedOrder(kind, result, options)).is_new
     work_off(settings, database)
     report = backend.find_job(done.job)
@@ -201,7 +202,7 @@ def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, res
     assert caught.value.code == "job.input_not_ended"
     make_key(database, "stranger")
     with pytest.raises(GarmentqError) as caught:
-        submit_derived(services, DerivedOrder("dress", result, key="stranger"))
+        submit_derived(services, DerivedOrder("dress", result, terms=JobTerms(key="stranger")))
     assert caught.value.code == "job.unknown"
     assert find_job(database, result).state == "succeeded"
 

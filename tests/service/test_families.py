@@ -38,6 +38,7 @@ from garmentq.service.reaper import is_idle, reap
 from garmentq.service.results import export_files, report_jobs
 from garmentq.service.states import ENDED, OPEN, TRANSITIONS, UNSUCCESSFUL, State
 from garmentq.service.submission import InputNotEnded, LabelBad, Order, submit
+from garmentq.service.terms import JobTerms
 from garmentq.workers.recovery import run_job
 from garmentq_family import KINDS, PIECES, Root
 from garmentq_family_home import pieces, work_off
@@ -186,14 +187,14 @@ def test_a_family_has_a_name(database, store, tmp_path):
     first = submit(database, store, Order(scan, BuiltinWearer("builtin:female")))
     row = find_job(database, first.job)
     assert row.name == "Kleid für Zoë 연습 b" and row.request["scan"]["name"] == "Kleid_f_r_Zo_b_.ply"
-    named = Order(scan, BuiltinWearer("builtin:female"), name="Anna's", tags=("spring", "été"))
+    named = Order(scan, BuiltinWearer("builtin:female"), terms=JobTerms("Anna's", ("spring", "été")))
     assert submit(database, store, named).job == first.job
     other = submit(database, store, replace(named, body=BuiltinWearer("builtin:male")))
     assert find_job(database, other.job).name == "Anna's"
     assert [row.id for row in find_jobs(database, parse_conditions("tag = 'été' and name = \"Anna's\""))] == [other.job]
     for bad in ({"name": "x" * 256}, {"name": "a\nb"}, {"tags": ("",)}, {"tags": ("x" * 65,)}, {"tags": ("\x1b",)}):
         with pytest.raises(LabelBad):
-            submit(database, store, replace(named, **bad))
+            submit(database, store, replace(named, terms=JobTerms(**bad)))
 
 
 @pytest.mark.parametrize("names", [("a", "a"), ("b<a", "a")])

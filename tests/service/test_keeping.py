@@ -21,6 +21,7 @@ from garmentq.service.kinds.rows import add_pattern
 from garmentq.service.models import ArtifactRow, AuditRow, JobRow, PanelRow, PatternRow, ScanRow, UploadRow
 from garmentq.service.persons import PersonUnknown, delete_person, find_person
 from garmentq.service.results import store_result
+from garmentq.service.terms import JobTerms
 from garmentq.service.verify import verify_store
 from garmentq_standin import make_recovery
 
@@ -134,7 +135,7 @@ def test_a_person_is_deleted_with_all_that_was_made(database, store, done, cli, 
     first = done("anna")
     row = find_job(database, first)
     with database.write() as session:
-        reads = JobRequest("dress", {}, row.scan, "a dress", inputs={"result": first})
+        reads = JobRequest("dress", {}, row.scan, {"result": first}, JobTerms("a dress"))
         reader = add_job(session, reads).job
         session.get(JobRow, first).name = "Anna"
     other = done("berta")
@@ -264,7 +265,7 @@ def test_an_export_is_its_keys(database, store, done):
     scan = find_job(database, first).scan
     keys = [create_key(database, name, ("read",), 1)[0].id for name in ("a", "b")]
     with database.write() as session:
-        made = add_job(session, JobRequest("export", {}, scan, "cut", inputs={"result": first})).job
+        made = add_job(session, JobRequest("export", {}, scan, {"result": first}, JobTerms("cut"))).job
         session.get(JobRow, made).state = "succeeded"
         grant_job(session, keys[0], made)
         session.add(ArtifactRow(job=made, kind=RESULT, name="pieces.pdf", sha256=scan, size=1, created=1.0))

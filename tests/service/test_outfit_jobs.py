@@ -20,6 +20,7 @@ from garmentq.service.jobs import find_job
 from garmentq.service.query import JobQuery
 from garmentq.service.results import export_files
 from garmentq.service.services import Services
+from garmentq.service.terms import JobTerms
 from garmentq.workers.recovery import run_job
 from garmentq_family_home import REMOTE_BY_DAY, pieces, work_off
 
@@ -117,7 +118,7 @@ def test_only_ones_own_recovered_persons_are_worn(queue_person, person, settings
     services = Services(settings, database, store)
     make_key(database, "stranger")
     with pytest.raises(GarmentqError) as caught:
-        submit_derived(services, DerivedOrder("dress", person, key="stranger"))
+        submit_derived(services, DerivedOrder("dress", person, terms=JobTerms(key="stranger")))
     assert caught.value.code == "job.unknown"
     waiting = queue_person("bert.ply")
     with pytest.raises(GarmentqError) as caught:

@@ -14,6 +14,7 @@ from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import QueueFull, create_key
 from garmentq.service.query import list_jobs
 from garmentq.service.submission import BodyUnreadable, Order, clean_name, submit
+from garmentq.service.terms import JobTerms
 from garmentq_home import put_file
 
 
@@ -47,7 +48,7 @@ def test_another_order_is_another_job(database, store, order, tmp_path, change):
         "builtin": Order(order.scan, BuiltinWearer("builtin:female")),
         "template": Order(order.scan, order.body, template=other),
         "settings": Order(order.scan, order.body, settings=RecoverySettings(seed=1)),
-        "force": Order(order.scan, order.body, force=True),
+        "force": Order(order.scan, order.body, terms=JobTerms(force=True)),
     }[change]
     assert submit(database, store, changed).job != first.job
 
@@ -115,13 +116,13 @@ def test_labels_and_what_is_kept_are_part_of_the_order(database, store, tmp_path
 def test_a_job_counts_for_the_key_that_queued_it_last(database, store, order, tmp_path):
     """Broken where sharing a job fills the quota of a key that queued nothing, or a retry is free of charge."""
     ours, theirs = (create_key(database, name, ("submit",), quota=1)[0].id for name in ("ours", "theirs"))
-    first = submit(database, store, replace(order, key=ours, quota=1)).job
-    assert submit(database, store, replace(order, key=theirs, quota=1)).job == first
+    first = submit(database, store, replace(order, terms=JobTerms(key=ours, quota=1))).job
+    assert submit(database, store, replace(order, terms=JobTerms(key=theirs, quota=1))).job == first
     other = replace(order, scan=put_file(tmp_path, "other.ply"))
     with pytest.raises(QueueFull):
-        submit(database, store, replace(other, key=ours, quota=1))
+        submit(database, store, replace(other, terms=JobTerms(key=ours, quota=1)))
     cancel(database, first)
     retry(database, first, theirs, 1)
     with pytest.raises(QueueFull):
-        submit(database, store, replace(other, key=theirs, quota=1))
-    assert submit(database, store, replace(other, key=ours, quota=1)).is_new
+        submit(database, store, replace(other, terms=JobTerms(key=theirs, quota=1)))
+    assert submit(database, store, replace(other, terms=JobTerms(key=ours, quota=1))).is_new

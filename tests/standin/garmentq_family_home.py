@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import MappingProxyType
 
 import pytest
 from garmentq.service.families import cancel, release_waiting_jobs
@@ -12,6 +13,7 @@ from garmentq.service.kinds.person_request import PersonRequest
 from garmentq.service.models import JobRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.submission import JobRequest, add_job
+from garmentq.service.terms import JobTerms
 from garmentq.workers.recovery import run_job
 from garmentq_family import KINDS, Root
 from garmentq_home import put_file
@@ -32,9 +34,10 @@ def family(settings, database, queue_job, monkeypatch, tmp_path):
     chosen = replace(settings, kinds=KINDS)
     source = find_job(database, queue_job("source"))
 
-    def queue(text: str = "one", **changes) -> str:
+    def queue(text: str = "one", inputs=MappingProxyType({}), **terms) -> str:
+        wanted = JobRequest(Root.name, {"text": text}, source.scan, inputs, JobTerms("Kleid", **terms))
         with database.write() as session:
-            return add_job(session, JobRequest(Root.name, {"text": text}, source.scan, "Kleid", **changes)).job
+            return add_job(session, wanted).job
 
     cancel(database, source.id)
     return chosen, queue
@@ -50,7 +53,9 @@ def queue_person(database, store, queue_job, tmp_path):
         kept = store.put(put_file(tmp_path, name))
         request = pack_request(PersonRequest(FileRef(kept.sha256, name), **given))
         with database.write() as session:
-            return add_job(session, JobRequest("person", request, find_job(database, source).scan, "Anna")).job
+            return add_job(
+                session, JobRequest("person", request, find_job(database, source).scan, terms=JobTerms("Anna"))
+            ).job
 
     return queue
 

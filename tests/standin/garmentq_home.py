@@ -11,6 +11,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import fields
 from pathlib import Path
 from unittest import mock
 
@@ -23,6 +24,7 @@ from garmentq.service.settings import ServiceSettings
 from garmentq.service.states import ENDED
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 from patience import WAIT_SECONDS
 from postgres_server import PostgresServer
 from sqlalchemy import create_engine, text
@@ -225,8 +227,9 @@ def queue_job(settings: ServiceSettings, database: Database, store: Store, tmp_p
     """Return a function that queues a job for a scan of a name."""
 
     def queue(name: str = "shirt", **changes) -> str:
-        body = put_file(tmp_path, "body.ply")
-        return submit(database, store, Order(put_file(tmp_path, f"{name}.ply"), body, **changes)).job
+        body, known = put_file(tmp_path, "body.ply"), {field.name for field in fields(JobTerms)}
+        terms = JobTerms(**{name: changes.pop(name) for name in known & set(changes)})
+        return submit(database, store, Order(put_file(tmp_path, f"{name}.ply"), body, terms=terms, **changes)).job
 
     return queue
 

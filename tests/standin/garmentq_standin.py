@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from garmentq.core.body.body import Body
 from garmentq.core.cloth.fabric import Fabric
-from garmentq.core.cloth.fabrics import get_fabric
+from garmentq.core.cloth.fabrics import DEFAULT_FABRIC
 from garmentq.core.garment.garment import Garment
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.garment.pattern import Edge, Panel, Pattern
@@ -124,7 +124,7 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         target=Target(nodes, faces, np.tile([0.0, 0.0, 1.0], (4, 1)), (), (), category),
         template=category,
         pattern=pattern,
-        fabric=Fabric(get_fabric(request.settings.fabric).name, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
+        fabric=Fabric(request.settings.fabric or DEFAULT_FABRIC, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
         garment=garment,
         meshes=Meshes(nodes, nodes),
         report=ResultReport(

@@ -18,6 +18,7 @@ from garmentq.service.kinds.person_found import PersonFound
 from garmentq.service.results import store_result
 from garmentq.service.services import Services
 from garmentq.service.submission import Order, submit
+from garmentq.service.terms import JobTerms
 from shells import Shells, separate_by_truth
 
 BLUE, PINK = (0.0, 0.0, 1.0), (1.0, 0.6, 0.6)
@@ -37,7 +38,8 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     points = np.concatenate([np.full((EXTRA, 3), far), shells.points])
     scan = folder / "shells.ply"
     trimesh.Trimesh(points, shells.faces + EXTRA, process=False).export(scan)
-    order = Order(scan, None, given_as="person", name=folder.name, tags=("spring",), key=key, realm=key, quota=100)
+    terms = JobTerms(folder.name, ("spring",), key=key, realm=key, quota=100)
+    order = Order(scan, None, given_as="person", terms=terms)
     job = submit(services.database, services.store, order).job
     out = folder / "out"
     out.mkdir()

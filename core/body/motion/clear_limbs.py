@@ -172,7 +172,7 @@ class _Search:
         found = self.gaps.measure(body, limbs, *part)
         wide = found.widening > MIN_GAP_WIDENING
         if not wide.any():
-            return -MAX_LIMB_SPREAD_ANGLE
+            return -float(MAX_LIMB_SPREAD_ANGLE)
         room = CLOTH_LAYER_CLEARANCE * self.covered[found.ends[wide]].any(axis=2).sum(axis=1)
         return float(((room - found.width[wide]) / found.widening[wide]).max())
 

@@ -123,16 +123,16 @@ def _glb_bytes(garment: Garment, nodes: np.ndarray, name: str) -> bytes:
     import trimesh
     from trimesh.visual.material import PBRMaterial
 
-    material = PBRMaterial(
+    material = PBRMaterial(  # type: ignore[no-untyped-call]
         name="cloth", baseColorFactor=[150, 170, 190, 255], metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
     )
     mesh = trimesh.Trimesh(
         vertices=nodes[garment.uv_node],
         faces=garment.uv_faces,
         vertex_normals=vertex_normals(nodes, garment.faces)[garment.uv_node],
-        visual=trimesh.visual.TextureVisuals(uv=uv_layout(garment), material=material),
+        visual=trimesh.visual.TextureVisuals(uv=uv_layout(garment), material=material),  # type: ignore[no-untyped-call]
         process=False,
     )
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name=name, geom_name=name)
-    return bytes(scene.export(file_type="glb", include_normals=True))
+    return bytes(scene.export(file_type="glb", include_normals=True))  # type: ignore[no-untyped-call]

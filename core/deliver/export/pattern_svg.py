@@ -73,7 +73,8 @@ def pattern_svg(pattern: Pattern) -> str:
 
 def _panel_group(panel: Panel, name: str, outline: np.ndarray, offset: np.ndarray, height: float) -> str:
     def page(points: np.ndarray) -> np.ndarray:
-        return ((points + offset) * [1.0, -1.0] + [0.0, height]) * 1e3
+        found: np.ndarray = ((points + offset) * [1.0, -1.0] + [0.0, height]) * 1e3
+        return found
 
     count = len(panel.points)
     commands, edges = [], []

@@ -8,11 +8,11 @@ from html import escape
 
 import numpy as np
 
+from ...people.colours import COLOURS
 from ...people.part import Part
 from ...people.separation import LabelledPerson, Outfit
 from ...scan.raw import RawScan
 from .page import page_html
-from .person import COLOURS
 
 NEXT_STEP_TEXTS = {
     True: "Nothing is recovered from this by itself. Correct labels.npz (segmented.ply shows it) and hand it in with "

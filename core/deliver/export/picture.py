@@ -81,7 +81,8 @@ def aim_camera(points: np.ndarray, rotation: np.ndarray, width: int, height: int
 def rotate_view(rotation: np.ndarray, angle: float) -> np.ndarray:
     """Return a camera's rotation, shape [3, 3], for a view of all turned by an angle about the vertical [rad]."""
     around = np.array([[np.cos(angle), 0.0, np.sin(angle)], [0.0, 1.0, 0.0], [-np.sin(angle), 0.0, np.cos(angle)]])
-    return around @ rotation
+    found: np.ndarray = around @ rotation
+    return found
 
 
 def render_meshes(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
@@ -142,7 +143,14 @@ def _rasterise_mesh(
 
 
 @njit(cache=True)
-def _rasterise(screen, faces, attributes, depth, colour, normal):
+def _rasterise(
+    screen: np.ndarray,
+    faces: np.ndarray,
+    attributes: np.ndarray,
+    depth: np.ndarray,
+    colour: np.ndarray,
+    normal: np.ndarray,
+) -> None:
     """Fill each face's pixels where it is nearest, with colour and normal interpolated between its corners."""
     height, width = depth.shape
     for f in range(faces.shape[0]):
@@ -177,7 +185,15 @@ def _rasterise(screen, faces, attributes, depth, colour, normal):
 
 
 @njit(cache=True)
-def _resolve(depth, colour, normal, lights, ambient, rim, n):
+def _resolve(
+    depth: np.ndarray,
+    colour: np.ndarray,
+    normal: np.ndarray,
+    lights: np.ndarray,
+    ambient: float,
+    rim: float,
+    n: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Light every fine pixel and average n x n of them; gives RGB, cover and nearest depth of each pixel shown."""
     height, width = depth.shape[0] // n, depth.shape[1] // n
     rgb = np.zeros((height, width, 3))

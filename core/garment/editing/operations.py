@@ -100,7 +100,8 @@ def _to_panel_axes(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.
     """Return lengths in mm in the axes of a panel's file as metres in ours."""
     side = -1.0 if find_panel(pattern, panel).mirrored else 1.0
     found = np.array(get_vector(vectors, 2, name, MAX_POINT_MOVE_MM)) / 1e3
-    return found * np.array([side, 1.0])
+    moves: np.ndarray = found * np.array([side, 1.0])
+    return moves
 
 
 def _move(pattern: Pattern, given: OperationFields) -> Pattern:

@@ -111,7 +111,7 @@ def optimise_jacobians(
             history.setdefault(name, [0.0] * step)
         for name, values in history.items():
             values.append(float(terms[name].detach()) if name in terms else 0.0)
-        total.backward()
+        total.backward()  # type: ignore[no-untyped-call]
         for move in moves:
             move.step(_decay(step, settings))
         hooks.progress("deform", 0.1 + 0.6 * taken / max(settings.iterations, 1), f"step {taken}")

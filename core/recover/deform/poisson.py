@@ -37,7 +37,8 @@ class PoissonSystem:
     def positions(self, jacobians: np.ndarray) -> np.ndarray:
         """Return zero-mean positions [m] from Jacobian rows, shape [2 face_count, 3]."""
         nodes = self._factor.solve(self._divergence @ jacobians)
-        return nodes - nodes.mean(axis=0)
+        found: np.ndarray = nodes - nodes.mean(axis=0)
+        return found
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
         """Return the gradient with respect to the Jacobian rows from that with respect to the positions."""
@@ -57,6 +58,6 @@ class _Solve(torch.autograd.Function):
 
 def solve_poisson(jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
     """Return zero-mean positions [m], shape [node_count, 3], differentiable in the Jacobian rows."""
-    result = _Solve.apply(jacobians, system)
+    result = _Solve.apply(jacobians, system)  # type: ignore[no-untyped-call]
     assert isinstance(result, torch.Tensor)
     return result

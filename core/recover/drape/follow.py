@@ -298,7 +298,8 @@ def simulate_pbd(
 def _limit_length(change: np.ndarray, longest: float) -> np.ndarray:
     """Shorten each row [m] of a change to a length at most."""
     length = np.linalg.norm(change, axis=1, keepdims=True)
-    return change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
+    found: np.ndarray = change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
+    return found
 
 
 def _damp_reversals(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:

@@ -32,7 +32,7 @@ def find_sides(garment: Garment) -> np.ndarray:
     """
     outward, depth = _facing_cosines(garment), np.array([panel.translation[2] for panel in garment.pattern.panels])
     middle = depth.mean()
-    side = np.where(np.abs(outward) > EDGE_ON_PANEL_COSINE, np.sign(outward), np.sign(depth - middle))[
+    side: np.ndarray = np.where(np.abs(outward) > EDGE_ON_PANEL_COSINE, np.sign(outward), np.sign(depth - middle))[
         garment.panel_of_uv
     ]
     turned = _is_turned(garment)[garment.panel_of_uv]
@@ -43,7 +43,8 @@ def find_sides(garment: Garment) -> np.ndarray:
     crosses = placed[edges].prod(axis=1) < 0.0
     nearer = np.take_along_axis(edges, np.abs(placed[edges]).argmin(axis=1)[:, None], axis=1)[crosses, 0]
     placed[nearer] = 0.0
-    return np.where(turned, np.sign(placed), side)
+    found: np.ndarray = np.where(turned, np.sign(placed), side)
+    return found
 
 
 def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:

@@ -170,7 +170,8 @@ class DescentProblem:
         for _ in range(4):
             ahead = self.scene.like.with_points(self.points_of(variables + move))
             if self.scene.is_sound(ahead, _MIN_TRIANGLE_AREA_SHARE):
-                return variables + move
+                taken: np.ndarray = variables + move
+                return taken
             move = 0.5 * move
         return variables
 

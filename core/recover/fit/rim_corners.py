@@ -152,7 +152,8 @@ class _Rim:
                 turn[window] = even * self.part[window]
         rim = _Rim(self.points, self.arc, self.part, turn)
         found = np.array([rim.corner(at) for at in self.arc[free]])
-        return found[np.isfinite(found)]
+        corners: np.ndarray = found[np.isfinite(found)]
+        return corners
 
 
 def _spreads(rims: Mapping[str, _Rim], places: Mapping[SmoothJoin, tuple[str, float]]) -> dict[str, float]:

@@ -156,4 +156,5 @@ class FlatPanel:
 def _to_mandel(strain: np.ndarray, area: np.ndarray) -> np.ndarray:
     """Return symmetric strains as (xx, yy, sqrt(2) xy) times the root of the area, shape [3 face_count]."""
     found = np.stack([strain[:, 0, 0], strain[:, 1, 1], np.sqrt(2.0) * strain[:, 0, 1]], axis=1)
-    return (np.sqrt(area)[:, None] * found).ravel()
+    mandel: np.ndarray = (np.sqrt(area)[:, None] * found).ravel()
+    return mandel

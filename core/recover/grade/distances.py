@@ -101,8 +101,10 @@ def loop_centre(loop: np.ndarray) -> np.ndarray:
     """Return the centre of a closed polygon [m] weighted by length, so that its sampling does not matter, shape [3]."""
     after = np.roll(loop, -1, axis=0)
     weight = np.linalg.norm(after - loop, axis=1)
-    return ((loop + after) / 2 * weight[:, None]).sum(0) / weight.sum()
+    found: np.ndarray = ((loop + after) / 2 * weight[:, None]).sum(0) / weight.sum()
+    return found
 
 
 def _between_legs(body: Body, joint: str) -> np.ndarray:
-    return (body.joint(f"left_{joint}") + body.joint(f"right_{joint}")) / 2
+    found: np.ndarray = (body.joint(f"left_{joint}") + body.joint(f"right_{joint}")) / 2
+    return found

@@ -64,7 +64,7 @@ class PatternParameters:
     @property
     def has_curves(self) -> bool:
         """Return whether curves are free."""
-        return self.handles.shape[1] > 0
+        return bool(self.handles.shape[1] > 0)
 
     def combine(self, by_points: np.ndarray, by_handles: np.ndarray) -> np.ndarray:
         """Return rates by the parameters, given those by all points and by all handles, shape [..., a + b]."""

@@ -366,4 +366,5 @@ def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
 def area_growth(pattern: Pattern) -> np.ndarray:
     """Compute d ln A / d points of all panels' area A together, curves with it [1/m], shape [point_count, 2]."""
     rates = [area_rates_by_points(pattern, panel.name, range(len(panel.edges))) for panel in pattern.panels]
-    return np.sum(rates, axis=0) / sum(panel_area(panel) for panel in pattern.panels)
+    found: np.ndarray = np.sum(rates, axis=0) / sum(panel_area(panel) for panel in pattern.panels)
+    return found

@@ -22,7 +22,8 @@ def move_with_triangles(points: np.ndarray, before: np.ndarray, after: np.ndarra
     """
     foot, later = (np.einsum("nk,nkd->nd", corners, each) for each in (before, after))
     local = np.einsum("nda,nd->na", _triangle_frames(before), points - foot)
-    return later + np.einsum("nda,na->nd", _triangle_frames(after), local)
+    found: np.ndarray = later + np.einsum("nda,na->nd", _triangle_frames(after), local)
+    return found
 
 
 def move_anchors(anchors: np.ndarray, skin: ExposedSurface, later: np.ndarray) -> np.ndarray:

@@ -80,13 +80,15 @@ class MeasuredBody:
     def trunk(self, level: float) -> np.ndarray:
         """Return the middle of the trunk [m], shape [3], at a height, on the line from pelvis to neck."""
         pelvis, neck = (self.tape.body.joint(name) for name in ("pelvis", "neck"))
-        return pelvis + (level - pelvis[1]) / (neck[1] - pelvis[1]) * (neck - pelvis)
+        found: np.ndarray = pelvis + (level - pelvis[1]) / (neck[1] - pelvis[1]) * (neck - pelvis)
+        return found
 
     def arm(self, side: str, level: float) -> np.ndarray:
         """Return the middle of an arm [m], shape [3], where it is as far from the body's middle as a level's x."""
         shoulder, elbow = (self.tape.body.joint(f"{side}_{joint}") for joint in ("shoulder", "elbow"))
         share = (abs(level - self.centre) - abs(shoulder[0] - self.centre)) / abs(elbow[0] - shoulder[0])
-        return shoulder + share * (elbow - shoulder)
+        found: np.ndarray = shoulder + share * (elbow - shoulder)
+        return found
 
 
 def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:

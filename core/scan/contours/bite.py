@@ -132,7 +132,8 @@ def bridge_bites(
 
 
 def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
-    return normals()[rows]
+    found: np.ndarray = normals()[rows]
+    return found
 
 
 def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:

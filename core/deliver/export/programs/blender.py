@@ -25,14 +25,14 @@ START = "worn"
 
 def find_folder() -> str:
     """Return the folder that holds the files."""
-    places = [FOLDER, os.path.dirname(globals().get("__file__", "")), bpy.path.abspath("//"), os.getcwd()]
+    places: list[str] = [FOLDER, os.path.dirname(globals().get("__file__", "")), bpy.path.abspath("//"), os.getcwd()]
     for place in places:
         if place and os.path.isfile(os.path.join(place, STEM + "_sewing.obj")):
             return place
     raise FileNotFoundError(f"{STEM}_sewing.obj is not found; set FOLDER at the top of this script.")
 
 
-def load(folder: str, part: str):
+def load(folder: str, part: str) -> "bpy.types.Object":
     """Import an OBJ of metres, y up, and return its object."""
     bpy.ops.wm.obj_import(filepath=os.path.join(folder, f"{STEM}_{part}.obj"), forward_axis="NEGATIVE_Z", up_axis="Y")
     found = bpy.context.selected_objects[0]
@@ -40,7 +40,7 @@ def load(folder: str, part: str):
     return found
 
 
-def set_up():
+def set_up() -> "bpy.types.Object":
     """Make the garment and the body, and return the garment."""
     folder = find_folder()
     body, flat, worn = load(folder, "body"), load(folder, "sewing"), load(folder, "worn")

@@ -8,6 +8,7 @@ Written after the documented interface; neither program was at hand to try it in
 import json
 import os
 import tempfile
+from typing import Any
 
 DOCUMENT = "{}"
 """The pattern document, as JSON."""
@@ -33,7 +34,7 @@ def build() -> str:
     return f"garmentq: {found[0]} pieces and {found[1]} seams by {how}, {verdict}"
 
 
-def import_document(pattern_api) -> bool:
+def import_document(pattern_api: Any) -> bool:
     """Import the pattern document, and return whether the program took it."""
     if not hasattr(pattern_api, "ImportPatternJSON"):
         return False
@@ -43,7 +44,7 @@ def import_document(pattern_api) -> bool:
     return bool(pattern_api.ImportPatternJSON(path.replace(os.sep, "/")))
 
 
-def count(pattern_api) -> tuple:
+def count(pattern_api: Any) -> "tuple[int, int]":
     """Return how many pieces and seams the scene has."""
     return int(pattern_api.GetPatternCount()), int(pattern_api.GetSeamlinePairGroupCount())
 
@@ -55,7 +56,7 @@ def start_anew() -> None:
     utility_api.NewProject()
 
 
-def draw_points(pattern_api, wanted: dict) -> None:
+def draw_points(pattern_api: Any, wanted: "dict[str, Any]") -> None:
     """Draw the pieces as corners and points of splines, and sew them; a line runs from corner to corner."""
     index = {}
     for piece in wanted["pieces"]:
@@ -68,7 +69,7 @@ def draw_points(pattern_api, wanted: dict) -> None:
         )
 
 
-def name_pieces(pattern_api, wanted: dict) -> None:
+def name_pieces(pattern_api: Any, wanted: "dict[str, Any]") -> None:
     """Name the pieces; they have the document's order either way."""
     for number, piece in enumerate(wanted["pieces"]):
         if number < int(pattern_api.GetPatternCount()):

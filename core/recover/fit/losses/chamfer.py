@@ -81,4 +81,5 @@ class ChamferLoss:
 def flat_shares(garment: Garment) -> np.ndarray:
     """Return each node's share of the flat panels' area, shape [node_count]; sums to 1."""
     areas = np.abs(signed_areas(garment.rest))
-    return lump(areas, garment.faces, len(garment.nodes)) / areas.sum()
+    found: np.ndarray = lump(areas, garment.faces, len(garment.nodes)) / areas.sum()
+    return found

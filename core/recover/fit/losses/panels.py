@@ -145,4 +145,5 @@ def _wrap(angle: np.ndarray) -> np.ndarray:
 
 def _slope(way: np.ndarray) -> np.ndarray:
     """Return the derivative of directions' angles by them [1/m], shape [n, 2]."""
-    return np.stack([-way[:, 1], way[:, 0]], axis=1) / (way**2).sum(1, keepdims=True)
+    found: np.ndarray = np.stack([-way[:, 1], way[:, 0]], axis=1) / (way**2).sum(1, keepdims=True)
+    return found

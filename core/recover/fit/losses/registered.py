@@ -50,7 +50,8 @@ class RegisteredLoss:
 
     def gradient(self, nodes: np.ndarray) -> np.ndarray:
         """Return dL/dx [m], shape [node_count, 3]."""
-        return np.einsum("vij,vj->vi", self.weights, nodes - self.target)
+        found: np.ndarray = np.einsum("vij,vj->vi", self.weights, nodes - self.target)
+        return found
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
         """Return L [m2] and dL/dx [m], shape [node_count, 3]."""
