@@ -103,7 +103,8 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.SEAM, "the back of a drafted leg is sewn 5 % longer than its front", "core/garment/parts/legs.py",
-        "length(drawn, name) - length(front, name) for", "length(drawn, name) - 1.05 * length(front, name) for",
+        "labelled_length(drawn, name) - labelled_length(front, name) for",
+        "labelled_length(drawn, name) - 1.05 * labelled_length(front, name) for",
     ),
     PlantedError(
         ErrorKind.SEAM, "grading draws the sides of a seam 5 % apart", "core/recover/grade/flattening.py",

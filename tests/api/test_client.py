@@ -58,7 +58,7 @@ def made(tube_recovery, tmp_path_factory) -> Path:
     for name, nodes in recovery.meshes:
         write_ply(nodes, recovery.garment.faces, folder / f"{name}.ply")
     for name in ("metrics", "manifest"):
-        (folder / f"{name}.json").write_text(json.dumps(to_plain_json(getattr(recovery, name))))
+        (folder / f"{name}.json").write_text(json.dumps(to_plain_json(getattr(recovery.report, name))))
     write_svg(recovery.pattern, folder / "pattern.svg")
     save_pattern(recovery.pattern, folder / "pattern.json")
     save_worn(worn_from_recovery(recovery), folder)

@@ -84,7 +84,7 @@ def test_a_corner_of_the_hem_is_measured_and_kept() -> None:
     assert len(corners) == 2
     assert all(corner.contour == "hem" for corner in corners)
     assert np.degrees([corner.angle for corner in corners]) == pytest.approx([20.0, 20.0], abs=0.5)
-    assert "20." in corners[0].tell() or "19." in corners[0].tell()
+    assert "20." in corners[0].describe().message or "19." in corners[0].describe().message
     proved = {corner.join: corner.angle for corner in corners}
     held = find_locked_coordinates(true, base, ())
     kept = fair_garment(recovered, base, held, corners).pattern

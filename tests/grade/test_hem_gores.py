@@ -58,6 +58,7 @@ def test_only_as_many_gores_are_flared_and_the_parts_are_told() -> None:
     assert seen.flare(eight.choose({"gores": "6"})).sweep is None
     darted = CUTS["dress"].choose({"skirt": "gored", "shaping": "darts", "waist": "seam"})
     assert draft_cut(HemGores(Gores.SIX, 5.5).flare(darted))
-    assert "--part skirt=gored,gores=8'" in seen.tell(CUTS["skirt"]) and "315 degrees" in seen.tell(CUTS["skirt"])
-    parts = seen.tell(CUTS["dress"]).split("--part ")[1].split("'")[0]
+    found = seen.describe(CUTS["skirt"])
+    assert "--part skirt=gored,gores=8'" in found and "315 degrees" in found
+    parts = seen.describe(CUTS["dress"]).split("--part ")[1].split("'")[0]
     assert draft_cut(CUTS["dress"].choose(dict(word.split("=") for word in parts.split(","))))

@@ -116,7 +116,7 @@ def test_feet_are_looked_at_in_blocks(tmp_path, monkeypatch):
     rows = np.random.default_rng(2).uniform(-40, 40, (10, 18))
     body, recording = builtin_body("builtin:female,height=1.70"), load_motion(write(tmp_path, make_bvh(rows)))
     whole = retarget(recording, body)
-    monkeypatch.setattr(sys.modules["garmentq.core.body.motion.retarget"], "BLOCK", 4)
+    monkeypatch.setattr(sys.modules["garmentq.core.body.motion.retarget"], "POSE_BLOCK_SIZE", 4)
     np.testing.assert_allclose(retarget(recording, body).pelvis, whole.pelvis, atol=1e-12)
 
 

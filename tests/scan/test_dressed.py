@@ -251,7 +251,7 @@ def test_a_garment_that_is_taken_for_skin_is_found(dressed: Dressed, pieces: Sca
     hand = np.linalg.norm(scan.vertices - dressed.joints[JOINTS.index("left_hand")], axis=1) < 0.1
     (one,) = fit_wearer(replace(scan, vertices=wide), hand, labels=labels).undeclared or ()
     assert (one.part, one.labels, one.is_whole, one.is_off_body) == ("upper", ("7",), True, True)
-    assert "Label 7" in one.tell() and "--cloth 7" in one.tell()
+    assert "Label 7" in one.describe() and "--cloth 7" in one.describe()
     gate = next(gate for gate in evaluate_gates({"body.undeclared_mm": 1e3 * one.offset}) if gate.name == "undeclared")
     assert gate.verdict == Verdict.DOUBTFUL and "--cloth" in gate.message
 
