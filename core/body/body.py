@@ -24,8 +24,7 @@ class Body:
     """Describe a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
 
     Attributes:
-        vertices: Positions [m], shape [vertex_count, 3]; for a given mesh the mesh itself, never the fitted model,
-            except for a dressed person, whose mesh hides the body.
+        vertices: Positions [m], shape [vertex_count, 3]: the given mesh's; of a dressed person, the fitted model's.
         faces: Outward faces, shape [face_count, 3].
         joints: Joint positions in this pose [m], order of `JOINTS`, shape [24, 3].
         weights: Linear blend skinning weights of `vertices`, rows sum to 1, shape [vertex_count, 24].
@@ -34,11 +33,10 @@ class Body:
         rest_faces: Faces of the fitted model, shape [model_face_count, 3].
         rest_joints: Joints of the fitted model in its T-pose [m], shape [24, 3].
         rest_weights: Skinning weights of the fitted model, shape [model_count, 24].
-        heading: Rotation [3, 3] that turns the file's axes to a body that faces +z (identity: it faces +z already).
+        heading: Rotation [3, 3] from the file's axes to a body that faces +z.
         parameters: Shape and pose parameters of the fitted model by name.
         source: `builtin:female`, `mesh:NAME`, `scan:NAME` (of a dressed person).
-        fit_rms: RMS distance of the fitted model to the given mesh, of a dressed person to the skin [m]; 0 for the
-            built-in body.
+        fit_rms: RMS distance of the fitted model to the given mesh, or to a dressed person's skin [m]; 0 if built in.
     """
 
     vertices: np.ndarray
@@ -56,19 +54,17 @@ class Body:
     fit_rms: float = 0.0
 
     def __repr__(self) -> str:
-        """Return one line; the arrays are its attributes."""
+        """Return a one-line summary without the arrays."""
         return f"<Body {self.source}: {len(self.vertices)} vertices, {len(self.faces)} faces>"
 
     def joint(self, name: str) -> np.ndarray:
-        """Return the position [m] of a joint by its name, shape [3]."""
+        """Return the position [m] of a named joint, shape [3]."""
         found: np.ndarray = self.joints[JOINTS.index(name)]
         return found
 
     def raised(self, heights: np.ndarray) -> Body:
-        """Return the body with its vertices moved out along their normals by heights [m], shape [vertex_count].
-
-        Where the mesh is the fitted model's own (a person estimated under cloth), the T-pose is raised alike.
-        """
+        """Return the body with its vertices moved outward along their normals by heights [m], shape [vertex_count].
+        Where the mesh is the fitted model's own (a person estimated under cloth), the T-pose is raised alike."""
         out = self.vertices + heights[:, None] * vertex_normals(self.vertices, self.faces)
         if len(self.rest_vertices) != len(self.vertices):
             return replace(self, vertices=out)

@@ -17,22 +17,22 @@ from .spec import BUILTIN, BuiltinWearer, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
 BUILTIN_HEIGHT_RANGE = (1.40, 2.10)
-"""Heights [m] that the shape directions were drawn for; beyond them bodies look wrong."""
+"""Heights [m] of the bodies from which the shape directions were made; outside this range bodies look wrong."""
 USUAL_HEIGHTS = {"female": 1.65, "male": 1.77}
-"""Height [m] where none is asked for: about the mean of young adults in Europe."""
+"""Default height [m]: about the mean of young adults in Europe."""
 MASS_INDICES = (16.0, 40.0)
-"""Range of weight over height squared [kg/m2] for the same reason."""
+"""Range of weight over height squared [kg/m2], for the same reason."""
 
 ARM_DROPS = {"T": 0.0, "A": math.radians(45), "arms-down": math.radians(70)}
-"""Angle [rad] by which each arm hangs below the horizontal; 70 degrees is as low as hands clear broad hips."""
+"""Angle [rad] of each arm below the horizontal; at more than 70 degrees the hands would touch broad hips."""
 
 
 POSES = ("T", "A", "arms-down", "stride", "seated")
-"""Every pose that the built-in body can be asked for by name."""
+"""Names of the poses of the built-in body."""
 
 
 class BodyMissing(BadInput):
-    """No body was given: give --body body.ply or builtin:female,height=1.70, or tell cloth from skin by --labels."""
+    """No body was given: give --body body.ply or builtin:female,height=1.70, or mark cloth and skin by --labels."""
 
     code = "body.missing"
 
@@ -44,19 +44,18 @@ class BodySpecBad(BadInput):
 
 
 def builtin_body(spec: str | BuiltinWearer) -> Body:
-    """Make the built-in body that a description asks for.
+    """Make the built-in body of a description.
 
     The shape is the most probable one of that gender with the height, weight and girths given. The feet stand at y = 0
     below the pelvis at x = z = 0, facing +z.
 
     Args:
-        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], the girths of `GIRTHS` [m],
-            and `pose` (one of `POSES`).
+        spec: `builtin:female` or `builtin:male`; any of `height` [m], `weight` [kg], `GIRTHS` [m], `pose` of `POSES`.
 
     Raises:
         BodyMissing: where the description is empty.
-        BodySpecBad: where it cannot be read or asks for a body outside the model's range.
-        MeasureRange: where a girth lies outside its range.
+        BodySpecBad: where it cannot be read or describes a body outside the model's range.
+        MeasureRange: where a girth is outside its range.
     """
     asked = parse_spec(str(spec))
     template = load_template()
@@ -73,7 +72,7 @@ def pose_template(
         template: The model.
         shape: Its shape coefficients, shape [shape_count].
         angles: Axis-angle vectors of the joints [rad], shape [24, 3].
-        source: Where the body is from.
+        source: The body's `source`.
         down: Translation [m], shape [3]; None: the feet of the rest pose stand at y = 0.
     """
     rest, joints = template.shaped(shape)
@@ -100,10 +99,8 @@ def pose_template(
 
 
 def describe_bodies() -> tuple[dict[str, Any], ...]:
-    """Return what can be asked of the built-in bodies: `spec`, `poses`, and `ranges` of height [m] and weight [kg].
-
-    A range is (lowest, highest, usual); the weights are those at the usual height.
-    """
+    """Return what the built-in bodies offer: `spec`, `poses`, and `ranges` of height [m] and weight [kg]. A range is
+    (lowest, highest, usual); the weights are those at the usual height."""
     template = load_template()
     bodies = []
     for gender, height in USUAL_HEIGHTS.items():
@@ -117,19 +114,14 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
 
 @dataclass(frozen=True)
 class BodySpec:
-    """What a description asks for.
-
-    Attributes:
-        wanted: Gender and measures.
-        pose: One of `POSES`.
-    """
+    """Describe the body that a description specifies: gender and measures, and one of `POSES`."""
 
     wanted: TargetMeasures
     pose: str = "T"
 
 
 def parse_spec(spec: str) -> BodySpec:
-    """Return what a description asks for.
+    """Parse the description of a built-in body.
 
     Raises:
         BodyMissing: where it is empty.
@@ -164,12 +156,9 @@ def parse_spec(spec: str) -> BodySpec:
 
 
 def named_pose(name: str) -> np.ndarray:
-    """Return axis-angles [24, 3] of one of `POSES`; negative about x swings a hanging limb forwards.
-
-    `stride`: the left leg 20 degrees ahead and the right 15 behind with its knee bent, as in a walk's double support;
-    arms at 60 degrees swing against the legs. `seated`: thighs level but for 5 degrees and shins upright, as on a
-    chair, the arms at 60 degrees and 20 forwards. The pelvis stays where it is.
-    """
+    """Return axis-angles [24, 3] of one of `POSES`; a negative angle about x swings a hanging limb forwards. `stride`:
+    left leg 20 degrees ahead, right leg 15 behind, knee bent; arms at 60 degrees, swung against the legs. `seated`:
+    thighs 5 degrees from level, shins upright, arms at 60 degrees and 20 forwards. The pelvis is fixed."""
     if name in ARM_DROPS:
         return arm_pose(ARM_DROPS[name])
     angles = arm_pose(math.radians(60))
@@ -182,16 +171,14 @@ def named_pose(name: str) -> np.ndarray:
     for joint, degrees in turns.items():
         angles[JOINTS.index(joint), 0] = math.radians(degrees)
     for side, degrees in swing.items():
-        # The collar lies level in every pose, so its turn about x swings the arm that hangs from it.
+        # The collar is level in every pose, so a turn of it about x swings the arm.
         angles[JOINTS.index(f"{side}_collar"), 0] = math.radians(degrees)
     return angles
 
 
 def arm_pose(drop: float) -> np.ndarray:
-    """Return axis-angles [24, 3] of a body whose arms hang `drop` [rad] below the horizontal.
-
-    The collar takes an eighth of the way, as a shoulder girdle does for small angles.
-    """
+    """Return axis-angles [24, 3] of a body whose arms hang `drop` [rad] below the horizontal. The collar turns by an
+    eighth of the angle, as a shoulder girdle does for small angles."""
     angles = np.zeros((24, 3))
     for side, sign in (("left", -1.0), ("right", 1.0)):
         angles[JOINTS.index(f"{side}_collar"), 2] = sign * drop / 8

@@ -1,4 +1,4 @@
-"""Carry cloth out of a body as a current carries it: all layers alike, so that none passes another."""
+"""Advect cloth out of a body by a smooth map of space that moves all layers alike, so that none passes another."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from ..geometry.intersections import face_boxes, self_intersections, undo_crossi
 from .signed_distance import SignedDistance
 
 MAX_ADVECTION_STEP = 2e-3
-"""Longest move of a node in an iteration [m]. Over the width of the displacement field it is a strain of a few per
-cent, so nothing folds over."""
+"""Longest move of a node in an iteration [m]: a strain of a few per cent, which folds nothing over."""
 
 MAX_ADVECTION_ITERATIONS = 40
-"""Largest number of advection iterations. Together they move cloth by 8 cm, the depth of the crease of a lap."""
+"""Largest number of advection iterations: together they move cloth by up to 8 cm, the depth of the crease of a lap."""
 
 ADVECTION_CUTOFF_RATIO = 4.0
-"""Cutoff distance of the displacement field [widths of the field]. The field has faded to less than 1e-3 there."""
+"""Cutoff distance of the displacement field [widths of the field], at which it has decayed below 1e-3."""
 
 
 def advect_outside(
@@ -26,21 +25,20 @@ def advect_outside(
     rounds: int = MAX_ADVECTION_ITERATIONS,
     clearance: float = 1e-3,
 ) -> np.ndarray:
-    """Carry cloth that is inside a body out of it, with the cloth around it, and return the nodes [m], [node_count, 3].
+    """Advect cloth that is inside a body, and the cloth around, out of it; return the nodes [m], shape [node_count, 3].
 
-    Each low point i (a node, or a face's centre) wants the move m_i out of the body. The current is their mean, by
-    nearness, and fades with the distance to them: u(x) = max_i w_i sum_i w_i m_i / sum_i w_i with
-    w_i = exp(-|x - x_i|^2 / 2 h^2), h its width. It is a smooth map of space in small steps, which takes layers that
-    lie on each other along without passing them through each other; where a coarse triangle does not follow it well
-    enough, its step is undone. Nodes further than `ADVECTION_CUTOFF_RATIO` widths from what is low stay exactly where
-    they are.
+    Each point i inside the body (a node or a face's centre) has a displacement m_i out of it. The displacement field is
+    their mean, weighted by nearness, and decays with distance: u(x) = max_i w_i sum_i w_i m_i / sum_i w_i with w_i =
+    exp(-|x - x_i|^2 / 2 h^2), h its width. In small steps it is a smooth map of space, which moves layers in contact
+    together; where a coarse triangle follows it too badly and crosses another, its step is undone. Nodes further than
+    `ADVECTION_CUTOFF_RATIO` widths from all points inside do not move.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
         faces: Shape [face_count, 3].
-        body: Where it is; of the surfaces that it shows a point only the first counts.
-        width: Of the current [m]: about an edge of the cloth.
-        rounds: Rounds at most; each moves up to 2 mm.
+        body: Signed distance to the body; where it gives several surfaces for a point, only the first counts.
+        width: Width of the displacement field [m]: about an edge of the cloth.
+        rounds: Largest number of iterations; each moves up to 2 mm.
         clearance: Distance to reach [m].
     """
     nodes = np.array(nodes, dtype=np.float64)
@@ -69,7 +67,7 @@ def advect_outside(
 
 
 def _undo_new_crossings(moved: np.ndarray, before: np.ndarray, faces: np.ndarray) -> None:
-    """Undo, in place, moves that make faces cross; only faces near what moved are looked at."""
+    """Undo, in place, moves that make faces cross; only faces near the moved ones are checked."""
     stirred = (moved != before).any(axis=1)[faces].any(axis=1)
     if not stirred.any():
         return
@@ -82,5 +80,5 @@ def _undo_new_crossings(moved: np.ndarray, before: np.ndarray, faces: np.ndarray
 
 
 def _is_within_box(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
-    """Find which coordinates of points lie within the box around others, widened by a reach [m], shape [n, 3]."""
+    """Find which coordinates of points are within the bounding box of others, widened by a margin [m], shape [n, 3]."""
     return np.asarray((points >= others.min(axis=0) - reach) & (points <= others.max(axis=0) + reach))

@@ -15,14 +15,14 @@ from .solid import Solid
 
 NARROW_BAND_WIDTH = 4
 """Width of the band with exact distances on each side of the surface [cells]. The spline's prefilter damps an error by
-0.27 a cell, so the centimetre-sized errors beyond are below 0.05 mm at the surface."""
+0.27 a cell, so errors of centimetres outside the band are below 0.05 mm at the surface."""
 
 MAX_COEFFICIENT_EXCESS = 3.0
-"""Largest excess of the spline coefficient at a point's corner over the point's distance [cells]. The corner is at most
-1.7 cells away, and inside thin limbs coefficients exceed the distance by up to 2.5 (measured on bodies)."""
+"""Largest excess of the coefficient at a point's corner over the point's distance [cells]. The corner is up to 1.7
+cells away; inside thin limbs coefficients exceed the distance by up to 2.5 (measured on bodies)."""
 
 OUTSIDE_GRID_DISTANCE = 1.0
-"""Distance reported outside the grid [m]: beyond every contact thickness."""
+"""Distance returned outside the grid [m]: larger than every contact thickness."""
 
 
 class DistanceBad(BadInput):
@@ -32,7 +32,7 @@ class DistanceBad(BadInput):
 
 
 class GridArrays(NamedTuple):
-    """A `DistanceGrid` as `sample_distance` takes it: coefficients in C order, their shape, and the rest."""
+    """Describe a `DistanceGrid` as the compiled `sample_distance` takes it; `coefficients` are flat, in C order."""
 
     coefficients: np.ndarray
     shape: tuple[int, int, int]
@@ -47,13 +47,13 @@ class DistanceGrid:
 
     d(x) = offset + sum_ijk c_ijk b(s_0 - i) b(s_1 - j) b(s_2 - k),  s = (x - origin) / spacing, negative inside.
     The gradient's length differs from 1 by about a per cent near the surface; only its direction and d are used as a
-    distance. Against the exact mesh distance at 1 cm spacing: p99 error about 0.3 mm within 1 cm of the body.
+    distance. Error against the exact mesh distance at 1 cm spacing: p99 about 0.3 mm within 1 cm of the body.
 
     Attributes:
         origin: Position of the first grid point [m], shape [3].
         spacing: Distance of grid points [m].
         coefficients: B-spline coefficients [m], shape [nx, ny, nz].
-        offset: Added to every distance [m]; positive shrinks the body by so much (see `shrunk`).
+        offset: Added to every distance [m]; a positive offset shrinks the body (see `shrunk`).
     """
 
     origin: np.ndarray
@@ -67,8 +67,8 @@ class DistanceGrid:
     ) -> DistanceGrid:
         """Sample the distance to a mesh (vertices [m], shape [n, 3]; outward faces, shape [m, 3]).
 
-        Exact within `NARROW_BAND_WIDTH` cells of the surface, from a distance transform beyond. The sign is the winding
-        number's, so small holes and self-intersections do no harm; a mesh that is inside out is turned.
+        Exact within `NARROW_BAND_WIDTH` cells of the surface, by a distance transform elsewhere. The sign is by the
+        winding number, which tolerates small holes and self-intersections; a mesh that is inside out is turned.
 
         Raises:
             DistanceBad: where the mesh is empty or not finite.
@@ -89,8 +89,8 @@ class DistanceGrid:
         band = np.argwhere(rough <= NARROW_BAND_WIDTH + 1)
         values = rough * spacing
         values[tuple(band.T)] = TriangleSurface(vertices, faces).distance(origin + spacing * band)
-        # A closed surface does not pass between two neighbours further from it than half a cell; through a hole the
-        # inside meets the outside, and only beyond the band is there no doubt.
+        # A closed surface cannot pass between two neighbours that are both further than half a cell from it. Through a
+        # hole the inside is connected to the outside, so there only points beyond the band have a certain side.
         sure = values > 0.51 * spacing if _is_closed(faces) else rough > NARROW_BAND_WIDTH + 1
         values[_find_inside_points(sure, origin, spacing, vertices, faces)] *= -1.0
         return cls.from_values(origin, spacing, values)
@@ -111,7 +111,7 @@ class DistanceGrid:
         )
 
     def shrunk(self, depth: float) -> DistanceGrid:
-        """Return the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
+        """Return the body shrunk by `depth` [m] along its normals, inflated if negative. The grid is not recomputed."""
         return replace(self, offset=self.offset + depth)
 
     def moved(self, translation: np.ndarray) -> DistanceGrid:
@@ -119,8 +119,7 @@ class DistanceGrid:
         return replace(self, origin=self.origin + np.asarray(translation, dtype=np.float64))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Return signed distances [m], shape [n], of points [m], shape [n, 3]; `OUTSIDE_GRID_DISTANCE` outside the
-        grid."""
+        """Return signed distances [m] of points [m], shape [n, 3]; `OUTSIDE_GRID_DISTANCE` outside the grid."""
         return self.evaluate(points)[0]
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -154,10 +153,8 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
 def _find_inside_points(
     sure: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
-    """Return which grid points are inside; a mesh inside out as a whole is turned.
-
-    Connected points that are `sure`, shape [nx, ny, nz], share one winding number; each of the others has its own.
-    """
+    """Find the grid points inside the mesh; a mesh that is inside out as a whole is turned. Connected points that are
+    `sure`, shape [nx, ny, nz], share one winding number; each other point has its own."""
     from scipy.ndimage import label
 
     regions, count = label(sure)
@@ -171,7 +168,7 @@ def _find_inside_points(
 
 
 def _is_closed(faces: np.ndarray) -> bool:
-    """Return whether every edge borders two faces."""
+    """Check whether every edge borders two faces."""
     return bool((HalfEdges.of(faces).face_counts == 2).all())
 
 
@@ -205,10 +202,8 @@ def _blend(flat, at, w):  # type: ignore[no-untyped-def]
 @njit(cache=True, inline="always")
 def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no-untyped-def]
     """Return the distance at one point [m] and write its gradient [3] (order >= 1) and Hessian [3, 3] (order 2).
-
-    Further than `reach` [m] from the surface, and outside the grid, `slope` and `curve` are left as they are; where the
-    coefficient at its corner is `MAX_COEFFICIENT_EXCESS` cells further, the distance is rough.
-    """
+    Further than `reach` [m] from the surface, and outside the grid, `slope` and `curve` are not written; where the
+    coefficient at its corner is `MAX_COEFFICIENT_EXCESS` cells further, the distance is approximate."""
     flat, (nx, ny, nz), origin, spacing, offset = grid
     s0 = (point[0] - origin[0]) / spacing
     s1 = (point[1] - origin[1]) / spacing

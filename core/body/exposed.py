@@ -1,4 +1,4 @@
-"""The outside of a body's given mesh: the skin that no other part of the body swallows."""
+"""The exposed skin of a body: the part of its mesh that lies inside no other part of the body."""
 
 from __future__ import annotations
 
@@ -14,45 +14,40 @@ from .body import Body
 from .solid import Solid
 
 CREASE_SUBDIVISION_COUNT = 2
-"""Number of times that a face which a crease cuts is split in four. Edges of 2 cm come down to 5 mm, which is how near
-the rim of the exposed skin comes to the crease."""
+"""Number of times that a face crossed by a crease is split in four: from 2 cm to 5 mm, the error of the border."""
 
 CORNER_SAMPLE_SHARE = 0.9
-"""Share of the way from a face's centre to its corners at which exposure is tested. At the corners themselves the
-offset point of a face in a hollow lies in the face beside it."""
+"""Share of the way from a face's centre to its corners at which exposure is tested; in a hollow, corners would fail."""
 
 CERTAIN_OUTSIDE_COSINE = 0.97
 """Cosine between the way to a point and the normal at its foot above which the point is outside without a further test,
-away from creases. A point inside sees the nearest skin from behind."""
+away from creases. From a point inside, the nearest skin faces away."""
 
 SKIN_BOX_MARGIN = 0.15
-"""Margin around the box of given points in which skin is tested for exposure [m]. It is more than the distance of cloth
-from the skin that bears it, together with what both move in a step."""
+"""Margin around given points within which skin is tested for exposure [m]: cloth's distance plus a step's motion."""
 
 CREASE_RING_COUNT = 3
-"""Number of edges around skin inside another part of the body within which every point's side is tested. Beside a
-crease the skin of one part in front of a point may be exposed, while the part that holds the point is taken for hidden
-there."""
+"""Number of edges around hidden skin within which every point's side is tested. Beside a crease the skin in front of a
+point may be exposed while the part that contains the point is taken for hidden."""
 
 
 class ExposedSurface:
-    """The outside of a body mesh, and signed distances to it, positive outside, as often as is asked.
+    """Describe the exposed skin of a body mesh, for repeated queries of signed distances to it, positive outside.
 
-    Where parts of a body run into each other (thighs, a belly over a lap), the skin of one lies inside the other: it is
-    no way out, and the nearest point of it leads deeper. So the surface is the skin in the open, and a negative
-    distance the length of the shortest way out, which the distance to the nearest skin of all may be far short of.
+    Where parts of a body intersect (thighs, a belly over a lap), the skin of one is inside the other: the nearest point
+    of such skin leads deeper, not out. So the surface is the exposed skin alone. A negative distance is the shortest
+    way out, which may be much longer than the distance to the nearest skin of all.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: The body's mesh, shape [face_count, 3].
-        splits: Times that a face which a crease cuts is split in four; 0 takes it as its middle is.
-        near: Points [m], shape [n, 3], around which the surface will be asked: skin that is farther than
-            `SKIN_BOX_MARGIN` from their box is taken to be in the open, for to find out costs half of the time. None:
-            all is looked at.
+        splits: Times that a face crossed by a crease is split in four; 0 classifies it whole by its centre.
+        near: Points [m], shape [n, 3], around which queries will be. Skin further than `SKIN_BOX_MARGIN` from their box
+            is assumed to be exposed, which saves half of the time. None: all skin is tested.
 
     Attributes:
         vertices: Positions [m], shape [vertex_count, 3].
-        faces: The skin in the open, outward, faces that creases cut split along them, shape [face_count, 3].
+        faces: The exposed skin, outward, split along creases, shape [face_count, 3].
         normals: Unit normals of `faces`, shape [face_count, 3].
     """
 
@@ -71,31 +66,28 @@ class ExposedSurface:
 
     @classmethod
     def of(cls, body: Body, splits: int = CREASE_SUBDIVISION_COUNT) -> ExposedSurface:
-        """Take the outside of a body's own mesh, not of the fitted model."""
+        """Compute the exposed skin of a body's own mesh, not of the fitted model."""
         return cls(body.vertices, body.faces, splits)
 
     @cached_property
     def whole(self) -> ExposedSurface:
-        """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
+        """Return the same skin with faces that creases cross classified whole, by their centres."""
         if self._strict is not None:
             return self._strict.whole.sparing_pinched
         return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, near=self._near)
 
     @cached_property
     def sparing_pinched(self) -> ExposedSurface:
-        """Return the same skin for cloth that may stay where the body's parts pinch it: there it counts as outside.
-
-        The distance of such a point is half of what its way to skin in the open exceeds that to swallowed skin by: how
-        far it can move and stay pinched.
-        """
+        """Return the same skin with points that the body's parts pinch counted as outside. Their distance is half the
+        excess of the way to exposed skin over that to hidden skin: how far they can move and stay pinched."""
         other = copy(self)
-        other.__dict__.pop("whole", None)  # its own spares, too
+        other.__dict__.pop("whole", None)  # the copy has one of its own
         other._strict = self
         return other
 
     @cached_property
     def swallowed(self) -> TriangleSurface | None:
-        """Return the skin of parts that run into each other, where it lies inside; None where there is none."""
+        """Return the hidden skin: that of intersecting parts, where it is inside the body; None where there is none."""
         if self._strict is not None:
             return self._strict.swallowed
         solid = self._solid
@@ -104,17 +96,17 @@ class ExposedSurface:
 
     @cached_property
     def _bare(self) -> np.ndarray:
-        """Return which faces of the given mesh have their middles in the open, shape [n]."""
+        """Return which faces of the given mesh have exposed centres, shape [n]."""
         return self._bare_middles(self._solid.vertices, self._solid.faces)
 
     @property
     def _is_cut(self) -> bool:
-        """Whether faces are split along creases: then it is asked of every point whether it is inside."""
+        """Return whether faces are split along creases; every point is then tested for being inside."""
         return self.vertices is not self._solid.vertices
 
     @cached_property
     def _creased(self) -> np.ndarray:
-        """Return which faces in the open are beside swallowed skin, shape [n]; all of them where creases are cut."""
+        """Return which exposed faces are beside hidden skin, shape [n]; all if faces are split along creases."""
         solid = self._solid
         if self._is_cut:
             return np.ones(len(self.faces), dtype=bool)
@@ -126,7 +118,7 @@ class ExposedSurface:
         return np.asarray(beside[self.faces].any(axis=1))
 
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
-        """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""
+        """Drop hidden faces and the hidden parts of faces that creases cross; return vertices and faces."""
         vertices, faces = self._solid.vertices, self._solid.faces
         bare = self._bare
         mixed = _find_crease_faces(vertices, faces, bare)
@@ -139,11 +131,11 @@ class ExposedSurface:
             bare, mixed = self._bare_middles(vertices, faces), np.arange(len(faces))
         kept.append(faces[bare])
         found = np.concatenate(kept)
-        # A mesh that encloses nothing has no inside: all of it is as good as any of it.
+        # A mesh that encloses nothing has no inside; all of it is exposed.
         return vertices, np.ascontiguousarray(found) if len(found) else self._solid.faces
 
     def _bare_middles(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        """Return which faces' middles are in the open, shape [n]."""
+        """Return which faces' centres are exposed, shape [n]."""
         middles, normals = vertices[faces].mean(axis=1), face_normals(vertices, faces)[0]
         if self._near is None:
             return self._solid.exposed(middles, normals)
@@ -154,7 +146,7 @@ class ExposedSurface:
         return bare
 
     def _bare_corners(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        """Return which of the faces' corners are in the open, shape [n, 3]."""
+        """Return which of the faces' corners are exposed, shape [n, 3]."""
         middle = vertices[faces].mean(axis=1, keepdims=True)
         near = middle + CORNER_SAMPLE_SHARE * (vertices[faces] - middle)
         normals = np.repeat(face_normals(vertices, faces)[0], 3, axis=0)
@@ -165,10 +157,8 @@ class ExposedSurface:
         return self._solid.contains(points)
 
     def depths(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return those of some points [m], shape [n, 3], that are inside, and their ways to the skin in the open [m].
-
-        Where every point has to be asked about, only the ways of those inside are looked for.
-        """
+        """Return the inside ones of points [m], shape [n, 3], and the lengths of their ways to the exposed skin [m].
+        Where every point has to be tested, the ways of points inside alone are computed."""
         if self._is_cut:
             inside = points[self.contains(points)]
             way = self.closest(inside).distance
@@ -180,17 +170,16 @@ class ExposedSurface:
         return points[distance < 0.0], -distance[distance < 0.0]
 
     def pinch(self, inside: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Find which points inside the body its parts pinch.
+        """Find which points inside the body are pinched by its parts.
 
-        Pinched is what is nearer to skin that another part of the body swallows than to skin in the open: it lies
-        between parts that run into each other, where no place is outside of both.
+        A point is pinched if it is nearer to hidden than to exposed skin: between intersecting parts, outside of none.
 
         Args:
             inside: Points [m], shape [n, 3].
-            way: Their distances to the skin in the open [m], shape [n].
+            way: Their distances to the exposed skin [m], shape [n].
 
         Returns:
-            Which are pinched, shape [n], and their depths below swallowed skin [m], infinite where there is none.
+            Which are pinched, shape [n], and their distances to hidden skin [m], infinite where there is none.
         """
         swallowed = self.swallowed
         if swallowed is None or not len(inside):
@@ -199,14 +188,13 @@ class ExposedSurface:
         return depth < way, depth
 
     def closest(self, points: np.ndarray) -> ClosestPoints:
-        """Find the closest points of the skin in the open to points [m], shape [n, 3]."""
+        """Find the closest points of the exposed skin to points [m], shape [n, 3]."""
         return self._surface.closest(points)
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the signed distance of points, and its gradient.
+        """Compute the signed distance of points, and its gradient.
 
-        On the surface itself, where the direction to the closest point is lost, the gradient is the normal of the
-        closest face.
+        On the surface itself, where the direction to the closest point is undefined, the gradient is the face's normal.
 
         Args:
             points: Positions [m], shape [n, 3].
@@ -225,7 +213,7 @@ class ExposedSurface:
             self._creased[found.face] | ((offset * gradient).sum(axis=1) < CERTAIN_OUTSIDE_COSINE * distance)
         )  # the winding number of a point costs more than its foot
         sign[doubtful] = np.where(self.contains(points[doubtful]), -1.0, 1.0)
-        # Below a nanometre the difference of two positions of about 1 m has no direction left in float64.
+        # Below a nanometre, the difference of two positions of about 1 m has no accurate direction in float64.
         far = distance > 1e-9
         gradient[far] = offset[far] * (sign[far] / distance[far])[:, None]
         signed = sign * distance
@@ -237,14 +225,14 @@ class ExposedSurface:
 
 
 def _find_crease_faces(vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray) -> np.ndarray:
-    """Find the faces that share a vertex with one in the open and with one that is not."""
+    """Find the faces that share vertices with both exposed and hidden faces."""
     touched = np.zeros((2, len(vertices)), dtype=bool)
     touched[0, faces[bare]] = touched[1, faces[~bare]] = True
     return np.flatnonzero((touched[0] & touched[1])[faces].any(axis=1))
 
 
 def _split(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Split each face in four at the middles of its edges; give the vertices with the middles, and those faces."""
+    """Split each face in four at its edges' midpoints; return vertices with the midpoints, and faces."""
     middles = 0.5 * (vertices[faces] + vertices[faces[:, [1, 2, 0]]])
     ab, bc, ca = (len(vertices) + 3 * np.arange(len(faces)) + k for k in range(3))
     a, b, c = faces.T
@@ -255,7 +243,7 @@ def _split(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> float:
-    """Return the greatest depth of a garment's nodes and face centres in a body [m], by the way to its exposed skin.
+    """Compute the greatest depth of a garment's nodes and face centres in a body [m], by the way to its exposed skin.
 
     Args:
         nodes: Garment positions [m], shape [node_count, 3].
@@ -266,12 +254,12 @@ def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
 
 
 class PinchedDepth(NamedTuple):
-    """How deep a garment is in a body [m], 0 where it is not.
+    """Describe how deep a garment is in a body [m]; 0 where it is outside.
 
     Attributes:
-        free: Greatest way to skin in the open of what has one.
-        way: The same of what the body's parts pinch (`ExposedSurface.pinch`).
-        pinched: Greatest distance of that from the nearer part's skin: how far flesh has to yield to it.
+        free: Greatest way to exposed skin, of points that are not pinched.
+        way: Greatest way to exposed skin, of pinched points (`ExposedSurface.pinch`).
+        pinched: Greatest distance of pinched points from the nearer part's skin: how far flesh has to yield.
     """
 
     free: float
@@ -280,7 +268,7 @@ class PinchedDepth(NamedTuple):
 
 
 def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> PinchedDepth:
-    """Measure how deep a garment is in a body where it has a way out, and where the body's parts pinch it.
+    """Compute how deep a garment is in a body, separately for free points and for points that the body's parts pinch.
 
     Args:
         nodes: Garment positions [m], shape [node_count, 3].

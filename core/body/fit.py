@@ -1,4 +1,4 @@
-"""Fit the articulated template to points of a surface by Gauss-Newton, correspondences found anew in each step."""
+"""Fit the articulated template to points of a surface by Gauss-Newton, with new correspondences in each step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .body import JOINT_PARENTS, JOINTS
 from .template import Template, articulate, cross_matrices, rotations_of
 
 _DESCENDANT_MASK = np.zeros((24, 24))
-"""Mask of the joints below each joint, shape [24, 24]. Row j marks joint j and all joints below it."""
+"""Mask of descendants, shape [24, 24]: row j marks joint j and all joints below it."""
 for _k in range(24):
     _j = _k
     while _j >= 0:
@@ -22,10 +22,8 @@ for _k in range(24):
 
 
 def _pose_prior_stds() -> np.ndarray:
-    """Return the standard deviations [rad] of each joint's axis-angle in everyday poses, shape [24, 3].
-
-    Assumed from the ranges of human joints: hinges wide about their axis only, ball joints wide, spine and feet narrow.
-    """
+    """Return the standard deviations [rad] of each joint's axis-angle in everyday poses, shape [24, 3]. Assumed from
+    the ranges of human joints: hinges wide about their axis only, ball joints wide, spine and feet narrow."""
     spread = np.full((24, 3), 0.15)
     table = {
         "hip": (0.8, 0.35, 0.35), "knee": (0.9, 0.08, 0.08), "ankle": (0.35, 0.2, 0.15), "foot": (0.1, 0.03, 0.03),
@@ -42,13 +40,13 @@ def _pose_prior_stds() -> np.ndarray:
 
 POSE_PRIOR_STDS = _pose_prior_stds()
 HINGES = (("left_knee", 0, 1.0), ("right_knee", 0, 1.0), ("left_elbow", 1, -1.0), ("right_elbow", 1, 1.0))
-"""Joint, axis and sign of the only way it bends: the shank goes back, the forearm forward."""
+"""Joint, axis and sign of its only direction of bending: the shank bends back, the forearm forward."""
 HINGE_SLACK = 0.1
-"""Overextension [rad] that a hinge allows for free, and the spread of what goes beyond."""
+"""Overextension [rad] of a hinge that is not penalised, and standard deviation of the excess."""
 
 
 def find_forearms(weights: np.ndarray) -> np.ndarray:
-    """Find the vertices of forearms and hands by skinning weights, shape [n, 24]: 1 the left, 2 the right, else 0."""
+    """Label the vertices of forearms and hands by skinning weights, shape [n, 24]: 1 left, 2 right, else 0."""
     limb = np.zeros(len(weights), dtype=np.int64)
     for number, side in enumerate(("left", "right"), 1):
         columns = [JOINTS.index(f"{side}_{name}") for name in ("elbow", "wrist", "hand")]
@@ -58,18 +56,17 @@ def find_forearms(weights: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class OrientedPoints:
-    """Points of a surface with outward unit normals.
+    """Describe points of a surface with outward unit normals.
 
     Attributes:
         points: Positions [m], shape [n, 3].
         normals: Unit normals, shape [n, 3].
-        cloth: How surely the point lies on cloth, which hides the body, 0 to 1 or False and True, shape [n]; None:
-            nowhere.
-        weight: How much the point counts, shape [n]; None: all count 1.
-        spread: Standard deviation of where the body's surface is about the point [m], shape [n]; None: 0.
-        oriented: Whether the normals are known to point outward; else their signs do not count.
-        limb: Forearm that the point lies on, as `find_forearms`, shape [n], or None where that is not known. A forearm
-            is not paired with cloth elsewhere: beside a coat it sticks out of cloth, and was pulled in by 30 cm.
+        cloth: Probability that the point is on cloth, which hides the body, 0 to 1 or bool, shape [n]; None: 0.
+        weight: Weight of the point, shape [n]; None: 1.
+        spread: Standard deviation of the body's surface about the point [m], shape [n]; None: 0.
+        oriented: Whether the normals are known to point outward; else their signs are ignored.
+        limb: Forearm of the point, as `find_forearms`, shape [n], or None if unknown. A forearm is not paired with
+            cloth elsewhere: it sticks out beside a coat, and was pulled in by 30 cm.
     """
 
     points: np.ndarray
@@ -90,7 +87,7 @@ class OrientedPoints:
         return OrientedPoints(**known, oriented=self.oriented)
 
     def stack(self, length: float) -> np.ndarray:
-        """Return positions and normals times a length [m], shape [n, 6]; with both signs, [2 n, 6], if not oriented."""
+        """Return positions and normals times a length [m], shape [n, 6]; if not oriented, with both signs, [2 n, 6]."""
         stacked = np.hstack([self.points, length * self.normals])
         if self.oriented:
             return stacked
@@ -108,16 +105,16 @@ class FitState:
 
 @dataclass(frozen=True)
 class FitStage:
-    """Describe how one stage of the fit goes.
+    """Describe the settings of one stage of the fit.
 
     Attributes:
-        steps: Gauss-Newton steps at most.
-        scale: Distance [m] beyond which a pair of points counts little, and the noise that the priors are weighed by.
-        normal_length: Length [m] that a unit of difference in normals counts as in the search for pairs.
-        plane: Measure pairs along the normal; else in all three axes, which pulls from further away.
-        shape_count: Shape coefficients that are free.
-        cloth_pull: Weight of a pair with cloth that lies outside the body, beside 1 for skin.
-        cloth_gap: Scale of such a pair, over that of one with skin: how far out cloth may lie and still pull.
+        steps: Largest number of Gauss-Newton steps.
+        scale: Distance [m] beyond which pairs are down-weighted; also the noise against which priors count.
+        normal_length: Length [m] per unit of difference in normals in the search for pairs.
+        plane: Measure pairs along the normal; else in all three axes, which converges from further away.
+        shape_count: Number of free shape coefficients.
+        cloth_pull: Weight of a pair with cloth outside the body; skin has 1.
+        cloth_gap: Scale of such a pair relative to that of one with skin.
     """
 
     steps: int
@@ -130,20 +127,20 @@ class FitStage:
 
 
 EFFECTIVE_OBSERVATION_COUNT = 3000.0
-"""Observations that a whole surface counts for against the priors, so that 1 cm everywhere outweighs a few standard
-deviations of shape. 300 held mannequins with long arms back (16 mm RMS instead of 8); 5000 gained a millimetre more."""
+"""Number of observations that a whole surface counts for against the priors: 1 cm everywhere outweighs a few standard
+deviations of shape. With 300, mannequins with long arms fit badly (16 mm RMS, not 8); 5000 gained 1 mm."""
 CLOTH_REACH = 3.0
-"""A point of the body that sticks out of cloth is believed up to so many times the scale of a stage: unlike a gap, it
-is never what the wearer looks like."""
+"""Multiple of a stage's scale up to which a point of the body outside the cloth is not down-weighted: unlike a gap
+between cloth and body, it cannot be right."""
 
 MIN_STAGE_MOTION_SHARE = 0.02
-"""Share of a stage's scale by which a step must move the points (RMS) for the stage to go on. Below it the way that is
-left is a fraction of what the next, nearer stage corrects; in the last stage it is 0.2 mm."""
+"""Share of a stage's scale that a step must move the points by (RMS) for the stage to continue. Smaller moves are a
+fraction of what the next stage, with a smaller scale, corrects; in the last stage it is 0.2 mm."""
 
 
 @dataclass(frozen=True)
 class _PosedPoints:
-    """Hold our points in a state.
+    """Describe the template's points in a state.
 
     Attributes:
         points: Positions [m], shape [m, 3].
@@ -165,12 +162,12 @@ class _PosedPoints:
 
 
 class Fitter:
-    """Fit a template, seen at a subset of its vertices, to a surface."""
+    """Fit a template, reduced to a subset of its vertices, to a surface."""
 
     def __init__(self, template: Template, subset: np.ndarray, surface: OrientedPoints) -> None:
         """Take the template, indices of the vertices used, and the surface's points."""
         self.template = template
-        # Points come last here and in all that is computed per point: numpy's loops are then long ones.
+        # The last axis is that of the points, here and in all arrays per point, so that numpy's inner loops are long.
         self.vertices = np.ascontiguousarray(template.vertices[subset].T)
         self.directions = np.ascontiguousarray(template.directions[:, subset].transpose(2, 0, 1))
         self.weights = np.ascontiguousarray(template.weights[subset].T)
@@ -195,7 +192,7 @@ class Fitter:
         return state
 
     def residual(self, state: FitState, scale: float, normal_length: float) -> float:
-        """Return the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
+        """Compute the robust two-way misfit of a state: mean of min(d, scale) over pairs, d [m] including normals."""
         placed = self._place(state)
         ours = np.hstack([placed.points, normal_length * placed.normals])
         theirs = self.surface.stack(normal_length)
@@ -218,11 +215,9 @@ class Fitter:
         return _PosedPoints(points.T, normals.T, rest, blend, world, posed, shift)
 
     def _step(self, state: FitState, stage: FitStage, tree: cKDTree, placed: _PosedPoints) -> FitState:
-        """Take one Gauss-Newton step.
-
-        Pairs are gathered at our points: with J_i the derivative of point i, its pairs add J_i^T M_i J_i to the normal
-        equations and J_i^T h_i to the gradient, M_i = sum of w n n^T (or of w, in all three axes), h_i = M_i offset.
-        """
+        """Take one Gauss-Newton step. With J_i the derivative of template point i, its pairs add J_i^T M_i J_i to the
+        normal equations and J_i^T h_i to the gradient, M_i = sum of w n n^T (without n n^T: all axes), h_i = M_i
+        offset."""
         points, count = placed.points, len(placed.points)
         row, chosen = self._pairs(points, placed.normals, stage, tree)
         direction = self.surface.normals[chosen]
@@ -257,7 +252,7 @@ class Fitter:
         for a in range(3):
             for b in range(a + 1):
                 sums[:, a, b] = sums[:, b, a] = np.bincount(row, weight * direction[:, a] * direction[:, b], count)
-        # One pair alone has rank 1; a millionth of the weight makes Cholesky's factor exist and moves nothing.
+        # A single pair has rank 1; a millionth of the weight makes the Cholesky factor exist without visible effect.
         ease = 1e-6 * np.trace(sums, axis1=1, axis2=2) + 1e-300
         lower = np.ascontiguousarray(np.linalg.cholesky(sums + ease[:, None, None] * np.eye(3)).transpose(1, 2, 0))
         scaled = np.zeros_like(slopes)
@@ -269,7 +264,7 @@ class Fitter:
     def _pairs(
         self, points: np.ndarray, normals: np.ndarray, stage: FitStage, tree: cKDTree
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Pair each of our points with the surface and each of the surface's with us: rows of ours and of theirs."""
+        """Pair each template point with the surface and each surface point with the template; return the rows."""
         s, length = self.surface, stage.normal_length
         ours = np.hstack([points, length * normals])
         _, there = tree.query(ours)
@@ -282,11 +277,9 @@ class Fitter:
     def _trust(
         self, offset: np.ndarray, direction: np.ndarray, pairs: tuple[np.ndarray, np.ndarray], stage: FitStage
     ) -> np.ndarray:
-        """Return the weight of each pair by its offset [m], shape [n, 3]: pairs far beyond the scale stop pulling.
-
-        Geman-McClure, (s^2 / (s^2 + |offset|^2))^2. Cloth hides a body that may lie well below it: there a pair counts
-        in full where the body is outside the cloth, and little where it is inside.
-        """
+        """Compute the weight of each pair from its offset [m], shape [n, 3]; it vanishes far beyond the scale.
+        Geman-McClure, (s^2 / (s^2 + |offset|^2))^2. A body may be well below the cloth that hides it: a pair with cloth
+        has full weight where the body is outside the cloth, and little where it is inside."""
         s, (row, chosen) = self.surface, pairs
         length2, scale2 = (offset**2).sum(axis=1), np.full(len(offset), stage.scale**2)
         weight = np.ones(len(offset)) if s.weight is None else s.weight[chosen]
@@ -305,11 +298,9 @@ class Fitter:
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
     def _turn_slopes(self, placed: _PosedPoints) -> np.ndarray:
-        """Return the derivatives of our points by rotations in the parents' frames, shape [3, 72, m].
-
-        A small turn w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the
-        sum of its weighted copies below j and C the sum of those weights.
-        """
+        """Return the derivatives of the points by rotations in the parents' frames, shape [3, 72, m]. A small rotation
+        w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the sum of its
+        weighted copies below j and C the sum of those weights."""
         world, posed = placed.world, placed.posed
         copies = (world.reshape(72, 3) @ placed.rest + placed.shift.reshape(72, 1)).reshape(24, 3, -1)
         copies *= self.weights[:, None]
@@ -323,7 +314,7 @@ class Fitter:
         return slopes.reshape(3, 72, -1)
 
     def _shape_slopes(self, count: int, placed: _PosedPoints) -> np.ndarray:
-        """Return the derivatives of our points by the first shape coefficients, shape [3, count, m]."""
+        """Return the derivatives of the points by the first shape coefficients, shape [3, count, m]."""
         world = placed.world
         joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
@@ -359,12 +350,12 @@ class Fitter:
 
 
 def _apply_step(state: FitState, step: np.ndarray, shape_count: int) -> FitState:
-    """Take a step, with turns clipped to half a radian so that a poor pairing cannot throw the limbs about."""
+    """Apply a step, with rotations clipped to half a radian, which bounds the effect of wrong pairs."""
     turns = step[:72].reshape(24, 3)
     size = np.linalg.norm(turns, axis=1, keepdims=True)
     turns = turns * np.minimum(1.0, 0.5 / np.maximum(size, 1e-12))
     shape = np.pad(state.shape, (0, max(shape_count - len(state.shape), 0)))
-    # Five standard deviations: no human of the model is beyond.
+    # No human of the model is beyond five standard deviations.
     shape = np.clip(shape + step[75:], -5.0, 5.0)
     return FitState(shape, rotations_of(turns) @ state.rotations, state.translation + step[72:75])
 

@@ -1,4 +1,4 @@
-"""Girths of a body as a tailor's tape takes them, in its T-pose: convex hulls of exact cross-sections."""
+"""Girths of a body in its T-pose, as a tape measure takes them: convex hulls of exact cross-sections."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from .body import Body
 from .skinning import rest_body
 
 GIRTHS = ("chest", "waist", "hip", "thigh", "upper_arm")
-"""What can be measured: round the trunk under the arms, where it is narrowest, where it is widest from the crotch to
-the pelvis; round a thigh below the crotch; round an upper arm, the mean of both sides for the last two."""
+"""Names of the girths: of the trunk below the arms, where it is narrowest, where it is widest between crotch and
+pelvis; of a thigh below the crotch; of an upper arm. The last two are means of both sides."""
 
 GIRTH_LEVEL_SPACING = 0.01
-"""Distance of the heights among which the narrowest and the widest place are looked for [m]: the vertices' spacing."""
+"""Spacing of the heights at which the narrowest and the widest cross-section are sought [m]: the vertices' spacing."""
 
 MAX_CROTCH_OFFSET = 0.01
-"""Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
+"""Distance from the median plane within which the crotch is sought [m]: the spacing of the body's vertices."""
 
 ARMPIT_PROBE_OFFSET = 0.04
-"""How far outside the shoulder's joint the arm's underside gives the height of the armpit [m]: past the rounding of the
-trunk into the arm, before the arm tapers."""
+"""Distance outward of the shoulder joint at which the arm's underside gives the height of the armpit [m]: beyond the
+rounding from trunk to arm, before the arm tapers."""
 
 BELOW_ARMPIT = 0.04
-"""How far below the armpit the chest is measured [m], where a tape lies under the arms."""
+"""Distance of the chest girth below the armpit [m], where a tape passes under the arms."""
 
 BELOW_CROTCH = 0.03
-"""How far below the crotch a thigh is measured [m]: where the legs have parted."""
+"""Distance of the thigh girth below the crotch [m], where the legs are separate."""
 
 BICEPS_POSITION_SHARE = 0.35
 """Share of the way from shoulder to elbow at which the upper arm is measured: the middle of the biceps."""
 
 
 def crotch_height(body: Body) -> float:
-    """Return the height of the crotch of a body in its T-pose [m]: the lowest skin in the middle, above the knees."""
+    """Return the height of the crotch in the T-pose [m]: the lowest skin in the median plane above the knees."""
     pelvis = body.joint("pelvis")
     middle = np.abs(body.vertices[:, 0] - pelvis[0]) < MAX_CROTCH_OFFSET
     heights = body.vertices[middle & (body.vertices[:, 1] > 0.5 * pelvis[1]), 1]
@@ -45,10 +45,8 @@ def crotch_height(body: Body) -> float:
 
 
 def armpit_height(body: Body) -> float:
-    """Return the height of the armpits of a body in its T-pose [m]: the lowest skin at the arms' roots.
-
-    Of a mesh without a vertex there, which is coarser than the rule's step, that of the shoulder's joint.
-    """
+    """Return the height of the armpits of a body in its T-pose [m]: the lowest skin at the arms' roots. If a coarse
+    mesh has no vertex there, return the height of the shoulder joint."""
     centre, shoulder = body.joint("pelvis")[0], body.joint("left_shoulder")
     off, heights = np.abs(body.vertices[:, 0] - centre), body.vertices[:, 1]
     root = (np.abs(off - abs(shoulder[0] - centre) - ARMPIT_PROBE_OFFSET) < GIRTH_LEVEL_SPACING) & (
@@ -63,8 +61,8 @@ class Girth:
 
     Attributes:
         value: The girth [m].
-        level: Where it was taken: a height [m], of the upper arm the distance from the middle.
-        slope: Its derivative by the vertices of the T-pose, the level held, shape [vertex_count, 3].
+        level: Where it was measured: a height [m]; of the upper arm, the distance from the median plane.
+        slope: Its derivative by the vertices of the T-pose at a fixed level, shape [vertex_count, 3].
     """
 
     value: float
@@ -74,17 +72,13 @@ class Girth:
 
 @dataclass(frozen=True)
 class TapeMeasure:
-    """Measure a body in its T-pose.
-
-    Attributes:
-        body: The body in its T-pose, as `rest_body` gives it.
-    """
+    """Measure a body in its T-pose, as `rest_body` returns it."""
 
     body: Body
 
     @classmethod
     def of(cls, body: Body) -> TapeMeasure:
-        """Lay a tape about a body's fitted model, whatever its pose."""
+        """Return a tape measure for a body's fitted model, in whatever pose the body is."""
         return cls(rest_body(body))
 
     @cached_property
@@ -93,7 +87,7 @@ class TapeMeasure:
         return HalfEdges.of(self.body.rest_faces).edges
 
     def measure(self, name: str) -> Girth:
-        """Return one of `GIRTHS`."""
+        """Measure one of `GIRTHS`."""
         if name == "chest":
             return self.trunk(armpit_height(self.body) - BELOW_ARMPIT)
         if name == "waist":
@@ -107,31 +101,31 @@ class TapeMeasure:
 
     @property
     def waist_span(self) -> tuple[float, float]:
-        """Return the heights between which the waist lies [m]: from the pelvis to below the armpits."""
+        """Return the range of heights in which the waist is sought [m]: from the pelvis to below the armpits."""
         return float(self.body.joint("pelvis")[1]), armpit_height(self.body) - BELOW_ARMPIT
 
     def trunk(self, height: float) -> Girth:
-        """Return the girth of trunk, or of both legs together, at a height [m]; the arms are left out."""
+        """Measure the girth of the trunk, or of both legs together, at a height [m], without the arms."""
         centre, shoulder = self.body.joint("pelvis")[0], self.body.joint("left_shoulder")[0]
         section = Section.of(self.body.vertices, self.edges, self.body.rest_faces, 1, height)
         return section.girth(np.abs(section.middles[:, 0] - centre) < abs(shoulder - centre))
 
     def thighs(self, height: float) -> Girth:
-        """Return the mean girth of both thighs at a height [m] below the crotch."""
+        """Measure the mean girth of both thighs at a height [m] below the crotch."""
         return self._limbs(1, height)
 
     def arms(self, level: float) -> Girth:
-        """Return the mean girth of both arms where x is a level [m], and as far from the middle on the other side."""
+        """Measure the mean girth of both arms at x = level [m] and at the mirrored place."""
         return self._limbs(0, level)
 
     def _best(self, span: tuple[float, float], least: bool) -> Girth:
-        """Return the least or the largest girth of the trunk in a span of heights [m]."""
+        """Return the least or the largest girth of the trunk in a range of heights [m]."""
         found = [self.trunk(height) for height in np.arange(*span, GIRTH_LEVEL_SPACING)]
         values = [girth.value for girth in found]
         return found[int(np.argmin(values) if least else np.argmax(values))]
 
     def _limbs(self, axis: int, level: float) -> Girth:
-        """Return the mean girth of both thighs at a height, or of both arms at a distance from the middle [m]."""
+        """Return the mean girth of both thighs at a height, or of both arms at a distance from the median plane [m]."""
         body, centre = self.body, float(self.body.joint("pelvis")[0])
         found = []
         for sign in (1.0, -1.0):
@@ -151,12 +145,12 @@ class Section:
 
     Attributes:
         ends: Both ends of each cut edge, shape [cut_count, 2].
-        share: Way from the first to the second at which it is cut, shape [cut_count].
+        share: Position of the cut from the first to the second end, 0 to 1, shape [cut_count].
         part: The connected part of the cut to which each belongs, shape [cut_count].
         middles: Mean of each part's points [m], shape [part_count, 3].
         vertices: Of the mesh [m], shape [vertex_count, 3].
-        axis: The axis that the plane is across.
-        level: Where it is [m].
+        axis: The axis normal to the plane.
+        level: Coordinate of the plane on that axis [m].
     """
 
     ends: np.ndarray
@@ -169,14 +163,14 @@ class Section:
 
     @classmethod
     def of(cls, vertices: np.ndarray, edges: np.ndarray, faces: np.ndarray, axis: int, level: float) -> Section:
-        """Cut a mesh by the plane across an axis (0 to 2) at a level [m]."""
+        """Cut a mesh by the plane normal to an axis (0 to 2) at a level [m]."""
         side = vertices[:, axis] > level
         cut = np.flatnonzero(side[edges[:, 0]] != side[edges[:, 1]])
         ends = edges[cut]
         first, second = vertices[ends[:, 0]], vertices[ends[:, 1]]
         share = (level - first[:, axis]) / (second[:, axis] - first[:, axis])
         points = first + share[:, None] * (second - first)
-        # Two edges of a face that is cut are joined.
+        # Two cut edges of the same face are connected.
         count = len(vertices)
         key = np.sort(ends, axis=1) @ [count, 1]
         order = np.argsort(key)
@@ -192,11 +186,9 @@ class Section:
         return cls(ends, share, part, middles, vertices, axis, level)
 
     def girth(self, chosen: np.ndarray) -> Girth:
-        """Return the perimeter of the convex hull of chosen parts, shape [part_count], and its derivative.
-
-        The hull's corners are points p = a + t (b - a) of edges, t = (level - a_y) / (b_y - a_y); at a level that is
-        held, dp = (1 - t) da + t db + dt (b - a) with dt = -((1 - t) da_y + t db_y) / (b_y - a_y).
-        """
+        """Compute the perimeter of the convex hull of chosen parts, shape [part_count], and its derivative. The hull's
+        corners are points p = a + t (b - a) of edges, t = (level - a_y) / (b_y - a_y); at a fixed level, dp = (1 - t)
+        da + t db + dt (b - a) with dt = -((1 - t) da_y + t db_y) / (b_y - a_y)."""
         slope = np.zeros_like(self.vertices)
         own = np.flatnonzero(chosen[self.part]) if len(self.part) else np.zeros(0, dtype=int)
         if len(own) < 3:

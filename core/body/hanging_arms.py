@@ -1,4 +1,4 @@
-"""The hollow between the trunk and an arm that hangs beside it, where cloth is and no scan sees it."""
+"""The hollow between the trunk and a hanging arm, where cloth is hidden from a scanner."""
 
 from __future__ import annotations
 
@@ -11,20 +11,18 @@ from ..geometry.geometry import vertex_normals
 from .body import JOINT_PARENTS, JOINTS, Body
 
 MAX_HANGING_ANGLE = math.radians(30.0)
-"""Angle between upper arm and trunk below which an arm hangs [rad]. An A pose, 45 degrees and more, shows the armpit to
-a scanner; the everyday pose, 10 to 20 degrees, hides it."""
+"""Angle between upper arm and trunk below which an arm hangs [rad]. In an A pose, 45 degrees and more, a scanner sees
+the armpit; in the everyday pose, 10 to 20 degrees, it does not."""
 
 MAX_HIDDEN_GAP_WIDTH = 0.025
-"""Width of the hollow [m] up to which it is hidden: two layers of cloth with the seams between them; scans join both
-sides of what is narrower."""
+"""Largest width of a hidden hollow [m]: two layers of cloth with seams. Scans merge the sides of a narrower one."""
 
 ARMPIT_FACING_COSINE = 0.3
 """Cosine between the normals of arm and trunk below which a point is in the hollow between them, not on a shoulder."""
 
 
 def find_hanging_arms(body: Body) -> tuple[str, ...]:
-    """Return the sides, `left` or `right`, whose upper arm is nearer to the trunk's direction than
-    `MAX_HANGING_ANGLE`."""
+    """Find the sides, `left` or `right`, whose upper arm is within `MAX_HANGING_ANGLE` of the trunk's direction."""
     down = body.joint("pelvis") - body.joint("neck")
     found = []
     for side in ("left", "right"):
@@ -35,11 +33,9 @@ def find_hanging_arms(body: Body) -> tuple[str, ...]:
 
 
 def lies_under_arm(points: np.ndarray, body: Body) -> np.ndarray:
-    """Return which points [m], shape [n, 3], lie between the trunk and an arm that hangs beside it, bool, shape [n].
-
-    Such a point is nearer to both than `MAX_HIDDEN_GAP_WIDTH` in sum, measured from the tangent planes of the nearest
-    vertices, and these face each other.
-    """
+    """Find the points [m], shape [n, 3], between the trunk and an arm that hangs beside it; bool, shape [n]. Their
+    distances to both, by the nearest vertices' tangent planes, sum to less than `MAX_HIDDEN_GAP_WIDTH`, and both face
+    each other."""
     found = np.zeros(len(points), dtype=bool)
     sides = find_hanging_arms(body)
     if not sides:
@@ -63,7 +59,7 @@ def _measure(points: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> t
 
 
 def _weight_below(body: Body, joint: str) -> np.ndarray:
-    """Return the share of each vertex that moves with a joint or one of those that hang from it, shape [n]."""
+    """Return the share of each vertex that moves with a joint or its descendants, shape [n]."""
     chosen = {JOINTS.index(joint)}
     for child, parent in enumerate(JOINT_PARENTS):
         if parent in chosen:

@@ -13,26 +13,25 @@ from .girths import TapeMeasure
 from .template import Template
 
 BODY_DENSITY = 985.0
-"""Mean density of a living body with air in its lungs [kg/m3]; turns the mesh's volume into the weight asked for.
-Assumed: bodies lie between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
+"""Mean density of a living body with air in its lungs [kg/m3]: converts the mesh's volume to weight. Assumed: bodies
+are between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
 
 MAX_GIRTH_Z_SCORE = 3.0
-"""Largest deviation of a girth from the most probable one with the measures before it [standard deviations]. Of bodies
-like those that the shape directions were drawn from, one in 370 lies further out; there the model extrapolates."""
+"""Largest deviation of a girth from the most probable one given the measures before it [standard deviations]. Of bodies
+like those from which the shape directions were made, one in 370 deviates more; there the model extrapolates."""
 
 MAX_SHAPE_ITERATIONS = 40
-"""Largest number of Newton steps. Without girths three to five are taken, with five girths at the ends of their ranges
-up to 20."""
+"""Largest number of Newton steps: without girths three to five are taken, with five at the ends of their ranges 20."""
 
 NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25, 0.1)
-"""Fractions of a Newton step that are tried until one helps; the last is taken in any case. A full step may not help,
-for the narrowest and the widest place jump between heights."""
+"""Fractions of a Newton step that are tried until one reduces the mismatch; the last is taken in any case. A full step
+may fail, because the heights of the narrowest and the widest place are discontinuous."""
 
 GIRTH_SOLVE_TOLERANCE = 1e-4
-"""Mismatch of a girth that ends the search [m]: a thirtieth of `MAX_GIRTH_MISMATCH`."""
+"""Mismatch of a girth at which the search ends [m]: a thirtieth of `MAX_GIRTH_MISMATCH`."""
 
 MAX_GIRTH_MISMATCH = 3e-3
-"""Largest mismatch of a girth that counts as met [m]: the error of a tape measure."""
+"""Largest mismatch of a girth that is accepted [m]: the error of a tape measure."""
 
 
 class MeasureRange(BadInput):
@@ -43,7 +42,7 @@ class MeasureRange(BadInput):
 
 @dataclass(frozen=True)
 class TargetMeasures:
-    """What a shape is to have.
+    """Describe the measures of a wanted shape.
 
     Attributes:
         gender: `female` or `male`.
@@ -59,16 +58,15 @@ class TargetMeasures:
 
 
 def most_probable_shape(template: Template, wanted: TargetMeasures) -> np.ndarray:
-    """Return the most probable shape coefficients [k] of a gender with a height, and perhaps a weight and girths.
+    """Compute the most probable shape coefficients [k] of a gender with a height, and optionally a weight and girths.
 
     With z ~ N(mean, C) and the constraints c(z) = t, minimise (z - mean)' C^-1 (z - mean) subject to c(z) = t: each
     Newton step on the linearised constraints is z = mean + C A' (A C A')^-1 (t - c(z) + A (z - mean)), with A the
     derivative of c. The volume is cubic and the height piecewise linear in z, a girth nearly linear. Girths are added
-    one by one, so that each is judged by what is probable with those before it.
+    one by one, so that each is checked against its distribution given those before it.
 
     Raises:
-        MeasureRange: where a girth lies further than `MAX_GIRTH_Z_SCORE` standard deviations from the most probable
-            one.
+        MeasureRange: where a girth is further than `MAX_GIRTH_Z_SCORE` standard deviations from the most probable one.
     """
     girths = dict(wanted.girths or {})
     shape = _solve(template, wanted, (), template.means[wanted.gender])
@@ -79,10 +77,10 @@ def most_probable_shape(template: Template, wanted: TargetMeasures) -> np.ndarra
 
 
 def nearest_shape(template: Template, start: np.ndarray, wanted: TargetMeasures) -> np.ndarray:
-    """Return the shape coefficients [k] with a height and girths that are nearest to given ones.
+    """Compute the shape coefficients [k] with a height and girths that are nearest to given ones.
 
-    Nearest by the gender's covariance: minimise (z - start)' C^-1 (z - start) subject to the measures, so that what is
-    not measured changes as it usually does with what is.
+    Minimise (z - start)' C^-1 (z - start) subject to the measures, C the gender's covariance: what is not measured
+    changes with the measures as it does in the population.
 
     Raises:
         MeasureRange: where the measures cannot be met.
@@ -91,7 +89,7 @@ def nearest_shape(template: Template, start: np.ndarray, wanted: TargetMeasures)
 
 
 def t_pose_body(template: Template, shape: np.ndarray) -> Body:
-    """Return the built-in body of a shape in its T-pose, where the model stands."""
+    """Return the built-in body of a shape in its T-pose, at the model's origin."""
     vertices, joints = template.shaped(shape)
     eyes = np.tile(np.eye(4), (len(joints), 1, 1))
     faces, weights = template.faces, template.weights
@@ -114,10 +112,7 @@ def _solve(
     start: np.ndarray,
     near: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Return the most probable shape with height, weight and the girths of some names, searched from a start.
-
-    Most probable is what is nearest to the gender's mean, or to the shape `near`.
-    """
+    """Search the shape with height, weight and girths that is nearest to the gender's mean or to the shape `near`."""
     mean, covariance = template.means[wanted.gender], template.covariances[wanted.gender]
     mean = mean if near is None else near
     shape, scale = start.copy(), _scale(wanted, names)
@@ -127,7 +122,7 @@ def _solve(
         if step > 0 and np.abs(gap).max() < (GIRTH_SOLVE_TOLERANCE if names else 1e-9):
             break
         moved = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap + a @ (shape - mean))
-        # The narrowest and the widest place jump between heights: a step that does not help is shortened.
+        # The heights of the narrowest and the widest place are discontinuous: a step that does not help is shortened.
         for share in NEWTON_STEP_FRACTIONS:
             tried = shape + share * (moved - shape)
             values, a = _constraints(template, wanted, names, tried)
@@ -147,7 +142,7 @@ def _solve(
 
 
 def _scale(wanted: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
-    """Return the weights by which mismatches are compared: litres of volume as centimetres of length."""
+    """Return the weights by which mismatches are compared: a litre of volume counts as a centimetre of length."""
     return np.array([1.0] + [10.0] * (wanted.weight is not None) + [1.0] * len(names))
 
 
@@ -180,10 +175,8 @@ def _constraints(
 def _check_range(
     template: Template, wanted: TargetMeasures, known: tuple[str, ...], name: str, shape: np.ndarray
 ) -> None:
-    """Check a girth against its spread around the most probable one with the measures before it.
-
-    With C given A: C - C A' (A C A')^-1 A C, the variance of a girth with derivative a is a C_A a'.
-    """
+    """Check a girth against its spread around the most probable one given the measures before it. With C given A: C - C
+    A' (A C A')^-1 A C, the variance of a girth with derivative a is a C_A a'."""
     covariance = template.covariances[wanted.gender]
     values, a = _constraints(template, wanted, (*known, name), shape)
     before, own = a[:-1], a[-1]

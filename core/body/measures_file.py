@@ -1,4 +1,4 @@
-"""A person's measures in a file, as the description of a built-in body."""
+"""Read a person's measures from a file as the description of a built-in body."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from ..run.text import read_json
 from .spec import BUILTIN
 
 MAX_MEASURES_FILE_BYTES = 65_536
-"""Largest size of a file of measures [bytes]: some hundred times what it needs."""
+"""Largest size of a file of measures [bytes]: some hundred times the size of a usual one."""
 
 NAMES = {
     "height": "height", "weight": "weight", "chest": "chest", "bust": "chest", "waist": "waist", "hip": "hip",
     "hips": "hip", "thigh": "thigh", "upper_arm": "upper_arm", "bicep": "upper_arm",
 }  # fmt: skip
-"""What a measure may be called, and what a description calls it."""
+"""Accepted names of measures, and their names in a description."""
 
 GENDERS = {"female": "female", "f": "female", "woman": "female", "male": "male", "m": "male", "man": "male"}
 
 M_PER_CM = 0.01
-"""Metres in a centimetre [m/cm]: files hold lengths and girths in centimetres."""
+"""Metres in a centimetre [m/cm]: files have lengths and girths in centimetres."""
 
 
 class MeasuresBad(BadInput):
@@ -33,14 +33,14 @@ class MeasuresBad(BadInput):
 
 
 def read_measures(path: Path) -> str:
-    """Return the description of a built-in body with the measures of a file: `builtin:female,height=1.7,waist=0.72`.
+    """Read a file of measures as the description of a built-in body: `builtin:female,height=1.7,waist=0.72`.
 
     Args:
-        path: JSON, an object, or CSV with a name and a value a line; `gender`, lengths and girths in cm, `weight` in
+        path: A JSON object, or CSV with a name and a value per line; `gender`, lengths and girths in cm, `weight` in
             kg. Names in any case, with blanks or dashes for underscores.
 
     Raises:
-        MeasuresBad: where it cannot be read, lacks the gender, or names what is no measure.
+        MeasuresBad: where it cannot be read, lacks the gender, or has an unknown name.
     """
     try:
         content = path.read_bytes()[: MAX_MEASURES_FILE_BYTES + 1]

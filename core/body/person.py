@@ -1,4 +1,4 @@
-"""Find the wearer under the clothes: as if bare first, then below whatever may be cloth."""
+"""Fit the body under the clothes: first as if bare, then below whatever may be cloth."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ STAGE = "body"
 """Name under which progress is reported."""
 
 CLOTH_PULL_WEIGHT = 0.1
-"""Weight of cloth that lies outside the body, beside 1 for skin, in the last stages: about the share of the cloth that
-touches the body. With 0.03 bodies come out thin where all but head and hands is cloth (1.7 mm more error)."""
+"""Weight of cloth outside the body in the last stages, relative to skin: about the share of the cloth that touches the
+body. With 0.03 bodies are too thin where all but head and hands is cloth (1.7 mm more error)."""
 
 REFIT_STAGES = (
     FitStage(6, 0.06, 0.10, True, 15, CLOTH_PULL_WEIGHT),
@@ -43,24 +43,22 @@ REFIT_STAGES = (
     FitStage(8, 0.025, 0.06, True, 40, CLOTH_PULL_WEIGHT),
     FitStage(10, 0.012, 0.04, True, 60, CLOTH_PULL_WEIGHT),
 )
-"""Stages that go on from a fit: from 6 cm, by which a body fitted to the clothes as if bare may be too thick."""
+"""Stages that continue a fit, from 6 cm: by so much a body fitted to the clothes as if bare may be too thick."""
 
 IGNORED_POINT_WEIGHT = 0.1
-"""Weight of a point that is surely hair, shoe or thing, beside 1 for others. It is above 0, so that a head stays below
-its hair."""
+"""Weight of a point that is surely hair, shoe or thing, relative to 1; above 0, so that a head stays below its hair."""
 
 BARE_PARTS = ("head", "left_wrist", "right_wrist", "left_hand", "right_hand")
-"""Joints whose part of the surface is seen bare unless somebody says otherwise: face and hands."""
+"""Joints whose surface is assumed to be bare: face and hands."""
 SHOD_PARTS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
-"""Joints whose part of the surface may be shoes."""
+"""Joints whose surface may be shoes."""
 
 SUPPORT_JOINTS = (("spine3", "left_collar", "right_collar"), ("pelvis", "spine1"))
-"""Joints of what clothes rest on: shoulders and upper back, waist and hips."""
+"""Joints of the skin that supports clothes: shoulders and upper back, waist and hips."""
 MAX_CONTACT_OFFSET = 0.008
-"""Offset [m] up to which the lowest tenth of cloth rests on the body: its thickness, and a fit's error of 5 mm."""
+"""Offset [m] up to which the lowest tenth of cloth touches the body: its thickness, and a fit's error of 5 mm."""
 MAX_CONTACT_REFITS = 2
-"""Largest number of times that a body which does not reach its clothes is fitted again, each time with a fifth more of
-them as skin."""
+"""Largest number of refits of a body that does not reach its clothes; each counts a fifth more of them as skin."""
 
 MAX_SLEEVE_DISTANCE = 0.06
 """Largest distance of a sleeve from the forearm inside it [m]."""
@@ -69,22 +67,21 @@ SECOND_PERSON_STRAY_SHARE = 0.15
 """Share of the scan's points far from the body above which there may be a second person: the widest skirt had 0.12."""
 
 MAX_BARE_SKIN_DISTANCE = 0.04
-"""Largest distance [m] from a hand or a face at which a point belongs to it. Beyond lie the folds of a skirt beside the
-hand."""
+"""Largest distance [m] of a point of a hand or face from it; folds of a skirt beside a hand are further."""
 
 
 @dataclass(frozen=True)
 class PersonSettings:
-    """Choose how a person is found.
+    """Describe how a person is fitted.
 
     Attributes:
-        search: How the start is found, as if bare.
+        search: The search of the start, as if bare.
         surface_count: Points of the scan in the last stages: one every 2 cm.
-        fine_count: Our points in the last stages: one every 3 cm.
+        fine_count: Template points in the last stages: one every 3 cm.
         pull: Weight of cloth outside the body in the last stages.
-        gap: How far out cloth may lie and still pull, over what skin may.
-        refuses: Whether what is not one whole person is refused.
-        seed: Seeds the choice of points.
+        gap: Scale of the distance of cloth outside the body, relative to that of skin.
+        refuses: Whether scans that are not one whole person are refused.
+        seed: Seed of the choice of points.
     """
 
     search: PersonSearch = field(default_factory=PersonSearch)
@@ -98,12 +95,12 @@ class PersonSettings:
 
 @dataclass(frozen=True)
 class PointWeights:
-    """What is known of the points that a body is fitted to.
+    """Describe what is known of the points to which a body is fitted.
 
     Attributes:
-        cloth: How surely each lies on cloth, 0 to 1, shape [n].
-        ignore: How surely each is hair, shoe or thing, 0 to 1, shape [n]; None: 0.
-        inside: How far below the point the body's surface is expected [m], shape [n], NaN where nothing is; or None.
+        cloth: Probability that each is cloth, 0 to 1, shape [n].
+        ignore: Probability that each is hair, shoe or thing, 0 to 1, shape [n]; None: 0.
+        inside: Expected depth of the body's surface below the point [m], shape [n], NaN where unknown; or None.
         spread: Standard deviation of `inside` [m], shape [n]; None: 1 cm.
     """
 
@@ -113,22 +110,22 @@ class PointWeights:
     spread: np.ndarray | None = None
 
     def take(self, index: np.ndarray) -> PointWeights:
-        """Return what is known of some of the points."""
+        """Return the entries of some of the points."""
         ignore, inside, spread = (None if v is None else v[index] for v in (self.ignore, self.inside, self.spread))
         return PointWeights(np.asarray(self.cloth)[index], ignore, inside, spread)
 
 
 @dataclass(frozen=True)
 class PersonFit:
-    """A body fitted to a dressed person.
+    """Describe a body fitted to a dressed person.
 
     Attributes:
         body: The wearer; its vertices are the fitted model's [m].
-        state: The fit to go on from.
-        skin_rms: RMS distance of what is taken for skin to the body [m].
+        state: The fit, from which a refit continues.
+        skin_rms: RMS distance of points taken for skin to the body [m].
         bare_residual: Robust two-way misfit of the fit as if bare [m].
-        coverage: Share of the body's vertices that have something of the scan on or over them.
-        margin: By how much the next best other fit is worse than this one, over its own misfit.
+        coverage: Share of the body's vertices with scan on or over them.
+        margin: Excess misfit of the next best other fit, relative to this one's.
     """
 
     body: Body
@@ -146,7 +143,7 @@ def fit_person(
     hooks: Hooks = SILENT_HOOKS,
     settings: PersonSettings | None = None,
 ) -> PersonFit:
-    """Find the wearer of a scan of which nothing is known: as if bare, then below all but head, hands and feet.
+    """Fit the wearer of a scan without labels: as if bare, then below all but head, hands and feet.
 
     Args:
         points: Positions [m], y up, any place and heading, shape [n, 3]; of a mesh its vertices.
@@ -156,7 +153,7 @@ def fit_person(
         settings: How to fit, or None for the defaults.
 
     Raises:
-        NotHuman: where no start comes near the points.
+        NotHuman: where no start converges to the points.
         ScanPartial: where much of the body has nothing of the scan over it.
         SeveralPersons: where there are two.
         TooSparse: where the points are too few.
@@ -185,14 +182,14 @@ def fit_person(
     hooks.progress(STAGE, 0.6, "fitting the body below the clothes")
     fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
     fit = refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
-    # As if bare, hands and feet of small people reach beyond the scan, and pass for unseen.
+    # In the fit as if bare, hands and feet of small people extend beyond the scan and count as unseen.
     if problem is not None and find_presence_error(measure_presence(template, surface, fit.state), height) is not None:
         raise problem
     return fit
 
 
 def _shows_two_persons(template: Template, surface: OrientedPoints, settings: PersonSettings, hooks: Hooks) -> bool:
-    """Check whether a scan is two persons beside each other: whether each half of the points is a person."""
+    """Check whether a scan is of two persons beside each other: whether each half of the points is a person."""
     second = split_in_two(surface.points)
     for half in (surface.take(~second), surface.take(second)):
         if np.ptp(half.points[:, 1]) < MIN_WHOLE_PERSON_HEIGHT:
@@ -211,7 +208,7 @@ def refit_person(
     hooks: Hooks = SILENT_HOOKS,
     settings: PersonSettings | None = None,
 ) -> PersonFit:
-    """Fit the body of a person again, going on from the last fit, with what is known of each point.
+    """Fit the body of a person again from the last fit, with what is known of each point.
 
     Args:
         fit: The last fit.
@@ -245,8 +242,7 @@ def refit_person(
 
 
 def _find_limbs(template: Template, surface: OrientedPoints, state: FitState) -> np.ndarray:
-    """Find the points that lie on a forearm of a fit, within `MAX_SLEEVE_DISTANCE`: numbers of `find_forearms`,
-    shape [n]."""
+    """Label the points within `MAX_SLEEVE_DISTANCE` of a fit's forearm: numbers of `find_forearms`, shape [n]."""
     model, normals = pose_model(template, state)
     _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
     close = ((surface.points - model[near]) ** 2).sum(axis=1) < MAX_SLEEVE_DISTANCE**2
@@ -256,7 +252,7 @@ def _find_limbs(template: Template, surface: OrientedPoints, state: FitState) ->
 def _run_stages(
     fitter: Fitter, state: FitState, stages: tuple[FitStage, ...], settings: PersonSettings, hooks: Hooks
 ) -> FitState:
-    """Improve a state by stages; what is free of its shape stays free."""
+    """Improve a state by stages; shape coefficients that are free stay free."""
     for i, stage in enumerate(stages):
         hooks.progress(STAGE, 1.0 - 0.1 * (len(stages) - i), "fitting the body below the clothes")
         free = max(stage.shape_count, len(state.shape))
@@ -265,11 +261,8 @@ def _run_stages(
 
 
 def strengthen_contact(template: Template, surface: OrientedPoints, state: FitState) -> OrientedPoints | None:
-    """Make the cloth over shoulders or hips count more where the body does not reach it, or return None where it does.
-
-    Whatever is worn above the waist rests on shoulders and upper back, whatever is below on waist or hips; else it
-    would fall. So in each of the two the lowest tenth of the cloth is on the body.
-    """
+    """Weight the cloth over shoulders or hips more where the body does not reach it; return None where it does. Clothes
+    rest on shoulders and upper back, or on waist and hips: in each the lowest tenth of the cloth touches the body."""
     if surface.cloth is None:
         return None
     model, normals = pose_model(template, state)
@@ -286,16 +279,16 @@ def strengthen_contact(template: Template, surface: OrientedPoints, state: FitSt
 
 
 def find_outer_points(body: Body, points: np.ndarray, normals: np.ndarray, cloth: np.ndarray) -> np.ndarray:
-    """Find the points that do not look at the body, bool, shape [n]: all but the inner side of cloth.
+    """Find the points that do not face the body, bool, shape [n]: all but the inner side of cloth.
 
-    A scanner sees into hems and sleeves. What looks inward is paired with the far side of the body, which then seems to
-    stick out of the cloth: 8 % of such points crushed a torso under a wide shirt until the fit ran away.
+    A scanner sees into hems and sleeves. Inward points are paired with the far side of the body, which then seems to be
+    outside the cloth: 8 % of them under a wide shirt made the fit of the torso diverge.
 
     Args:
         body: The last fit.
         points: Positions [m], shape [n, 3].
         normals: Outward unit normals, shape [n, 3].
-        cloth: How much each point is cloth, shape [n].
+        cloth: Probability of cloth of each point, shape [n].
     """
     _, near = cKDTree(body.vertices).query(points)
     facing = np.einsum("na,na->n", vertex_normals(body.vertices, body.faces)[near], normals)
@@ -303,7 +296,7 @@ def find_outer_points(body: Body, points: np.ndarray, normals: np.ndarray, cloth
 
 
 def apply_point_weights(points: np.ndarray, normals: np.ndarray, weights: PointWeights) -> OrientedPoints:
-    """Put points and what is known of them together: those with a predicted depth are moved in by it."""
+    """Combine points with what is known of them; points with a predicted depth are moved inward by it."""
     cloth = np.asarray(weights.cloth, dtype=np.float64)
     weight = np.ones(len(points))
     spread = None
@@ -319,10 +312,8 @@ def apply_point_weights(points: np.ndarray, normals: np.ndarray, weights: PointW
 
 
 def guess_weights(template: Template, surface: OrientedPoints, state: FitState) -> PointWeights:
-    """Take everything for cloth but face, hands and feet as a fit has them; crown and feet count little.
-
-    Hair lies over the crown and the back of the head, shoes over the feet: neither is where the skin is.
-    """
+    """Estimate weights from a fit: all is cloth but face, hands and feet; crown and feet have low weight. Hair hides
+    the crown and the back of the head, shoes hide the feet."""
     model, normals = pose_model(template, state)
     _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
     bare = template.weights[:, [JOINTS.index(name) for name in BARE_PARTS]].sum(axis=1)
@@ -334,7 +325,7 @@ def guess_weights(template: Template, surface: OrientedPoints, state: FitState) 
 
 
 def orient_by_body(template: Template, surface: OrientedPoints, state: FitState) -> OrientedPoints:
-    """Turn normals of unknown sign the way those of the fitted body's nearest vertices point."""
+    """Orient normals of unknown sign like those of the fitted body's nearest vertices."""
     if surface.oriented:
         return surface
     model, normals = pose_model(template, state)
@@ -344,7 +335,7 @@ def orient_by_body(template: Template, surface: OrientedPoints, state: FitState)
 
 
 def _skin_rms(model: np.ndarray, faces: np.ndarray, surface: OrientedPoints) -> float:
-    """Compute the RMS distance [m] of what is more skin than cloth to the model."""
+    """Compute the RMS distance [m] to the model of the points that are more likely skin than cloth."""
     from ..geometry.surface import TriangleSurface
 
     skin = np.ones(len(surface.points), bool) if surface.cloth is None else surface.cloth < 0.5

@@ -1,4 +1,4 @@
-"""Find the heading and pose of a person as if bare: where every later fit goes on from."""
+"""Find the heading and pose of a person by fits as if bare, from which later fits continue."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
         "right_elbow": (0, 1.7, 0),
     },
 }  # fmt: skip
-"""Start poses of people only, beside those of a body's mesh."""
+"""Start poses of persons, in addition to those of a body's mesh."""
 
 FIRST_STAGES = (FitStage(3, 0.30, 0.15, False, 4),)
 SECOND_STAGES = (FitStage(3, 0.20, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
@@ -40,13 +40,8 @@ LAST_STAGES = (FitStage(10, 0.05, 0.10, True, 20),)
 
 @dataclass(frozen=True)
 class PersonSearch:
-    """Choose how many starts go on.
-
-    Attributes:
-        coarse_count: Points on either side while all starts compete.
-        fine_count: Our points when the last compete.
-        kept: Starts that go on to the second, third and last stages.
-    """
+    """Describe the search's number of points on either side while all starts compete (`coarse_count`), of template
+    points when the last compete (`fine_count`), and of starts in the second, third and last stages (`kept`)."""
 
     coarse_count: int = 350
     fine_count: int = 1000
@@ -55,12 +50,12 @@ class PersonSearch:
 
 @dataclass(frozen=True)
 class FoundStart:
-    """The best fit as if bare.
+    """Describe the best fit as if bare.
 
     Attributes:
         state: The fit.
         residual: Its robust two-way misfit [m].
-        margin: By how much the best other fit's misfit is larger, over this one's; infinite where there is none.
+        margin: Excess misfit of the best other fit, relative to this one's; infinite where there is none.
     """
 
     state: FitState
@@ -71,7 +66,7 @@ class FoundStart:
 def find_start(
     template: Template, surface: OrientedPoints, search: PersonSearch, seed: int, hooks: Hooks
 ) -> FoundStart:
-    """Compare all poses at all headings, and return the best fit."""
+    """Find the best fit from all poses at all headings."""
     rng = np.random.default_rng(seed)
     few = surface.take(slice(search.coarse_count))
     subset = spread_subset(template, search.fine_count, rng)
@@ -99,7 +94,7 @@ def find_start(
 
 
 def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray) -> list[FitState]:
-    """Return every start: each pose at each heading, as tall as the points are high in it, standing where they do."""
+    """Return every start: each pose at each heading, scaled to the points' height and placed where they stand."""
     low, high = np.quantile(surface.points[:, 1], (0.002, 0.998))
     centre = 0.5 * (np.quantile(surface.points, 0.02, axis=0) + np.quantile(surface.points, 0.98, axis=0))
     usual = float(np.ptp(template.vertices[:, 1]))
@@ -124,7 +119,7 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
 
 
 def spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Return indices of vertices drawn in proportion to their area."""
+    """Draw indices of vertices in proportion to their area."""
     area = vertex_areas(template.vertices, template.faces)
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 

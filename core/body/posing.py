@@ -14,9 +14,7 @@ from .template import articulate, rotations_of, transforms_of
 
 
 def pose_body(body: Body, pose: str) -> Body:
-    """Return a body's fitted model in a pose of `POSES`: feet where the T-pose has them, facing +z.
-
-    The surface is the fitted model's, bent by linear blend skinning, for a mesh tells nothing of other poses.
+    """Return a body's fitted model in a pose of `POSES` by linear blend skinning: the T-pose's feet, facing +z.
 
     Raises:
         BodySpecBad: where there is no such pose.
@@ -38,10 +36,10 @@ def pose_body(body: Body, pose: str) -> Body:
 
 
 def check_wearer(built_in: BuiltinWearer | None, pose: str | None) -> None:
-    """Check a built-in body, where there is one, and a pose.
+    """Check a built-in body's description, if given, and a pose.
 
     Raises:
-        BodySpecBad: where one is none.
+        BodySpecBad: where one is not valid.
     """
     if built_in is not None:
         parse_spec(built_in.spec)

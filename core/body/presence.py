@@ -1,4 +1,4 @@
-"""Check that what was scanned is one whole person: what a fit as if bare says of a chair, a half and a pair."""
+"""Check that a scan is of one whole person, by how a fit as if bare covers it."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from .registration import NotHuman, pose_model
 from .template import Template
 
 MIN_SCAN_CELL_COUNT = 2500
-"""Smallest number of cells of 12 mm with a point in them; with fewer a scan is too sparse. It is 27 mm between points
-on a person's 1.9 m2, more than a cuff's hem."""
+"""Smallest number of cells of 12 mm with a point in them; a scan with fewer is too sparse: 27 mm between points on a
+person's 1.9 m2, more than a cuff's hem."""
 MIN_WHOLE_PERSON_HEIGHT = 1.05
-"""Height [m] below which a scan is no whole person: a seated one is 1.2 m high, half a standing one 0.8 to 1.0."""
+"""Height [m] below which a scan is not a whole person: a seated one is 1.2 m high, half a standing one 0.8 to 1.0."""
 
 MAX_SCAN_MATCH_DISTANCE = 0.02
-"""Distance [m] up to which a point of the body is found in the scan where the normals agree too."""
+"""Distance [m] up to which a point of the body is found in the scan if the normals agree."""
 MIN_SCAN_MATCH_COSINE = 0.7
 """Smallest cosine between the normals of body and scan at which they agree: 45 degrees."""
 COVER_SEARCH_HEIGHTS = (0.0, 0.05, 0.10, 0.15, 0.20, 0.25)
-"""Heights over the skin [m] at which the scan is looked for: a coat or a skirt lies over the body and hides it."""
+"""Heights over the skin [m] at which the scan is sought: a coat or a skirt hides the body below it."""
 STRAY_POINT_DISTANCE = 0.2
-"""Distance from the body [m] beyond which there is only a wide skirt, a thing or somebody else."""
+"""Distance from the body [m] beyond which there is only a wide skirt, a thing or another person."""
 MAX_UNSEEN_BODY_SHARE = 0.08
-"""Share of the body without anything of the scan over it that a whole person stays below."""
+"""Largest share of a whole person's body without scan over it."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +36,14 @@ class Presence:
     """Describe how a body and a scan cover each other.
 
     Attributes:
-        unseen: Share of the body's vertices that have nothing of the scan on or over them: people 0.00 to 0.03, also in
-            coats and wide skirts; left halves of people 0.10 to 0.20, others up to 0.41, chairs 0.09 to 0.24.
-        found: Share of the body's vertices with the scan within `MAX_SCAN_MATCH_DISTANCE` and alike in normal: people
-            0.53 to 0.82 (in coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
-        head: The same of the head, or of the face where that is more: people 0.64 to 0.90, chairs at most 0.10, animals
-            0.25, halves without a head 0.
+        unseen: Share of the body's vertices without scan on or over them: people 0.00 to 0.03, also in coats and wide
+            skirts; left halves of people 0.10 to 0.20, others up to 0.41, chairs 0.09 to 0.24.
+        found: Share of the body's vertices with scan of similar normal within `MAX_SCAN_MATCH_DISTANCE`: people 0.53 to
+            0.82 (in coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
+        head: The same of the head, or the face if more: people 0.64 to 0.90, chairs <= 0.10, animals 0.25, headless 0.
         upper: The same of trunk and arms: people 0.52 to 0.86.
         beside: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
-        stray: Share of the scan further than `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (the wide skirt), two persons
-            0.29 to 0.45.
+        stray: Share of the scan beyond `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (wide skirts), pairs 0.29 to 0.45.
     """
 
     unseen: float
@@ -62,7 +60,7 @@ class Presence:
 
     @property
     def may_be_whole(self) -> bool:
-        """Check whether the scan shows a person of whom hardly more is unseen than a fit as if bare may be off."""
+        """Check whether the scan may show a whole person, given the error of a fit as if bare."""
         return self.unseen < 2.0 * MAX_UNSEEN_BODY_SHARE and self._is_like_one
 
     @property
@@ -89,12 +87,12 @@ class TooSparse(BadInput):
 
 
 def measure_presence(template: Template, surface: OrientedPoints, state: FitState) -> Presence:
-    """Measure how a fit as if bare and the points it was fitted to cover each other."""
+    """Measure how a fit as if bare and its points cover each other."""
     model, normals = pose_model(template, state)
     tree = cKDTree(surface.points)
     over = np.zeros(len(model), dtype=bool)
     for height in COVER_SEARCH_HEIGHTS:
-        # The further out the wider is the cone that is looked into: 5 cm at the skin, 12 cm at 25 cm.
+        # The search radius grows with the height: 5 cm at the skin, 12 cm at 25 cm.
         over |= tree.query(model + height * normals)[0] < 0.05 + 0.3 * height
     length = 0.05
     tree = cKDTree(surface.stack(length))
@@ -119,15 +117,15 @@ def measure_presence(template: Template, surface: OrientedPoints, state: FitStat
 
 
 def find_hair_vertices(template: Template) -> np.ndarray:
-    """Find the vertices of the head that hair may lie on, shape [n]: all but the face below the brow."""
+    """Find the vertices of the head that hair may cover, shape [n]: all but the face below the brow."""
     joint = template.joints[JOINTS.index("head")]
-    # The brow is 7 cm above the head's joint (the top of the neck), the ears are 1 cm before it.
+    # The brow is 7 cm above the head's joint (the top of the neck), the ears are 1 cm in front of it.
     up, forward = (template.vertices - joint)[:, 1], (template.vertices - joint)[:, 2]
     return np.asarray((_weight_of(template, "head") > 0.5) & ((up > 0.07) | (forward < 0.03)))
 
 
 def split_in_two(points: np.ndarray, rounds: int = 10) -> np.ndarray:
-    """Split points into two by where they stand (2-means of x and z): True for the second, shape [n]."""
+    """Split points into two by 2-means of x and z: True for the second cluster, shape [n]."""
     flat = points[:, [0, 2]] - points[:, [0, 2]].mean(axis=0)
     _, vectors = np.linalg.eigh(flat.T @ flat)
     second = flat @ vectors[:, -1] > 0
@@ -140,7 +138,7 @@ def split_in_two(points: np.ndarray, rounds: int = 10) -> np.ndarray:
 
 
 def find_presence_error(presence: Presence, height: float) -> BadInput | None:
-    """Return why a scan of this height [m] is not one whole person, or None; two persons are another question."""
+    """Return why a scan of this height [m] is not one whole person, or None; two persons are not checked here."""
     if presence.is_person and height >= MIN_WHOLE_PERSON_HEIGHT:
         return None
     if presence.beside < 0.1 and presence.stray < 0.02:
@@ -150,6 +148,6 @@ def find_presence_error(presence: Presence, height: float) -> BadInput | None:
 
 
 def _weight_of(template: Template, *parts: str) -> np.ndarray:
-    """Return the summed skinning weights of the joints named so or, with a side before it, so; shape [n]."""
+    """Return the summed skinning weights of the joints with these names, with or without a side; shape [n]."""
     names = [name for name in JOINTS if name in parts or name.split("_")[-1] in parts]
     return np.asarray(template.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1))

@@ -1,4 +1,4 @@
-"""Take cloth out of the body: every delivered mesh is cleared of the exposed skin here (thesis eq. 3.5)."""
+"""Move cloth out of the body: every delivered mesh is cleared of the exposed skin here (thesis eq. 3.5)."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from .current import advect_outside
 from .exposed import ExposedSurface
 
 MAX_BODY_PUSH_ITERATIONS = 12
-"""Largest number of iterations that push cloth out of the body. Moving a face's corners for its centre may bring a
-neighbour in again; 2 to 6 iterations settle this."""
+"""Largest number of iterations that move cloth out of the body. Moving a face's corners for its centre may move a
+neighbour inside; 2 to 6 iterations suffice."""
 
 REDUCED_CLEARANCE_SHARES = (0.5, 0.1)
-"""Shares of the clearance that are tried where the whole of it makes cloth cross: in a gap between two parts of the
-body that is narrower than two clearances, layers change places."""
+"""Shares of the clearance that are tried where all of it makes cloth cross, as in gaps narrower than two clearances."""
 
 
 def project_outside(
@@ -23,16 +22,15 @@ def project_outside(
     """Move nodes [m], shape [n, 3], that are closer than `clearance` [m] to a body's exposed skin out of it.
 
     x~ = x + (delta - d(x)) n,  n = grad d / |grad d| (eq. 3.5), delta = `clearance`, wherever d(x) < delta. With the
-    cloth's `faces`, the three corners of a face move alike where its centre is inside, until no centre is deeper than
-    a tenth of a millimetre. Other nodes stay exactly where they are. What is inside leaves all of the body,
-    however long the way past parts that run into each other.
+    cloth's `faces`, the three corners of a face whose centre is inside move alike, until no centre is deeper than 0.1
+    mm. Other nodes do not move. Nodes inside leave all of the body, however long the way past parts that intersect.
 
-    Where that makes cloth cross itself (nodes of several layers that go to one rim), what is inside is first carried
-    out with the cloth around it (`advect_outside`), and smaller clearances are tried: the first that crosses no more
+    Where the cloth then crosses itself (nodes of several layers move to one rim), `advect_outside` first moves the
+    nodes inside together with the cloth around them, and smaller clearances are tried: the first that crosses no more
     than before is taken, else the one that crosses least.
 
-    **Deviation**: the thesis moves only nodes with d < 0 and looks at no faces; with edges of 1.5 cm a face between
-    three nodes on the skin cuts up to 1 mm into a limb.
+    **Deviation**: the thesis moves only nodes with d < 0 and ignores faces; with edges of 1.5 cm a face between three
+    nodes on the skin cuts up to 1 mm into a limb.
     """
     nodes = np.array(nodes, dtype=np.float64)
     if faces is None or not len(faces):
@@ -53,13 +51,13 @@ def project_outside(
 
 
 def limit_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, depth: float) -> np.ndarray:
-    """Move what lies deeper in a body than a depth [m] up to it, nodes and faces by their corners; the rest stays.
+    """Move nodes, and faces by their corners, that are deeper in a body than a depth [m] up to it; others do not move.
 
     Args:
         nodes: Positions [m], shape [n, 3].
         faces: Shape [m, 3].
         skin: The body's exposed skin.
-        depth: What may remain [m].
+        depth: Depth that may remain [m].
     """
     for _ in range(MAX_BODY_PUSH_ITERATIONS):
         distance, push = exit_displacements(nodes, skin, -depth)
@@ -74,13 +72,13 @@ def limit_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
 
 
 def _advect(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, clearance: float) -> np.ndarray:
-    """Carry what is inside out by a current as wide as the cloth's mean edge."""
+    """Advect cloth out of the body by a displacement field as wide as the cloth's mean edge."""
     edge = float(np.linalg.norm(nodes[faces] - nodes[faces[:, [1, 2, 0]]], axis=2).mean())
     return advect_outside(nodes, faces, skin, edge, clearance=clearance)
 
 
 def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance: float) -> np.ndarray:
-    """Push each node on its own, and each face by its corners."""
+    """Move each node on its own, and each face by its corners."""
     nodes = nodes.copy()
     at_nodes, at_faces = np.arange(len(nodes)), np.arange(len(faces))
     for _ in range(MAX_BODY_PUSH_ITERATIONS):
@@ -93,15 +91,15 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
             inside = depth < 0
             worst = float(-depth.min(initial=0.0))
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
-        # Whatever moved is looked at again, a node that a face took along too; and what is inside without a move:
-        # at the clearance from one side of a crease, and behind the other.
+        # Whatever moved is measured again, including nodes that a face moved; also what is inside without a
+        # displacement: at the clearance from one side of a crease, and behind the other.
         moved = (push != 0).any(axis=1)
         at_faces = np.flatnonzero(moved[faces].any(axis=1))
         at_nodes = np.union1d(np.flatnonzero(moved), at_nodes[distance < 0])
         if not moved.any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
             break
         nodes += push
-    # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.
+    # A clearance from one side of a sharp crease may be inside the other side: such nodes move to the crease's rim.
     stuck = at_nodes[skin.measure(nodes[at_nodes])[0] < 0]
     if len(stuck):
         nodes[stuck] = skin.closest(nodes[stuck]).foot
@@ -109,15 +107,15 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
 
 
 def exit_displacements(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
+    """Return signed distances of points [m], and displacements of those that are too low to a clearance, [n, 3].
 
-    What is inside goes to the nearest skin in the open and on along its normal. In a crease that skin ends, and going
-    on in the same direction leads from one part of the body into the other, and back in the next round.
+    Points inside move to the nearest exposed skin and on along its normal: in a crease that skin ends, and the
+    direction of the way there leads from one part of the body into the other, and back in the next iteration.
 
     Args:
         points: Shape [n, 3].
         skin: The wearer.
-        clearance: Distance from the skin to which what is nearer goes [m].
+        clearance: Distance from the skin to reach [m].
     """
     distance, normal = skin.measure(points)
     move = np.maximum(clearance - distance, 0.0)[:, None] * normal
@@ -129,10 +127,10 @@ def exit_displacements(points: np.ndarray, skin: ExposedSurface, clearance: floa
 
 
 def _keep_larger(push: np.ndarray, corners: np.ndarray, wanted: np.ndarray) -> None:
-    """Move each corner, in place of its own move, as its face wants to where that is further."""
+    """Replace each corner's displacement by its face's where that is longer."""
     for k in range(3):
         size = np.linalg.norm(wanted, axis=1)
-        order = np.argsort(size, kind="stable")  # the largest wish of all faces around a node is written last
+        order = np.argsort(size, kind="stable")  # the largest move of all faces around a node is written last
         node, wish = corners[order, k], wanted[order]
         best = np.zeros_like(push)
         best[node] = wish

@@ -1,4 +1,4 @@
-"""Return a skeleton to a body that is only a mesh: find its heading and pose, then fit the built-in body to it."""
+"""Fit the built-in body to a body mesh without a skeleton: search heading and pose, then refine."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .template import Template, articulate, load_template, rotations_of, transfo
 from .weight_transfer import transfer_weights
 
 Start = tuple[float, int, FitState]
-"""A fit on its way: residual, number of its start, and state."""
+"""A fit in progress: residual, number of its start, and state."""
 
 STAGE = "body"
 """Name under which progress is reported."""
 
 START_HEADING_COUNT = 8
-"""Number of headings tried for every start pose. A fit corrects half the angle between two of them."""
+"""Number of headings of every start pose. A fit corrects half the angle between two of them."""
 
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     "T": {},
@@ -48,24 +48,24 @@ POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 
 
 MAX_SAME_FIT_DISTANCE = 0.1
-"""Distance of two fits' joints (RMS) up to which they are one [m]: those that come to the same end are within 3 cm, a
-person turned about has shoulders and hips 20 to 35 cm from where they are."""
+"""Distance of two fits' joints (RMS) up to which they are the same fit [m]: converged fits agree within 3 cm, a person
+turned about differs by 20 to 35 cm at shoulders and hips."""
 
 
 @dataclass(frozen=True)
 class RegistrationSettings:
-    """Choose how a mesh is registered.
+    """Describe how a mesh is registered.
 
     Attributes:
-        coarse_count: Points on either side while all starts compete: a few per limb segment tell them apart.
-        fine_count: Our points in the last stages: one every 3 cm, finer than the joints are determined.
-        surface_count: Points of the mesh in the last stages: one every 2 cm, where the plane through a point is still
-            within a millimetre or two of the surface.
-        kept: Starts that go on to the middle stages, and then to the last, beside the best of every other fit that is
-            left: under a long dress the first 3 were one fit, and faced the other way.
-        worst_fit: Largest accepted RMS over the body's height. People fit within 0.006, dressed ones too; a box as tall
-            as a person leaves 0.03, a dress alone 0.05, a ball 0.5, a person head down 0.08.
-        seed: Seeds the choice of points.
+        coarse_count: Points on either side while all starts compete: a few per limb segment distinguish them.
+        fine_count: Template points in the last stages: one every 3 cm, finer than the joints are determined.
+        surface_count: Points of the mesh in the last stages: one every 2 cm, where the plane through a point is within
+            a millimetre or two of the surface.
+        kept: Number of starts in the middle and in the last stages, in addition to the best of every other distinct
+            fit: under a long dress the first 3 were the same fit, which faced backward.
+        worst_fit: Largest accepted RMS over the body's height. People, also dressed, have up to 0.006; a box as tall as
+            a person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
+        seed: Seed of the choice of points.
     """
 
     coarse_count: int = 350
@@ -83,7 +83,7 @@ FINE_STAGES = (
     FitStage(12, 0.025, 0.06, True, 40),
     FitStage(12, 0.012, 0.04, True, 60),
 )
-"""From far and few points to near and many: scale [m] falls, and more of the shape is set free."""
+"""Stages from large to small scale [m], with ever more points and free shape coefficients."""
 
 
 class NotHuman(BadInput):
@@ -100,15 +100,15 @@ def register_body(
     hooks: Hooks = SILENT_HOOKS,
     settings: RegistrationSettings | None = None,
 ) -> Body:
-    """Return a mesh of a person joints, bones and skinning weights by fitting the built-in body to it.
+    """Fit the built-in body to a mesh of a person: return the mesh with joints, bones and skinning weights.
 
-    Several headings and start poses compete on a few points; the best go on with more. Pairs of points are matched both
-    ways by position and normal, and shape, pose and place are improved by Gauss-Newton under priors.
+    Several headings and start poses compete on a few points; the best continue with more. Points are paired both ways
+    by position and normal, and shape, pose and place are improved by Gauss-Newton under priors.
 
     Args:
         vertices: Positions [m], y up, any place and heading, shape [n, 3].
         faces: Triangles, shape [f, 3]; turned outward where they enclose a negative volume.
-        name: Goes into `Body.source` as `mesh:NAME`.
+        name: Part of `Body.source`, which is `mesh:NAME`.
         hooks: For progress and cancelling.
         settings: How to register, or None for the defaults.
 
@@ -116,7 +116,7 @@ def register_body(
         The body. Its vertices are the given ones.
 
     Raises:
-        NotHuman: where no start comes near the mesh.
+        NotHuman: where no start converges to the mesh.
     """
     settings = settings or RegistrationSettings()
     vertices = np.asarray(vertices, dtype=np.float64)
@@ -136,7 +136,7 @@ def register_body(
 
 
 def require_fit(rms: float, body: Body, worst: float = RegistrationSettings.worst_fit) -> None:
-    """Check that a body came near what it was fitted to.
+    """Check the distance of a body from the mesh to which it was fitted.
 
     Args:
         rms: RMS distance of the two [m].
@@ -144,7 +144,7 @@ def require_fit(rms: float, body: Body, worst: float = RegistrationSettings.wors
         worst: Largest accepted RMS over the body's height.
 
     Raises:
-        NotHuman: where it stays away.
+        NotHuman: where the distance is larger.
     """
     if rms > worst * np.ptp(body.rest_vertices[:, 1]):
         raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the mesh. {NotHuman().message}")
@@ -157,7 +157,7 @@ def _find(
     settings: RegistrationSettings,
     hooks: Hooks,
 ) -> FitState:
-    """Let all starts compete and give the best fit."""
+    """Let all starts compete and return the best fit."""
     rng = np.random.default_rng(settings.seed)
     surface = _sample(vertices, faces, settings.surface_count, rng)
     first = slice(settings.coarse_count)
@@ -189,7 +189,7 @@ def _find(
 
 
 def find_distinct_fits(template: Template, best: list[Start], rest: list[Start]) -> list[Start]:
-    """Return the best of each fit among the rest that is another one than those before it."""
+    """Return the best of each distinct fit among the rest, other than those before it."""
     seen, others = [_joints(template, entry[2]) for entry in best], []
     for entry in rest:
         joints = _joints(template, entry[2])
@@ -213,9 +213,9 @@ def _run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scal
 
 
 def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[FitState]:
-    """Return every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
+    """Return every start: each pose at each heading, scaled to the mesh's area and centred on the mesh."""
     centre = surface.points.mean(axis=0)
-    # The area says the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
+    # The area gives the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
     factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
     height = float(np.clip(factor * np.ptp(template.vertices[:, 1]), 1.4, 2.0))
     slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
@@ -237,7 +237,7 @@ def _starts(template: Template, surface: OrientedPoints, area: float, subset: np
 
 
 def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Return indices of vertices drawn in proportion to their area."""
+    """Draw indices of vertices in proportion to their area."""
     area = vertex_areas(template.vertices, template.faces)
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
@@ -252,7 +252,7 @@ def _sample(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.
 
 
 def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Return the RMS distance [m] of two surfaces, half of it from points of the one, half from points of the other."""
+    """Return the RMS distance [m] of two surfaces, with equal weight of both directions."""
     there = _distance(model, model_faces, vertices, faces)
     back = _distance(vertices, faces, model, model_faces)
     return float(np.sqrt((there**2 + back**2) / 2))
@@ -268,7 +268,7 @@ def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other
 def _body(
     template: Template, state: FitState, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float
 ) -> Body:
-    """Put the given mesh and the fitted model together; weights come from the model's nearest skin."""
+    """Combine the given mesh and the fitted model; the mesh's weights are those of the model's nearest skin."""
     rest, joints = template.shaped(state.shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor

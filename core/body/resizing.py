@@ -1,4 +1,4 @@
-"""Make a wearer thicker or thinner, taller or shorter: the same person's figure with other measures."""
+"""Change a wearer's girths and height, and keep the figure otherwise."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .template import Template, load_template
 
 
 def resize_body(body: Body, growth: Mapping[str, float], ratio: float = 1.0, pose: str = "A") -> Body:
-    """Return a body with a wearer's figure but for other girths and another height.
+    """Return a body with a wearer's figure but other girths and another height.
 
     It is of the built-in model: the shape nearest to the wearer's that has the measures, each girth within 3 mm.
 
     Args:
-        body: The wearer; one of another model is fitted by the built-in one first.
-        growth: By how much some of `GIRTHS` are to be larger than the wearer's [m].
-        ratio: Height by the wearer's.
+        body: The wearer; the built-in model is first fitted to a body of another model.
+        growth: Increase of some of `GIRTHS` over the wearer's [m].
+        ratio: Height relative to the wearer's.
         pose: One of `POSES`.
 
     Raises:

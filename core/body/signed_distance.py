@@ -1,4 +1,4 @@
-"""Where the body is: the one question that contact, clearance and measures ask, whatever answers it."""
+"""The interface of a body for contact, clearance and measures: its signed distance."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 
 
 class SignedDistance(Protocol):
-    """A body by its signed distance, negative inside: a grid, the exposed skin of a mesh, or the shell of a pose."""
+    """Describe a body by its signed distance, negative inside: a grid, a mesh's exposed skin, or a pose's shell."""
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the signed distance of points and its gradient.
+        """Compute the signed distance of points and its gradient.
 
-        Where the gradient is not of unit length, distance / |gradient| is the distance to first order. A body may show
-        each point s surfaces, the nearest first: its answers have s n rows, those of the nearest surface first.
+        Where the gradient is not of unit length, distance / |gradient| is the distance to first order. A body may have
+        s surfaces for each point: the result then has s n rows, those of the nearest surface first.
 
         Args:
             points: Positions [m], shape [n, 3].

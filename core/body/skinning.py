@@ -1,4 +1,4 @@
-"""Carry points between the rest pose and the pose of a body by linear blend skinning."""
+"""Map points between the rest pose and the pose of a body by linear blend skinning."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..geometry.geometry import face_areas
 from .body import Body
 
 SMOOTHING_LENGTH = 0.03
-"""Width [m] over which weights around a body are blended: about a finger's breadth, less than half a wrist's width, so
-that the cloth under an arm does not jump from the arm's bone to the trunk's from one vertex to the next."""
+"""Width [m] over which weights around a body are blended: about a finger's width, less than half a wrist's, so that
+cloth under an arm does not jump from the arm's bone to the trunk's between neighbouring vertices."""
 
 
 def blend(weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
@@ -21,7 +21,7 @@ def blend(weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
 
 
 def skin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
-    """Carry points from rest space into the pose.
+    """Map points from rest space into the pose.
 
     Args:
         points: Positions in rest space [m], shape [n, 3].
@@ -37,21 +37,21 @@ def skin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.
 
 
 def unskin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
-    """Carry points from the pose back into rest space: the exact inverse of `skin` at the same weights."""
+    """Map points from the pose back into rest space: the exact inverse of `skin` at the same weights."""
     own = blend(weights, transforms)
     return np.linalg.solve(own[:, :3, :3], (points - own[:, :3, 3])[..., None])[..., 0]
 
 
 def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
-    """Return smooth skinning weights for points around a body.
+    """Compute smooth skinning weights for points around a body.
 
-    The weights of the surface within reach are averaged with Gaussian weights of width `SMOOTHING_LENGTH` plus half the
-    point's distance to the body, so that they blend more the further the cloth hangs away.
+    The surface's weights are averaged with Gaussian weights of width `SMOOTHING_LENGTH` plus half the point's distance
+    to the body, so that they blend more the further the cloth is from the body.
 
     Args:
         body: The body.
         points: Positions [m], shape [n, 3].
-        rest: True where the points stand around the rest pose (T-pose), False where around the body's own pose.
+        rest: True for points around the rest pose (T-pose), False around the body's own pose.
 
     Returns:
         Weights, rows sum to 1, shape [n, 24].
@@ -70,10 +70,10 @@ def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
     distance, index = distance.reshape(len(points), reach), index.reshape(len(points), reach)
     nearest = distance[:, :1]
     width = SMOOTHING_LENGTH + 0.5 * nearest
-    # Squared distances are taken beyond the nearest's, so that far points do not underflow.
+    # The nearest squared distance is subtracted so that far points do not underflow.
     gauss = area[index] * np.exp(-(distance**2 - nearest**2) / (2 * width**2))
     gauss /= gauss.sum(axis=1, keepdims=True)
-    # A sparse product: gathering the weights of every face within reach would take 25 kB per point.
+    # As a sparse product: gathering the weights of every face within reach would take 25 kB per point.
     rows = np.arange(0, gauss.size + 1, reach)
     found: np.ndarray = csr_matrix((gauss.ravel(), index.ravel(), rows), shape=(len(points), len(centres))) @ values
     return found

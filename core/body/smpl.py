@@ -1,4 +1,4 @@
-"""Read a body of SMPL's format from an `.npz` file: shape and pose blend shapes, joint regressor, skinning. No pickle.
+"""Read a body in SMPL's format from an `.npz` file: blend shapes, joint regressor, skinning. No pickle.
 
 The format (Loper et al. 2015, "SMPL: a skinned multi-person linear model"), with N vertices and B shapes:
 `v_template` [N, 3], `shapedirs` [N, 3, B], `posedirs` [N, 3, 207], `J_regressor` [24, N], `weights` [N, 24],
@@ -23,21 +23,19 @@ from .template import articulate, rotations_of, transforms_of
 REQUIRED_ARRAYS = ("v_template", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table", "f")
 PERSON_ARRAYS = ("betas", "pose", "trans")
 MAX_SMPL_VERTEX_COUNT = 50_000
-"""Largest number of vertices. SMPL has 6890; more than this is no such body, and its blend shapes would not fit into
-memory."""
+"""Largest number of vertices. SMPL has 6890; blend shapes of many more would exceed the memory."""
 SMPL_HEIGHT_RANGE = (0.8, 2.6)
 """Height of a standing or sitting person [m]; others are in another unit or axis."""
 
 
 class SmplBad(BadInput):
-    """The file is no body of SMPL's format; give an .npz of plain arrays: v_template, shapedirs, posedirs, J_regressor,
-    weights, kintree_table, f, and of the person betas, pose, trans (docs/reference/files.md)."""
+    """The file is not a body in SMPL's format; give an .npz of plain arrays as docs/reference/files.md lists them."""
 
     code = "body.smpl_bad"
 
 
 def is_smpl(body: object) -> bool:
-    """Distinguish a file of SMPL's format, `.npz`, from a mesh and from a built-in body."""
+    """Check by the name's ending whether a body is a file in SMPL's format, `.npz`."""
     return str(body).lower().endswith(".npz")
 
 
@@ -50,7 +48,7 @@ def load_smpl(path: Path) -> Body:
     the root, row by row. Source: Loper et al. 2015, eq. 2 to 10.
 
     **Deviation**: `rest_vertices` leave out the pose blend shapes, which belong to the pose; so `skin` of the rest pose
-    is up to a few centimetres from `vertices` at strongly bent joints, and `fit_rms` says by how much on average.
+    is up to a few centimetres from `vertices` at strongly bent joints. `fit_rms` is the mean of that.
 
     Args:
         path: The `.npz` file; y up, metres.
@@ -91,7 +89,7 @@ def load_smpl(path: Path) -> Body:
 
 
 def _read(path: Path) -> dict[str, np.ndarray]:
-    """Read and check the arrays, the person's own filled with zeros where the file has none."""
+    """Read and check the arrays; the person's are zeros where the file has none."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = {name.removesuffix(".npy") for name in archive.namelist()}
@@ -110,7 +108,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
 
 
 def _read_array(file: IO[bytes], name: str, of: str) -> np.ndarray:
-    """Read one array of numbers after its header; objects and more values than a body has are refused."""
+    """Read one array of numbers after its header; objects and arrays too large for a body are refused."""
 
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
         if kind.hasobject or kind.kind not in "iuf":

@@ -1,4 +1,4 @@
-"""What a body's mesh encloses, and the skin of it that lies in the open."""
+"""The volume that a body's mesh encloses, and the test for exposed skin."""
 
 from __future__ import annotations
 
@@ -7,22 +7,15 @@ import numpy as np
 from ..geometry.geometry import signed_volume
 
 INSIDE_WINDING_NUMBER = 0.5
-"""Winding number above which a point is inside. Holes and parts that overlap change it near them only."""
+"""Winding number above which a point is inside. Holes and overlapping parts change it near them only."""
 
 EXPOSURE_TEST_OFFSET = 5e-4
-"""Height above the skin at which a point must be outside for the skin to be exposed [m]: the least distance that cloth
-keeps. Nearer parts leave it no room."""
+"""Height above the skin at which a point of exposed skin must be outside [m]: the least distance of cloth."""
 
 
 class Solid:
-    """Find inside and outside by the winding number (the fast one, Barill et al. 2018), as often as is asked.
-
-    Small holes and parts of a body that run into each other do no harm; a mesh that is inside out is turned.
-
-    Attributes:
-        vertices: Positions [m], shape [vertex_count, 3].
-        faces: Outward, shape [face_count, 3].
-    """
+    """Find inside and outside of a mesh by the fast winding number (Barill et al. 2018), for repeated queries. Small
+    holes and intersecting parts are tolerated; a mesh that is inside out is turned. `faces` are outward."""
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
         import igl
@@ -39,5 +32,5 @@ class Solid:
         return np.asarray(wound).reshape(-1) > INSIDE_WINDING_NUMBER
 
     def exposed(self, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-        """Find which points of the skin [m], with unit normals, shapes [n, 3], no other part swallows, shape [n]."""
+        """Find which points of the skin [m], with unit normals, shapes [n, 3], are inside no other part, shape [n]."""
         return ~self.contains(points + EXPOSURE_TEST_OFFSET * normals)

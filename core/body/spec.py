@@ -1,4 +1,4 @@
-"""A wearer that is described, not scanned: `builtin:female,height=1.70`."""
+"""A wearer by description, not by scan: `builtin:female,height=1.70`."""
 
 from __future__ import annotations
 
@@ -6,24 +6,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 BUILTIN = "builtin:"
-"""How the description of a built-in body begins."""
+"""Prefix of the description of a built-in body."""
 
 
 @dataclass(frozen=True)
 class BuiltinWearer:
-    """Describe a built-in body; `parse_spec` says what a description may hold.
-
-    Attributes:
-        spec: The description, which begins with `BUILTIN`.
-    """
+    """Describe a built-in body by its description, which begins with `BUILTIN`; `parse_spec` has the grammar."""
 
     spec: str
 
     def __post_init__(self) -> None:
-        """Refuse a text that is no description: a file's path, say.
+        """Refuse a text that is not a description, such as a file's path.
 
         Raises:
-            ValueError: where it does not begin as one.
+            ValueError: where it does not begin with `BUILTIN`.
         """
         if not is_builtin(self.spec):
             raise ValueError(f"'{self.spec[:40]}' does not begin with {BUILTIN}")
@@ -34,16 +30,16 @@ class BuiltinWearer:
 
 
 Wearer = Path | BuiltinWearer
-"""Who wears a garment, where it is not in the garment's own file: a body's file or a built-in body."""
+"""The wearer of a garment whose file has none: a body's file or a built-in body."""
 
 
 def is_builtin(text: str | None) -> bool:
-    """Check whether a text that was typed or sent describes a built-in body."""
+    """Check whether a text describes a built-in body."""
     return text is not None and text.startswith(BUILTIN)
 
 
 def read_wearer(text: str | None) -> Wearer | None:
-    """Return the wearer that a text names: a built-in body by its description, or else a body's file."""
+    """Parse a wearer: a built-in body by its description, else a body's file."""
     if text is None:
         return None
     return BuiltinWearer(text) if is_builtin(text) else Path(text)

@@ -42,7 +42,7 @@ class Template:
         return len(self.directions)
 
     def shaped(self, shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return T-pose vertices [n, 3] and joints [24, 3] of a shape [m]; the first coefficients may come alone."""
+        """Return T-pose vertices [n, 3] and joints [24, 3] of a shape [m]; trailing coefficients may be omitted."""
         k = len(shape)
         vertices = self.vertices + np.tensordot(shape, self.directions[:k], axes=1)
         return vertices, self.joints + np.tensordot(shape, self.joint_directions[:k], axes=1)
@@ -75,7 +75,7 @@ def rotations_of(vectors: np.ndarray) -> np.ndarray:
 
 
 def cross_matrices(vectors: np.ndarray) -> np.ndarray:
-    """Return the matrices [..., 3, 3] that act as a cross product with vectors [..., 3] on the left."""
+    """Return the matrices [..., 3, 3] of the cross product with vectors [..., 3] on the left."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vectors.shape[:-1], 3, 3)

@@ -1,4 +1,4 @@
-"""Thin a scan's points evenly: what a body is fitted to must not count a densely scanned face more than a back."""
+"""Thin a scan's points evenly, so that a densely scanned face does not count more than a back in the fit."""
 
 from __future__ import annotations
 
@@ -10,18 +10,14 @@ from ..geometry.point_normals import estimate_normals, smooth_normals
 from .fit import OrientedPoints
 
 THINNING_CELL_SIZE = 0.012
-"""Edge of the cells [m] that points are averaged in: finer than the fit's points lie apart (2 cm)."""
+"""Edge of the cells [m] in which points are averaged: less than the spacing of the fit's points (2 cm)."""
 THINNED_NEIGHBOUR_COUNT = 16
-"""Number of averaged points that a normal is estimated from: a disk of 2.5 cm radius."""
+"""Number of averaged points from which a normal is estimated: a disk of 2.5 cm radius."""
 
 
 @dataclass(frozen=True)
 class ThinnedPoints(OrientedPoints):
-    """Some of a scan's cells, in random order.
-
-    Attributes:
-        total: Number of cells that the scan has points in, drawn or not.
-    """
+    """Describe some of a scan's cells, in random order; `total` is the number of all cells with points."""
 
     total: int = 0
 
@@ -34,10 +30,10 @@ def average_points(
     Args:
         points: Positions [m], shape [n, 3].
         normals: Unit normals, shape [n, 3], or None.
-        oriented: Whether the normals are known to point outward; if not, or without normals, they are found from the
+        oriented: Whether the normals are known to point outward; if not, or without normals, they are computed from the
             averaged points' neighbours, of either sign.
-        count: Points drawn at most.
-        seed: Seeds the draw.
+        count: Largest number of points drawn.
+        seed: Seed of the draw.
 
     Returns:
         The points in random order, or None where there are none.

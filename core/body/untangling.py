@@ -1,4 +1,4 @@
-"""Take cloth out of itself and stay outside of the body."""
+"""Untangle cloth that crosses itself, and keep it outside of the body."""
 
 from __future__ import annotations
 
@@ -11,26 +11,22 @@ from .exposed import ExposedSurface, penetration_depth
 from .projection import limit_penetration, project_outside
 
 MAX_BODY_UNTANGLE_ITERATIONS = 4
-"""Largest number of times that cloth is taken out of itself. When it is then moved out of the body it may cross itself
-anew, in a crease; two iterations were enough so far."""
+"""Largest number of untanglings; moving cloth out of the body may make it cross again. 2 suffice."""
 
 MAX_GAP_SEPARATION_ITERATIONS = 12
-"""Largest number of times that layers in a gap between parts of the body are pulled apart and raised in turn. Trousers
-between thighs that touch took four."""
+"""Largest number of separations of layers in a gap of the body; trousers between thighs that touch took four."""
 
 GAP_UNTANGLE_STEP = 5e-5
-"""Step of untangling in such a gap [m]. Layers end as far apart at most."""
+"""Step of untangling in such a gap [m]: the largest distance of layers afterwards."""
 
 RAISED_DEPTH_SHARE = 0.9
-"""Share of the greatest allowed depth to which cloth in such a gap is raised. The rest is left for the layers' way
-apart."""
+"""Share of the greatest allowed depth to which cloth in such a gap is raised; the rest is for separating layers."""
 
 TOLERATED_BODY_DEPTH = 5e-4
-"""Depth in the body that is left as it is [m]: half of what a result may have."""
+"""Depth in the body that is not corrected [m]: half of what a result may have."""
 
 MAX_UNTANGLED_DEPTH = 1e-3
-"""Largest depth in the body at which cloth that came no deeper is left where that takes it apart [m]: what a result may
-have."""
+"""Largest depth in the body that untangling may leave where no cloth was deeper [m]: what a result may have."""
 
 
 def untangle_outside(
@@ -40,21 +36,21 @@ def untangle_outside(
     allowed: float = TOLERATED_BODY_DEPTH,
     limit: float = MAX_UNTANGLED_DEPTH,
 ) -> np.ndarray:
-    """Take cloth that crosses itself out of itself, and out of the body again where that led into it.
+    """Untangle cloth that crosses itself, and move it out of the body again where that led into it.
 
-    What then does not cross goes back to where it was as far as its layers let it: contours of intersection vanish by
-    moving more of the cloth, and further, than lies crossed.
+    Cloth that does not cross then returns towards its former place as far as its layers let it: the contraction of
+    intersection contours moves more of the cloth, and further, than what is crossed.
 
     Args:
         nodes: Positions outside the body [m], shape [node_count, 3].
         skin: The body's exposed skin.
         faces: Shape [face_count, 3].
-        allowed: Depth in the body that is left as it is [m].
-        limit: Depth to which cloth that came no deeper is left where that is what takes it apart [m].
+        allowed: Depth in the body that is not corrected [m].
+        limit: Depth that is accepted [m] where untangling needs it and no cloth was deeper.
 
     Returns:
-        Positions [m], no deeper in the body than `limit` or than before; the given ones, the same array, where
-        nothing crosses or no fewer faces could be made to.
+        Positions [m], no deeper in the body than `limit` or than before; the same array where nothing crosses or
+        untangling does not reduce the crossing faces.
     """
     best, least = nodes, len(self_intersections(nodes, faces))
     if not least:
@@ -63,7 +59,7 @@ def untangle_outside(
     for turn in range(MAX_BODY_UNTANGLE_ITERATIONS):
         moved = untangle(
             moved, faces, (1 + turn) * UNTANGLING_STEP_LENGTH
-        )  # further apart, lest they meet on the way out of the body
+        )  # further apart, so that they do not meet on the way out
         if penetration_depth(moved, faces, skin) > allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
@@ -81,14 +77,12 @@ def untangle_outside(
 def _restore_positions(
     apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
 ) -> np.ndarray:
-    """Return cloth that was taken apart as near to where it was before as its layers and the body let it.
+    """Move untangled cloth back towards where it was as far as its layers and the body let it.
 
     Args:
         apart: Where it does not cross itself [m], shape [node_count, 3].
         before: Where it was.
-        faces: Shape [face_count, 3].
-        skin: The body's exposed skin.
-        limit: Depth in the body beyond which a way back is not taken [m].
+        limit: Depth in the body to which no node or face is moved back [m].
     """
     goal = before.copy()
     for _ in range(MAX_BODY_UNTANGLE_ITERATIONS):
@@ -107,10 +101,10 @@ def _restore_positions(
 def separate_layers_in_gap(
     nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
 ) -> tuple[np.ndarray, int]:
-    """Return cloth that crosses itself where parts of a body leave it less room than it needs, and what still crosses.
+    """Separate cloth that crosses itself where parts of a body leave too little room; return it and the crossing faces.
 
-    Pulled apart one layer goes deeper than it may, raised again it crosses the other: in turns both come to share what
-    room there is. Steps are short, so that layers end no further apart than they must.
+    Separating moves one layer deeper than allowed, raising it makes it cross the other: in alternate steps both share
+    the room. Steps are short, so that layers end no further apart than necessary.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -119,7 +113,7 @@ def separate_layers_in_gap(
         limit: Greatest depth in the body [m].
 
     Returns:
-        Positions no deeper than the limit, the given ones where none of these cross less; and how many faces cross.
+        Positions no deeper than the limit (the given ones if none cross less), and the number of crossing faces.
     """
     best, least = nodes, len(self_intersections(nodes, faces))
     for _ in range(MAX_GAP_SEPARATION_ITERATIONS):

@@ -1,4 +1,4 @@
-"""Find the skinning weights of a person's mesh by those of the model that was fitted to it."""
+"""Transfer skinning weights to a person's mesh from the model that was fitted to it."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ from ..geometry.linear import factor_symmetric
 from ..geometry.surface import TriangleSurface
 
 SAME_PART_COSINE = 0.5
-"""Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs
-that touch lie nearer to each other than a fitted model does to its mesh (3 mm): there the nearest skin is often the
-other thigh's, with a normal the other way round, and such a vertex stays behind with that leg in every step."""
+"""Cosine between the normals of a vertex and of the model's nearest skin above which both are of one part. Between
+thighs that touch, the nearest skin is often the other thigh's (a fit is within 3 mm), with opposite normal; with its
+weights the vertex would follow the wrong leg."""
 
 
 def transfer_weights(
     vertices: np.ndarray, faces: np.ndarray, model: np.ndarray, model_faces: np.ndarray, weights: np.ndarray
 ) -> np.ndarray:
-    """Return the skinning weights of a mesh by those of a model that lies close to it, shape [vertex_count, joints].
+    """Compute the skinning weights of a mesh from those of a model close to it, shape [vertex_count, joints].
 
-    Each vertex takes the weights of the model's nearest point, where both face the same way; vertices between such
-    take the mean of their neighbours.
+    Each vertex takes the weights of the model's nearest point where both face the same way; others are interpolated.
 
     Args:
         vertices: The mesh in the model's pose [m], shape [vertex_count, 3].
@@ -40,7 +39,7 @@ def transfer_weights(
 
 
 def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return values [n, k] with the unknown ones harmonic between the known; parts without any stay as they are."""
+    """Return values [n, k] with the unknown ones harmonic between the known; parts without any known do not change."""
     from scipy.sparse import diags
     from scipy.sparse.csgraph import connected_components
 

@@ -1,1 +1,1 @@
-"""The cloth simulator: from a sewn garment, a fabric and a body to an equilibrium drape."""
+"""Simulate cloth: compute the equilibrium of a sewn garment of a given fabric on a body."""

@@ -1,4 +1,4 @@
-"""Resistance to folding: the dihedral angle (thesis eq. 3.4), as the gradient of an energy."""
+"""Bending energy of the dihedral angle, whose gradient is thesis eq. 3.4."""
 
 from __future__ import annotations
 
@@ -17,14 +17,13 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
     E_h = 2 k c (1 - cos((theta - theta0) / 2)),  c = |e|^2 / (A1 + A2),  dE/dtheta = k c sin((theta - theta0) / 2).
 
     Notation: `elements` a `HingeElements`: nodes (0, 1, 2, 3), the edge from 0 to 1; scale c; angles theta0; `k` [N m];
-    theta the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003).
-    On a regular mesh a cylinder of curvature kappa costs k kappa^2 / 4 per area: the flexural rigidity is B = k / 2. A
-    mesh whose diagonals all point one way couples bending with twist and lets a narrow strip show 0.8 of it.
+    theta the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003). A
+    cylinder of curvature kappa on a regular mesh has the energy k kappa^2 / 4 per area: the flexural rigidity is k / 2.
+    If all diagonals have one direction, bending couples with twist, and a narrow strip has 0.8 of this rigidity.
+    Moments above zero in `folds` add the friction energy of `BendingFriction`, which is convex in theta.
 
-    With `folds` whose moments are above zero the friction of `BendingFriction` comes on top, convex in theta.
-
-    **Deviation**: eq. 3.4 is a force; it is used as the gradient of the energy above, which it is for theta0 = 0 and
-    rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.
+    **Deviation**: eq. 3.4 is a force. Here it is the gradient of the energy above, as it is for theta0 = 0 and rest
+    lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps |d2E| grad grad^T.
     """
     hinges, scale, rest, slots = elements
     angles, moments, slip = folds
@@ -37,7 +36,7 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
         e, p, q = subtract(x[i1], x[i0]), subtract(x[i2], x[i0]), subtract(x[i3], x[i0])
         n1, n2 = cross(e, p), cross(q, e)
         squared, m1, m2 = dot(e, e), dot(n1, n1), dot(n2, n2)
-        # a face squeezed to a needle (height under 1e-4 of its edge) has no direction to bend in
+        # a degenerate face (height under 1e-4 of its edge) has no defined normal
         if m1 < 1e-8 * squared * squared or m2 < 1e-8 * squared * squared or squared == 0.0:
             continue
         length = math.sqrt(squared)
@@ -48,7 +47,7 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
             cr, sr = math.cos(0.5 * rest[h]), math.sin(0.5 * rest[h])
             half_sine, half_cosine = half_sine * cr - half_cosine * sr, half_cosine * cr + half_sine * sr
         stiffness = k * scale[h]
-        # 1 - cos, by which small angles would lose their digits
+        # 1 - cos, without cancellation at small angles
         if half_cosine > 0.0:
             energy += 2.0 * stiffness * half_sine * half_sine / (1.0 + half_cosine)
         else:
@@ -98,12 +97,9 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
 
 @njit(cache=True)
 def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: ignore[no-untyped-def]
-    """Add `first` times one triangle's share of the Hessian of theta.
-
-    The apex gradient G = -|e| n / m, n = sign e x p, m = n.n, depends on this triangle alone; the edge's ends carry
-    -t G and -(1 - t) G with t = p.e / |e|^2. `edge`: e, |e|^2, |e|; `triangle`: p, n, its sign, m, t; `slots`: of the
-    blocks (0, apex), (1, apex), (apex, apex).
-    """
+    """Add `first` times one triangle's share of the Hessian of theta. The apex gradient G = -|e| n / m, n = sign e x p,
+    m = n.n, depends on this triangle alone; the edge's ends have -t G and -(1 - t) G with t = p.e / |e|^2. `edge`: e,
+    |e|^2, |e|; `triangle`: p, n, its sign, m, t; `slots`: of the blocks (0, apex), (1, apex), (apex, apex)."""
     e, squared, length = edge
     p, n, sign, m, t = triangle
     to0, to1, own = slots
@@ -133,7 +129,7 @@ def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: i
 
 @njit(cache=True, inline="always")
 def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
-    """Return sine and cosine of half an angle in -pi .. pi, from its own times a length, exact for small angles."""
+    """Return sine and cosine of half an angle in -pi .. pi from its own times a length; accurate for small angles."""
     sine, cosine = sine / length, cosine / length
     if cosine >= 0.0:
         half_cosine = math.sqrt(0.5 + 0.5 * cosine)

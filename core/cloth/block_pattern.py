@@ -1,4 +1,4 @@
-"""The sparsity of a matrix whose entries couple nodes in 3x3 blocks, and where each element's numbers go."""
+"""Sparsity pattern of a matrix whose entries couple nodes in 3x3 blocks, and the slots that elements add to."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from numba import njit
 
 ABSENT_BLOCK_SLOT = -(2**62)
-"""Slot of a block for which a pattern has no place."""
+"""Slot of a block that is not in the pattern."""
 
 
 class Derivatives(NamedTuple):
-    """What the kernels add to: a gradient [N], shape [node_count, 3], and Hessian blocks, shape [block_count, 3, 3]."""
+    """Arrays that the kernels add to: gradient [N], shape [node_count, 3], and Hessian blocks, [block_count, 3, 3]."""
 
     gradient: np.ndarray
     blocks: np.ndarray
@@ -24,11 +24,10 @@ class Derivatives(NamedTuple):
 class BlockPattern:
     """Map node pairs to 3x3 blocks, and those to a symmetric sparse matrix (thesis 3.2.4.3); built once per mesh.
 
-    **Deviation**: the thesis multiplies a sparse mapping matrix with the stack of element Jacobians. On one CPU core it
-    is quicker to let each element add its 3x3 blocks straight to their fixed slots, in a fixed order.
+    **Deviation**: the thesis multiplies a sparse mapping matrix with the stack of element Jacobians. Here each element
+    adds its 3x3 blocks to fixed slots, in a fixed order, which is faster on one CPU core.
 
     Attributes:
-        node_count: Nodes.
         diagonal: Slot of each node's diagonal block, shape [node_count].
         rows, columns: Node pair (row <= column) of each block, shape [block_count].
         places: Where the block and its transpose start in the matrix's data, shape [block_count, 2].
@@ -47,15 +46,15 @@ class BlockPattern:
 
     @classmethod
     def of(cls, node_count: int, *elements: np.ndarray) -> tuple[BlockPattern, tuple[np.ndarray, ...]]:
-        """Number the distinct node pairs of elements and place their blocks in one matrix.
+        """Number the distinct node pairs of elements and assign their blocks a place in one matrix.
 
         Args:
             node_count: Nodes.
-            elements: The nodes of each kind of element, every two of which are coupled, shape [count, k] each.
+            elements: Nodes of each kind of element, shape [count, k] each; every two nodes of an element are coupled.
 
         Returns:
-            The pattern and, for each kind, the block that each of an element's k (k + 1) / 2 upper blocks adds to,
-            ~slot where it adds transposed.
+            The pattern and, for each kind, the slot of each of an element's k (k + 1) / 2 upper blocks, ~slot where the
+                block is added transposed.
         """
         upper_pairs = [np.triu_indices(nodes.shape[1]) for nodes in elements]
         everyone = np.arange(node_count)
@@ -94,16 +93,13 @@ class BlockPattern:
         return pattern, tuple(part.reshape(len(nodes), -1) for part, nodes in zip(parts, elements, strict=True))
 
     def find_slots(self, elements: np.ndarray) -> np.ndarray:
-        """Return the block that each of the upper blocks of elements [count, k] adds to, as `of` does.
-
-        All blocks of an element for which the pattern has no place are `ABSENT_BLOCK_SLOT`. Shape
-        [count, k (k + 1) / 2].
-        """
+        """Return the slots of the upper blocks of elements [count, k], numbered as in `of`, [count, k (k + 1) / 2]. All
+        blocks of an element that the pattern has no place for are `ABSENT_BLOCK_SLOT`."""
         return np.asarray(_find_slots(np.ascontiguousarray(elements), self.node_count, self._keys))
 
     @cached_property
     def _keys(self) -> np.ndarray:
-        """One number for the node pair of each block, ascending, shape [block_count]."""
+        """Return one number per node pair of a block, ascending, shape [block_count]."""
         found: np.ndarray = self.rows * self.node_count + self.columns
         return found
 
@@ -137,7 +133,7 @@ def _spread(blocks, pairs, places, stride, fixed, data):  # type: ignore[no-unty
 
 @njit(cache=True, inline="always")
 def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
-    """Add a 3x3 block to its slot, transposed where the slot says so."""
+    """Add a 3x3 block to its slot, transposed where the slot is negative (~slot)."""
     if slot >= 0:
         for d in range(3):
             for e in range(3):

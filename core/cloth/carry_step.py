@@ -1,4 +1,4 @@
-"""Carry cloth towards where its wearer's skin takes it, as far as no two parts of it meet."""
+"""Move cloth along with its wearer's skin, as far as no two parts of it collide."""
 
 from __future__ import annotations
 
@@ -9,20 +9,19 @@ from .collision.advance import collision_free_share
 from .energy import Energy
 
 MAX_HOLD_BACK_ITERATIONS = 6
-"""Largest number of iterations in which what meets is held back. Holding one part back brings it nearer to the next."""
+"""Largest number of iterations that shorten the displacement of colliding parts. Shortening one part's displacement
+brings it nearer to the next part."""
 
 MAX_EDGE_ADVANCE_SHARE = 0.25
-"""Share of its way that a node may go more than its neighbour. Cloth around what is held back so spreads over four
-edges."""
+"""Largest difference of the shares of displacement of two neighbouring nodes. Around a collision the share so changes
+over four edges."""
 
 
 def move_collision_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> tuple[Energy, np.ndarray]:
-    """Return places on the straight ways from nodes to goals [m], [node_count, 3], on which no two parts have met.
-
-    Where cloth would meet (a sleeve that is taken against the trunk), only what meets stops short, and its neighbours
-    by less and less; of one share for the whole cloth all of it would be left behind, inside limbs that have moved on.
-    With the places comes the energy that knows the pairs along the way.
-    """
+    """Return positions on the straight paths from nodes to goals [m], [node_count, 3], up to which no two parts
+    collide. Where cloth would collide (a sleeve that moves against the trunk), only the colliding parts stop short, and
+    their neighbours by less with each edge. One share for the whole cloth would leave all of it behind, inside limbs
+    that have moved. Also returns the energy with the near pairs of the path."""
     if energy.scene.self_contact is None:
         return energy, goal
     way, share = goal - nodes, np.ones(len(nodes))

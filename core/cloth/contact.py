@@ -13,11 +13,11 @@ from .scene import Scene
 from .tangent_planes import TangentPlanes, plane_contact
 
 NO_BLOCKS = np.zeros((0, 3, 3))
-"""Where a kernel is not asked for Hessian blocks."""
+"""Hessian blocks of a kernel call of order 0 or 1."""
 
 
 class NodeElements(NamedTuple):
-    """Nodes as the kernels take them: area of each [m2] and the slot of its diagonal block, both [node_count]."""
+    """Nodes as the kernels take them: area of each [m2] and slot of its diagonal block, both [node_count]."""
 
     areas: np.ndarray
     slots: np.ndarray
@@ -31,7 +31,7 @@ class Forces(NamedTuple):
 
     @classmethod
     def none(cls, count: int) -> Forces:
-        """Return no force on any node."""
+        """Return zero forces."""
         return cls(np.zeros(count), np.zeros((count, 3)))
 
 
@@ -73,11 +73,11 @@ def contact(x, grid, nodes, law, order, exact, derivatives, forces):  # type: ig
 
     E_v = a_v k / 3 (delta - d(x_v))^3 where d < delta, else 0: twice continuously differentiable, as d is.
 
-    Notation: `grid` gives d; `nodes` `NodeElements`, with the areas a_v [m2]; `law` k [N/m4] and delta [m]; the
-    `derivatives` are `Derivatives`; `forces` receive the contact force and its direction, for friction.
+    Notation: `grid` gives d; `nodes` a `NodeElements` with the areas a_v [m2]; `law` k [N/m4] and delta [m];
+    `derivatives` a `Derivatives`; `forces` receives the contact force and its direction, for friction.
 
-    **Deviation**: the thesis' force is inversely proportional to the distance, which is unbounded at the surface. The
-    PSD form drops the curvature of d.
+    **Deviation**: the thesis' force is inversely proportional to the distance, and so unbounded at the surface. The PSD
+    form drops the curvature of d.
     """
     areas, diagonal = nodes
     stiffness, thickness = law

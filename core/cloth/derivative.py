@@ -1,4 +1,4 @@
-"""Derivatives of a drape: through its equilibrium, by the implicit function theorem."""
+"""Derivatives of a drape through its equilibrium, by the implicit function theorem."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .topology import Topology
 
 
 class Response(Protocol):
-    """Describe where cloth ends up, and tell how that follows what it depends on."""
+    """Describe the positions of a solved cloth, with the derivative of a loss by all that they depend on."""
 
     @property
     def nodes(self) -> np.ndarray:
@@ -32,15 +32,13 @@ class Response(Protocol):
 
 
 class Derivative(Protocol):
-    """Decide where cloth ends up and how the derivative of that is taken."""
+    """Solve for the cloth's positions in a way that can be differentiated."""
 
     def solve(
         self, scene: Scene, nodes: np.ndarray, solver: Solver | None = None, *, friction: Friction | None = None
     ) -> Response:
-        """Bring the cloth from nodes [m], shape [node_count, 3], to where its derivative is taken.
-
-        The friction is taken as given (`lag_friction` where a drape stopped), or there is none.
-        """
+        """Solve from nodes [m], shape [node_count, 3], for the positions at which the derivative is taken. The friction
+        is constant (`lag_friction` where a drape stopped), or None."""
 
 
 @dataclass(frozen=True)
@@ -49,18 +47,18 @@ class ImplicitDerivative:
 
         dx*/dp = -K^-1 dg/dp,    dL/dp = -lambda . dg/dp  with  K lambda = dL/dx
 
-    K is the exact Hessian at x*, contact, hold and lagged friction included: one factorisation, then a
-    back-substitution for each parameter (`AtRest.push`) or for each loss (`AtRest.pull`). Friction's limits and anchors
-    count as given, as they do in the last iterations of `equilibrium`.
+    K is the exact Hessian at x*, including contact, pins and lagged friction: one factorisation, then a
+    back-substitution per parameter (`FactoredEquilibrium.push`) or per loss (`pull`). Friction's limits and anchors are
+    constants, as in the last iterations of `equilibrium`.
 
-    **Deviation**: the thesis differentiates 20 time steps, as `Unrolled` does. At rest both give the same gradient
+    **Deviation**: the thesis differentiates 20 time steps, as `UnrolledSteps` does. At rest both give the same gradient
     (docs/concepts/simulation.md).
 
     Attributes:
-        tolerance: Largest force left on a node, relative to the mean weight of a node. What is left of force displaces
-            the point at which the derivative is taken and adds no error of its own, so 1e-5 is enough. 0 asks for
-            all that round-off allows (some 1e-10 at 1000 nodes), as difference quotients do.
-        max_iterations: Matrices factored after which `solve` gives up.
+        tolerance: Largest force left on a node, relative to the mean weight of a node. It displaces the point at which
+            the derivative is taken and adds no other error, so 1e-5 is enough. 0: all that round-off allows (about
+            1e-10 at 1000 nodes), for difference quotients.
+        max_iterations: Largest number of matrices factored by `solve`.
     """
 
     tolerance: float = 1e-5
@@ -76,10 +74,8 @@ class ImplicitDerivative:
         inertia: Inertia | None = None,
         rubbing: ClothFriction | None = None,
     ) -> FactoredEquilibrium:
-        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given,
-        on the body and, `rubbing`, on itself.
-
-        With inertia it is one implicit time step that is brought to rest.
+        """Solve for the equilibrium from nodes near it [m], shape [node_count, 3], with constant friction on the body
+        and, `rubbing`, of cloth on cloth. With inertia the solution is that of one implicit time step.
 
         Raises:
             NotAtRest: where the force left stays above the tolerance.
@@ -100,13 +96,12 @@ class ImplicitDerivative:
 
 @dataclass(frozen=True)
 class FactoredEquilibrium:
-    """Keep an equilibrium with its factored Hessian.
+    """Describe an equilibrium with its factored Hessian.
 
     Attributes:
-        energy: The energy that is at rest.
         nodes: Positions [m], shape [node_count, 3].
         blocks: The exact Hessian's blocks [N/m], for `Topology.assemble`.
-        solver: Holds the Hessian's factors; valid until somebody else factors with it.
+        solver: Has the Hessian's factors, until another matrix is factored with it.
     """
 
     energy: Energy
@@ -129,10 +124,8 @@ class FactoredEquilibrium:
 
     def push(self, rest_rates: np.ndarray | None = None, fabric_rates: np.ndarray | None = None) -> np.ndarray:
         """Return dx*/dp [m per unit], shape [node_count, 3, direction_count], along directions of the parameters.
-
-        `rest_rates`: of the flat triangles [m], shape [face_count, 3, 2, direction_count]. `fabric_rates`: of `FABRIC`,
-        shape [6, direction_count]. Where both are given their directions are the same ones.
-        """
+        `rest_rates`: of the flat triangles [m], shape [face_count, 3, 2, direction_count]. `fabric_rates`: of
+        `FABRIC_PARAMETERS`, shape [6, direction_count]. Where both are given their directions are the same ones."""
         if rest_rates is None and fabric_rates is None:
             raise ValueError("push needs directions of the rest shape, of the fabric or of both")
         parts = []
@@ -146,11 +139,9 @@ class FactoredEquilibrium:
 
 
 def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> FactoredEquilibrium:
-    """Take the derivative where a drape stopped, at nodes and anchors [m], shape [node_count, 3], without settling it.
-
-    As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
-    not quite, what a loss is pulled back to is still a direction of descent.
-    """
+    """Linearise where a drape stopped, at nodes and anchors [m], shape [node_count, 3], without solving further. The
+    largest positive definite share of the exact Hessian is factored: all of it where the cloth is at rest. Elsewhere a
+    pulled-back loss derivative is still a direction of descent."""
     energy, solver = extend_sparsity(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
     energy = energy.lag_rubbing(nodes)
     blocks = energy.hessian(nodes)[2]
@@ -159,7 +150,7 @@ def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: S
 
 
 def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
-    """Factor an exact Hessian and give what holds its factors: `SuperLU` where it is indefinite (an unstable rest).
+    """Factor an exact Hessian and return the solver with its factors: `SuperLU` for an indefinite one (unstable rest).
 
     Raises:
         NotAtRest: where the Hessian is singular: the cloth is free to move.
@@ -182,7 +173,7 @@ def adjoint(scene: Scene, solver: Solver, upstream: np.ndarray) -> np.ndarray:
 
 
 def place_pinned(scene: Scene, nodes: np.ndarray) -> np.ndarray:
-    """Put fixed nodes where they are pinned; return a copy of nodes [m], shape [node_count, 3]."""
+    """Return a copy of nodes [m], shape [node_count, 3], with fixed nodes at their pinned points."""
     nodes = np.array(nodes, dtype=np.float64)
     if scene.pins is not None and scene.pins.stiffness is None:
         nodes[scene.pins.nodes] = scene.pins.points
@@ -190,10 +181,8 @@ def place_pinned(scene: Scene, nodes: np.ndarray) -> np.ndarray:
 
 
 def pull_pins(scene: Scene, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
-    """Compute the derivative by the pinned points [1/m], shape [pin_count, 3].
-
-    Fixed: dL/dx_h - K_hf lambda_f, for x_h is the point itself. On springs: stiffness lambda_h.
-    """
+    """Compute the derivative by the pinned points [1/m], shape [pin_count, 3]. Fixed: dL/dx_h - K_hf lambda_f, since
+    x_h is the point itself. On springs: stiffness lambda_h."""
     pins = scene.pins
     if pins is None:
         return np.zeros((0, 3))

@@ -1,4 +1,4 @@
-"""Let cloth move: damped implicit Euler steps, for large motions and bodies that move."""
+"""Cloth in motion: damped implicit Euler steps, for large motions and moving bodies."""
 
 from __future__ import annotations
 
@@ -26,10 +26,9 @@ class ClothState:
     Attributes:
         nodes: Positions [m], shape [node_count, 3].
         velocities: Velocities [m/s], shape [node_count, 3].
-        anchors: Where friction holds each node [m], shape [node_count, 3].
+        anchors: Friction's anchor of each node [m], shape [node_count, 3].
         rubbing: The friction of cloth on cloth in the last step, or None.
-        folds: Angles at which the friction of bending holds the hinges [rad], shape [hinge_count], or None: where the
-            scene has them.
+        folds: Anchor angles of bending friction [rad], shape [hinge_count], or None for the scene's.
     """
 
     nodes: np.ndarray
@@ -50,8 +49,7 @@ def take_time_steps(
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
 ) -> ClothState:
-    """Take `steps` implicit Euler steps of `dt` [s] from nodes [m], shape [node_count, 3]; see
-    `continue_time_steps`."""
+    """Compute `steps` implicit Euler steps of `dt` [s] from nodes [m], [node_count, 3]; see `continue_time_steps`."""
     nodes = np.array(nodes, dtype=np.float64)
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
     state = ClothState(nodes, velocities, nodes.copy() if anchors is None else anchors)
@@ -67,11 +65,11 @@ def continue_time_steps(
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
 ) -> ClothState:
-    """Take `steps` implicit Euler steps of `dt` [s] from a state.
+    """Compute `steps` implicit Euler steps of `dt` [s] from a state.
 
     x+ = argmin E(x) + |x - x0 - damping dt v0|_M^2 / (2 dt^2),  v+ = (x+ - x0) / dt (thesis eq. 3.2, solved to
     `newton_per_step` iterations with the PSD Hessian). The body may differ from call to call (one that moves or is
-    inflated). Faces of the cloth that cross each other pass until they no longer do, and are pulled apart.
+    inflated). Crossed faces of the cloth have no contact while they cross, and are pulled apart.
     """
     energy = Energy(scene)
     for n in range(steps):
@@ -92,11 +90,9 @@ def continue_time_steps(
 def _step(
     energy: Energy, solver: Solver | None, nodes: np.ndarray, settings: SolveSettings
 ) -> tuple[Energy, Solver | None, np.ndarray]:
-    """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian.
-
-    Where no two parts of the cloth are near each other at the start, the step is looked over once, at its end; what
-    came near on the way cuts it there, and the iterations that are left look over each of their own ways.
-    """
+    """Compute the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian. Where
+    no pairs are near at the start, the step is checked once, at its end; a pair that came near on the path cuts the
+    step there, and the remaining iterations are each checked."""
     left, watching = settings.newton_per_step, energy.watch(nodes)
     if watching.near is not None and not len(watching.near.pairs.kinds):
         path = [nodes]
@@ -111,7 +107,7 @@ def _step(
 def _iterate(
     energy: Energy, solver: Solver | None, path: list[np.ndarray], settings: SolveSettings, most: int, looks_back: bool
 ) -> tuple[Energy, Solver | None]:
-    """Take `most` Newton iterations from the last place of a path [m], [node_count, 3] each, and add theirs to it."""
+    """Add at most `most` Newton iterations to a path [m], [node_count, 3] each, from its last place."""
     for _ in range(most):
         energy, solver = extend_sparsity(energy, solver, path[-1])
         start, gradient, blocks = energy.hessian(path[-1], False)

@@ -1,4 +1,4 @@
-"""The whole energy of a cloth: membrane, bending, weight, contact, friction, springs and inertia."""
+"""Total energy of a cloth: membrane, bending, weight, contact, friction, springs and inertia."""
 
 from __future__ import annotations
 
@@ -21,24 +21,20 @@ from .membrane import membrane, predict_stress
 from .scene import HORIZONTAL_AXIS_MASK, Scene
 
 NO_STRESS = np.zeros((0, 3))
-"""Tells `membrane` to take the stress from the positions."""
+"""Argument of `membrane` for the stress of the positions."""
 
 
 NO_INERTIA_TARGET = np.zeros((0, 3))
 """Target positions of inertia where there is none [m], shape [0, 3]."""
 
 NO_SLOTS = np.zeros((0, 10), dtype=np.int64)
-"""Where a kernel of pairs is not asked for Hessian blocks."""
+"""Slots of pairs of a kernel call of order 0 or 1."""
 
 
 @dataclass(frozen=True)
 class Inertia:
-    """Tie nodes to where they would fly: E = weight / 2 sum_v m_v |x_v - target_v|^2.
-
-    Attributes:
-        target: Positions [m], shape [node_count, 3].
-        weight: 1 / dt^2 [1/s2].
-    """
+    """Describe inertia: E = weight / 2 sum_v m_v |x_v - target_v|^2, `target` positions [m], shape [node_count, 3], and
+    `weight` 1 / dt^2 [1/s2]."""
 
     target: np.ndarray
     weight: float
@@ -59,7 +55,7 @@ class Energy:
         inertia: For an implicit time step, or None.
         rubbing: Lagged friction of cloth on cloth, or None.
         push: A constant force on each node [N], shape [node_count, 3], or None.
-        near: The pairs of cloth that may touch, where they were last looked for; only saves the search for them.
+        near: The pairs found by the last search, which only saves another one.
     """
 
     scene: Scene
@@ -70,7 +66,7 @@ class Energy:
     near: NearPairs | None = None
 
     def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
-        """Return the same energy that knows which pairs of cloth may touch at nodes [m] and on the way to `end` [m]."""
+        """Return the same energy with the pairs that may touch at nodes [m] and on the path to `end` [m]."""
         cloth, near = self.scene.self_contact, self.near
         if cloth is None or (near is not None and near.held):
             return self
@@ -83,11 +79,8 @@ class Energy:
         return replace(self, near=find_near_pairs(cloth, nodes, end))
 
     def free_share(self, nodes: np.ndarray, step: np.ndarray, least: float = 0.0) -> tuple[Energy, float]:
-        """Return the largest share, 0 to 1, of a step [m] from nodes [m] on which no two parts of the cloth meet.
-
-        With it comes the energy that knows the pairs along the step; both arrays are of shape [node_count, 3]. No pair
-        comes nearer than the share `least` of its reach.
-        """
+        """Return the largest share, 0 to 1, of a step [m] from nodes [m] without collision, both [node_count, 3]. Also
+        returns the energy with the pairs along the step. No pair comes nearer than `least` times its reach."""
         if self.scene.self_contact is None:
             return self, 1.0
         watching = self.watch(nodes, nodes + step)
@@ -95,31 +88,27 @@ class Energy:
         return watching, watching.near.free_share(nodes, step, least)
 
     def hold(self, nodes: np.ndarray) -> Energy:
-        """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere.
-
-        It is right for as long as nothing else comes within reach, which `verify_pairs_on_path` tells.
-        """
+        """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere. It is
+        valid as long as no other pair comes within reach, which `verify_pairs_on_path` checks."""
         watching = self.watch(nodes)
         return self if watching.near is None else replace(watching, near=replace(watching.near, held=True))
 
     def look_back(self, path: np.ndarray) -> tuple[Energy, int]:
-        """Return how far along a path [m], [place_count, node_count, 3], the held pairs were all that came near.
-
-        With the number of that place, 0 to place_count - 1, comes the energy that knows the pairs near it, and those
-        that came near behind it.
-        """
+        """Return the last place of a path [m], [place_count, node_count, 3], up to which no other than the known pairs
+        came near: its number, 0 to place_count - 1, and the energy with the pairs near it and those that came near
+        after it."""
         if self.scene.self_contact is None or self.near is None:
             return self, len(path) - 1
         near, good = verify_pairs_on_path(self.scene.self_contact, path, self.near)
         return replace(self, near=near), good
 
     def pull_apart(self, nodes: np.ndarray) -> Energy:
-        """Return the same energy whose contact waits where faces cross at nodes [m], pushed so that they part."""
+        """Return the same energy with contact off where faces cross at nodes [m], and forces that pull them apart."""
         scene, push = contract_crossings(self.scene, nodes)
         return replace(self, scene=scene, push=push, near=self.near if scene is self.scene else None)
 
     def let_shut(self, nodes: np.ndarray) -> Energy:
-        """Return the same energy whose contact also waits around pairs of cloth without any room at nodes [m]."""
+        """Return the same energy with contact also off around coincident pairs at nodes [m]."""
         watching = self.watch(nodes)
         cloth, near = watching.scene.self_contact, watching.near
         if cloth is None or near is None:
@@ -131,10 +120,8 @@ class Energy:
         return replace(watching, scene=replace(watching.scene, self_contact=waiting), near=None)
 
     def lag_rubbing(self, nodes: np.ndarray, before: ClothFriction | None = None) -> Energy:
-        """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].
-
-        `before` is the friction until then: what was in touch stays drawn.
-        """
+        """Return the same energy with the friction of cloth on cloth at nodes [m], [node_count, 3]. Pairs that are also
+        in `before`, the friction until then, keep their displacement."""
         watching = self.watch(nodes)
         if self.scene.self_contact is None or watching.near is None:
             return self
@@ -153,21 +140,17 @@ class Energy:
     def hessian(
         self, nodes: np.ndarray, exact: bool = True, stress: np.ndarray | None = None
     ) -> tuple[float, np.ndarray, np.ndarray]:
-        """Compute energy, gradient and the 3x3 Hessian blocks (upper half, for `Topology.assemble`).
-
-        `exact` False gives a positive semi-definite approximation: for states far from equilibrium. Pairs of cloth in
-        touch for which the matrix has no place count by diagonal blocks: `couple` makes room for them. `stress` [N/m],
-        shape [face_count, 3], is taken for the membrane's in its geometric part: `predict_stress` says why.
-        """
+        """Compute energy, gradient and the 3x3 Hessian blocks (upper half, for `Topology.assemble`). `exact` False
+        gives a positive semi-definite approximation, for states far from equilibrium. Pairs in contact that the matrix
+        has no place for add diagonal blocks; `couple` extends the matrix. `stress` [N/m], shape [face_count, 3],
+        replaces the membrane's stress in the geometric part; see `predict_stress`."""
         energy, gradient, blocks = self._evaluate(nodes, 2, exact, NO_STRESS if stress is None else stress)
         gradient[self.scene.fixed] = 0.0
         return energy, gradient, blocks
 
     def foresee_stress(self, nodes: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Compute the membrane's stress [N/m], shape [face_count, 3], that a step [m] from nodes [m] is to lead to.
-
-        It is linear in the step and so free of the stretch that any straight step along a fold brings.
-        """
+        """Compute the membrane's stress [N/m], shape [face_count, 3], after a step [m] from nodes [m], linear in the
+        step. It is free of the stretch that any straight step along a fold adds."""
         topology, found = self.scene.topology, []
         for layer in self.scene.garments:
             faces, shape, _, _ = layer.membrane_of(topology)
@@ -200,7 +183,7 @@ class Energy:
         return float(energy), *found
 
     def _add_self_contact(self, nodes: np.ndarray, order: int, exact: bool, found: Derivatives) -> float:
-        """Add the contact of cloth with cloth; pairs for which the matrix has no place count by diagonal blocks."""
+        """Add the contact of cloth with cloth; pairs that the matrix has no place for add diagonal blocks."""
         cloth, near = self.scene.self_contact, self.watch(nodes).near
         assert cloth is not None and near is not None
         if self.rubbing is None and not len(near.keys):
@@ -220,7 +203,7 @@ class Energy:
         return energy
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
-        """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""
+        """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's Hessian."""
         scene, tied = self.scene, (NO_INERTIA_TARGET, 0.0) if self.inertia is None else self.inertia.as_taken
         masses, diagonal = scene.masses, scene.topology.pattern.diagonal
         found = Derivatives(gradient, blocks)

@@ -1,4 +1,4 @@
-"""What a cloth is made of, as the simulator sees it."""
+"""Mechanical parameters of a fabric."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Fabric:
         density: Mass per area [kg/m2].
         thickness: Thickness [m].
         friction: Coulomb coefficient against skin.
-        title: For people, `cotton poplin, 115 g/m2`.
+        title: Name for display, `cotton poplin, 115 g/m2`.
         sources: For each parameter `measured: ...`, `derived: ...` or `assumed: ...`.
     """
 
@@ -38,15 +38,15 @@ class Fabric:
 
 @dataclass(frozen=True)
 class FabricEstimate:
-    """Describe what a drape tells of one of a fabric's parameters.
+    """Describe the estimate of one of a fabric's parameters from a drape.
 
     Attributes:
         name: One of H00, H01, H11, H22 [N/m], k [N m], density [kg/m2].
-        value: Its value, at the density that was assumed.
+        value: Its value, at the assumed density.
         std: Posterior standard deviation of its logarithm.
         prior_std: The prior's.
-        identifiable: True where the value was found from the drape, and the drape narrows it to half of the prior.
-        note: In words.
+        identifiable: True where the value was estimated from the drape, which narrows it to half of the prior.
+        note: The same in words.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What a fabric of a user's must be: named, sourced, and in the range that drapes are known for."""
+"""Check a user's fabric: name, source and range of each number."""
 
 from __future__ import annotations
 
@@ -13,24 +13,22 @@ from .settings import STANDARD_GRAVITY
 
 NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
 ORIGINS = ("measured", "derived", "assumed")
-"""What a source begins with."""
+"""First word of a source."""
 
 MIN_SOURCE_LENGTH, MAX_SOURCE_LENGTH = 10, 1000
-"""Smallest and largest length of a source after its origin [characters]: fewer name no place, more are no reference."""
+"""Smallest and largest length of a source after its origin [characters]. A shorter one cannot name a place."""
 
 MAX_FABRIC_TITLE_LENGTH = 255
 """Largest length of a fabric's title [characters]."""
 FABRIC_RANGE_FACTOR = 10.0
-"""Factor by which another fabric may lie beyond the library's softest and stiffest, lightest and heaviest one. It
-leaves room for felt and gauze, while a slip of a unit (g for kg, mm for m, uN for N) is a factor of 1000 or more and is
-found."""
+"""Factor by which a fabric's numbers may exceed the library's range. It allows felt and gauze; a wrong unit (g for kg,
+mm for m, uN for N) is a factor of 1000 or more and is refused."""
 
 FRICTION_COEFFICIENT_RANGE = (0.0, 2.0)
 """Range of Coulomb coefficients. Cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
 
 MAX_SELF_WEIGHT_STRAIN = 0.2
-"""Largest strain of cloth under the weight of a metre of itself. Beyond it a membrane that is linear in strain is no
-model."""
+"""Largest strain of cloth under the weight of a metre of itself. Beyond it the linear membrane is no valid model."""
 
 
 class FabricNameBad(BadInput):
@@ -53,8 +51,8 @@ class FabricOutOfRange(BadInput):
 
 @cache
 def find_ranges() -> dict[str, tuple[float, float]]:
-    """Return the lowest and the highest value of each parameter in SI units, as `FABRIC_RANGE_FACTOR` and
-    `FRICTION_COEFFICIENT_RANGE` say."""
+    """Return the lowest and the highest value of each parameter in SI units, by `FABRIC_RANGE_FACTOR` and
+    `FRICTION_COEFFICIENT_RANGE`."""
     found = {name: [getattr(fabric, name) for fabric in load_fabrics()] for name in PARAMETERS}
     return {name: (min(row) / FABRIC_RANGE_FACTOR, max(row) * FABRIC_RANGE_FACTOR) for name, row in found.items()} | {
         "friction": FRICTION_COEFFICIENT_RANGE
@@ -62,7 +60,7 @@ def find_ranges() -> dict[str, tuple[float, float]]:
 
 
 def check_fabric(fabric: Fabric) -> Fabric:
-    """Check a fabric that a user gave, and return it.
+    """Check a user's fabric, and return it.
 
     Raises:
         FabricNameBad: where name or title cannot be used.
@@ -87,7 +85,7 @@ def _check_sources(fabric: Fabric) -> None:
         if origin not in ORIGINS or not is_told:
             raise FabricSourceBad(f"{name} of '{fabric.name}' has no source. {FabricSourceBad().message}")
     if len(fabric.sources) != len(PARAMETERS) or set(sources) != set(PARAMETERS):
-        raise FabricSourceBad(f"'{fabric.name}' has sources of what is no number of it; leave them out.")
+        raise FabricSourceBad(f"'{fabric.name}' has sources of numbers that a fabric does not have; leave them out.")
 
 
 def _check_numbers(fabric: Fabric) -> None:

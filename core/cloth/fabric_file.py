@@ -1,4 +1,4 @@
-"""Files of fabrics: JSON or CSV, each number with its unit and its source."""
+"""Read and write files of fabrics: JSON or CSV, each number with its unit and its source."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ UNITS = {
     "friction": {"1": 1.0},
     **{name: {"N/m": 1.0} for name in ("H00", "H01", "H11", "H22")},
 }
-"""The units that each parameter may have, the SI unit first."""
+"""Permitted units of each parameter, the SI unit first."""
 
 COLUMNS = ("name", "title", "parameter", "value", "unit", "source")
 
@@ -47,7 +47,7 @@ class FabricUnitBad(BadInput):
 
 
 def read_fabrics(path: Path) -> list[Fabric]:
-    """Return the fabrics of a file in its order, each of them checked.
+    """Read the fabrics of a file in its order and check each.
 
     Args:
         path: JSON `{"fabrics": [{"name", "title", "parameters": {NAME: {"value", "unit", "source"}}}]}`, or CSV with
@@ -79,7 +79,7 @@ def read_fabrics(path: Path) -> list[Fabric]:
 
 
 def write_fabrics(fabrics: Sequence[Fabric], path: Path) -> None:
-    """Write fabrics in SI units: CSV where the file is called so, JSON otherwise; `read_fabrics` reads the same."""
+    """Write fabrics in SI units for `read_fabrics`: CSV where the path ends in `.csv`, else JSON."""
     told = [
         {
             "name": fabric.name,
@@ -120,7 +120,7 @@ def _list_rows(found: Any) -> Iterator[Row]:
         for name, number in one["parameters"].items():
             row = (one["name"], one.get("title", ""), name, number["value"], number.get("unit", ""), number["source"])
             if not all(isinstance(cell, str) for cell in (*row[:3], *row[4:])):
-                raise FabricFileBad(f"'{name[:40]}' has a text that is none. {FabricFileBad().message}")
+                raise FabricFileBad(f"'{name[:40]}' has a field that is not a text. {FabricFileBad().message}")
             yield row
 
 

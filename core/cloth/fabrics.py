@@ -10,11 +10,11 @@ from ..run.errors import NotFound
 from .fabric import Fabric
 
 PARAMETERS = ("density", "H00", "H01", "H11", "H22", "k", "thickness", "friction")
-"""What is given for each fabric, with its source."""
+"""The numbers of each fabric, every one with its source."""
 
 
 DEFAULT_FABRIC = "cotton_poplin"
-"""The fabric of a recovery where none is named: a plain cotton weave, mid-range in weight and stiffness."""
+"""Fabric of a recovery that names none: a plain cotton weave, mid-range in weight and stiffness."""
 
 
 class FabricUnknown(NotFound):
@@ -25,11 +25,9 @@ class FabricUnknown(NotFound):
 
 @cache
 def load_fabrics() -> tuple[Fabric, ...]:
-    """Return all fabrics of the library, by name.
-
-    Every number's source says `measured: where`, `derived: how` or `assumed: plausible range`. Bending: eq. 3.4's k is
-    twice the flexural rigidity B of a textile laboratory (see `bending.py`).
-    """
+    """Return all fabrics of the library, by name. Every number's source says `measured: where`, `derived: how` or
+    `assumed: plausible range`. Bending: eq. 3.4's k is twice the flexural rigidity B of a textile laboratory (see
+    `bending.py`)."""
     rows = json.loads(Path(__file__).with_name("fabrics.json").read_text(encoding="utf-8"))
     return tuple(
         Fabric(
@@ -43,10 +41,10 @@ def load_fabrics() -> tuple[Fabric, ...]:
 
 
 def get_fabric(name: str | Fabric | None = None) -> Fabric:
-    """Find a shipped fabric by its name; one that is given itself is that one, and None is `DEFAULT_FABRIC`.
+    """Return a shipped fabric by its name, a given `Fabric` itself, or for None `DEFAULT_FABRIC`.
 
     Raises:
-        FabricUnknown: where there is none; the message lists those there are.
+        FabricUnknown: where there is none; the message lists the known names.
     """
     if isinstance(name, Fabric):
         return name

@@ -1,4 +1,4 @@
-"""Factor as much of the exact Hessian of the cloth's energy as is positive definite."""
+"""Factor the largest positive definite share of the exact Hessian of the cloth's energy."""
 
 from __future__ import annotations
 
@@ -8,16 +8,14 @@ from .energy import Energy
 from .solver import Solver
 
 _EXACT_SHARE_DECAY_FACTOR = 0.6
-"""Factor on the exact share after each indefinite matrix; below a tenth the PSD form alone is taken."""
+"""Factor on the exact share after each indefinite matrix; below a tenth only the PSD form is factored."""
 
 
 def factor_regularised(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarray, share: float) -> float:
-    """Factor the largest share of the exact Hessian that is definite and return it; -1 where nothing can be factored.
-
-    The matrix is share K + (1 - share) K_psd: the exact Hessian is indefinite on compressed cloth.
-    `blocks` is the exact Hessian where `share` > 0, else the PSD form. Slack cloth makes the PSD form singular, so it
-    is shifted, first by a node's weight per metre, which is nothing beside the cloth's stiffness.
-    """
+    """Factor the largest definite share of the exact Hessian and return it; -1 where nothing can be factored. The
+    matrix is share K + (1 - share) K_psd: the exact Hessian is indefinite on compressed cloth. `blocks` is the exact
+    Hessian where `share` > 0, else the PSD form. Slack cloth makes the PSD form singular, so it is shifted, first by a
+    node's weight per metre, which is negligible against the cloth's stiffness."""
     scene = energy.scene
     topology, fixed = scene.topology, scene.fixed
     if share >= 1.0:

@@ -12,7 +12,7 @@ from .scene import Scene
 
 
 class Friction(NamedTuple):
-    """What friction takes as given while positions are solved for.
+    """Describe the state of friction that is constant during a solve.
 
     Attributes:
         anchors: Where each node sticks [m], shape [node_count, 3].
@@ -27,7 +27,7 @@ class Friction(NamedTuple):
     slip: float
 
     def slide(self, nodes: np.ndarray) -> np.ndarray:
-        """Return the anchors once the cloth is at `nodes`: those beyond `slip` follow, those off the body jump."""
+        """Return the anchors with the cloth at `nodes`: beyond `slip` they follow; off the body they are the nodes."""
         moved = nodes - self.anchors
         along = (moved * self.normals).sum(1, keepdims=True) * self.normals
         tangent = moved - along
@@ -37,10 +37,8 @@ class Friction(NamedTuple):
 
 
 def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Friction | None:
-    """Compute the friction that follows from the contact forces at nodes [m], or None where there is none.
-
-    A derivative takes it as given: `nodes` and `anchors`, both of shape [node_count, 3], are then a drape's.
-    """
+    """Compute the friction of the contact forces at nodes [m], or None where there is none. For a derivative, which
+    takes friction as constant, `nodes` and `anchors`, [node_count, 3], are those of a drape."""
     if scene.body is None or not scene.contact.friction or not np.any(scene.per_node("friction")):
         return None
     force, normals = contact_forces(scene, nodes)
@@ -49,7 +47,8 @@ def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Fricti
 
 @njit(cache=True, inline="always")
 def mobilise(y, square, slip):  # type: ignore[no-untyped-def]
-    """Return f(y), f'(y) / y and f''(y) of friction drawn by y [m], y^2 = `square`, mobilised in full at `slip` [m]."""
+    """Return f(y), f'(y) / y and f''(y) of friction at a displacement y [m], y^2 = `square`, fully mobilised at
+    `slip`."""
     if y < slip:
         return (
             square / slip - square * y / (3.0 * slip * slip),
@@ -67,8 +66,7 @@ def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped
 
     Notation: `given` a `Friction`: anchors a [m]; normals n; limits L = mu N [N], lagged; slip s [m]. The force never
     exceeds mu N and opposes the motion away from the anchor; below s it is elastic, so a block at rest does not creep.
-    The smoothing is that of Li et al. 2020 (incremental potential contact) with an anchor in place of the last time
-    step.
+    Smoothed as by Li et al. 2020 (incremental potential contact), with an anchor in place of the last time step.
     """
     anchors, normals, limits, slip = given
     gradient, blocks = derivatives

@@ -1,4 +1,4 @@
-"""The PSD Hessian as a number that torch can differentiate: what an adjoint through a linearised step needs of it."""
+"""The PSD Hessian's bilinear form in torch, for the adjoint through a linearised step."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ FormGradient = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndarray) -> tuple[float, FormGradient]:
-    """Return q = one . P(x; p) other, P the PSD Hessian, and its derivative by x, by rest triangles and `FABRIC`.
+    """Return q = one . P(x; p) other, P the PSD Hessian, and its derivative by x, by rest triangles and by fabric.
 
     It is thesis eq. 2.30, dM / dx contracted with the adjoint and the solution: third derivatives of the energy, by
-    torch's reverse mode over all faces and hinges at once. P is that of `Energy.hessian(nodes, exact=False)`, whose
-    docstrings give the parts; contact's normal and friction's limits count as there. What is held by springs adds the
-    same to q wherever the nodes are, and is left out.
+    torch's reverse mode over all faces and hinges at once. P is that of `Energy.hessian(nodes, exact=False)`; contact's
+    normal and friction's limits are constants as there. Spring pins are left out: their share of q does not depend on
+    the nodes.
 
     Args:
         energy: Whose Hessian.
@@ -29,7 +29,8 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
         one, other: Directions, both of shape [node_count, 3].
 
     Returns:
-        q [J], for directions in metres; derivatives of shapes [node_count, 3], [face_count, 3, 2] and [6].
+        q [J], for directions in metres; derivatives of shapes [node_count, 3], [face_count, 3, 2] and [6]
+            (`FABRIC_PARAMETERS`).
     """
     scene = energy.scene
     topology, fabric = scene.topology, scene.only_fabric
@@ -63,7 +64,8 @@ def _membrane(
     one: torch.Tensor,
     other: torch.Tensor,
 ) -> torch.Tensor:
-    """A (eps_1 : H eps_2 + sum_ij S+_ij f_1i . f_2j), f_n = D(F)[n], eps_n = sym(F^T f_n), S+ the stress's PSD part."""
+    """Return A (eps_1 : H eps_2 + sum_ij S+_ij f_1i . f_2j), f_n = D(F)[n], eps_n = sym(F^T f_n), S+ the stress's PSD
+    part."""
     undo = torch.linalg.inv(edges)
     faces = torch.from_numpy(topology.faces)
 
@@ -88,11 +90,11 @@ def _membrane(
 
 
 def _positive_part(a: torch.Tensor, b: torch.Tensor, c: torch.Tensor) -> tuple[torch.Tensor, ...]:
-    """As `membrane.positive_part`, for many matrices [[a, c], [c, b]] at once."""
+    """Return `membrane.positive_part` of many matrices [[a, c], [c, b]] at once."""
     mean, half = 0.5 * (a + b), 0.5 * (a - b)
     tense = mean.detach() - torch.sqrt(half.detach() ** 2 + c.detach() ** 2) >= 0
     slack = mean.detach() + torch.sqrt(half.detach() ** 2 + c.detach() ** 2) <= 0
-    # 1: where the part is all or nothing the square root is not used, and its slope at zero must not turn up
+    # 1 where the part is all or nothing: the square root is not used there, and its slope at zero is infinite
     radius = torch.sqrt(torch.where(tense | slack, torch.ones_like(a), half**2 + c**2))
     scale = (mean + radius) / (2.0 * radius)
     mixed = (scale * (radius + half), scale * (radius - half), scale * c)
@@ -111,7 +113,7 @@ def _bending(
     one: torch.Tensor,
     other: torch.Tensor,
 ) -> torch.Tensor:
-    """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `BendingFriction`."""
+    """Return E'' (grad theta . one)(grad theta . other) summed over hinges; see `bending` and `BendingFriction`."""
     topology = scene.topology
     hinged = topology.hinges
     sides, corners = torch.from_numpy(hinged.faces), torch.from_numpy(hinged.corners)
@@ -145,7 +147,7 @@ def _bending(
 def _contact(
     scene: Scene, x: torch.Tensor, shares: torch.Tensor, one: torch.Tensor, other: torch.Tensor
 ) -> torch.Tensor:
-    """2 a_v k (delta - d) (n . one)(n . other) where d < delta; d and n to first order about the nodes themselves."""
+    """Return 2 a_v k (delta - d) (n . one)(n . other) where d < delta; d and n to first order about the nodes."""
     body: Any = scene.body
     distance, slope, curve = (torch.from_numpy(part) for part in body.evaluate(x.detach().numpy()))
     moved = x - x.detach()
@@ -156,7 +158,8 @@ def _contact(
 
 
 def _friction(energy: Energy, x: torch.Tensor, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
-    """L (f'/y one_t . other_t + (f'' - f'/y) (u . one)(u . other) / y^2), u the slide, y = |u|; see `friction`."""
+    """Return L (f'/y one_t . other_t + (f'' - f'/y) (u . one)(u . other) / y^2), u the slide, y = |u|; see
+    `friction`."""
     given = energy.friction
     assert given is not None
     held = np.flatnonzero(given.limits > 0)
@@ -164,7 +167,7 @@ def _friction(energy: Energy, x: torch.Tensor, one: torch.Tensor, other: torch.T
     away, first, second = x[held] - torch.from_numpy(given.anchors[held]), one[held], other[held]
     u = away - (away * n).sum(1, keepdim=True) * n
     square = (u**2).sum(1)
-    # a node on its anchor: the second part is 0 there, and the square root has no slope
+    # a node on its anchor: the second part is 0 there, and the square root is not differentiable
     y, slip = torch.sqrt(torch.clamp(square, min=1e-30)), given.slip
     stuck = y < slip
     over = torch.where(stuck, 2.0 / slip - y / slip**2, 1.0 / y)

@@ -1,4 +1,4 @@
-"""Garments one upon the other in one mesh, each of its own fabric."""
+"""Several garments worn one over the other in one mesh, each with its own fabric."""
 
 from __future__ import annotations
 
@@ -13,14 +13,7 @@ from .topology import FaceElements, HingeElements, Topology
 
 @dataclass(frozen=True)
 class Layer:
-    """Describe which run of nodes, faces and hinges of a mesh is one garment, and what that is made of.
-
-    Attributes:
-        fabric: What it is made of.
-        nodes: Its nodes.
-        faces: Its faces.
-        hinges: Its hinges.
-    """
+    """Describe which nodes, faces and hinges of a mesh are one garment, and its fabric."""
 
     fabric: Fabric
     nodes: slice
@@ -29,7 +22,7 @@ class Layer:
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Return the membrane's four numbers as its kernels take them [N/m]."""
+        """Return the membrane's four stiffnesses as its kernels take them [N/m]."""
         return np.array([self.fabric.H00, self.fabric.H01, self.fabric.H11, self.fabric.H22])
 
     def membrane_of(self, topology: Topology) -> FaceElements:
@@ -42,11 +35,11 @@ class Layer:
 
 
 def stack_garments(topologies: Sequence[Topology], fabrics: Sequence[Fabric]) -> tuple[Topology, tuple[Layer, ...]]:
-    """Return the mesh of several garments, one after the other, and which part of it is which garment.
+    """Return one mesh of several garments, numbered one after the other, and the `Layer` of each.
 
     Args:
-        topologies: Of each garment; their nodes are numbered on from one to the next.
-        fabrics: What each is made of.
+        topologies: Mesh of each garment.
+        fabrics: Fabric of each.
     """
     counts = np.array([[one.node_count, len(one.faces), len(one.hinges.nodes)] for one in topologies])
     ends = np.vstack([np.zeros((1, 3), dtype=np.int64), np.cumsum(counts, axis=0)])

@@ -1,4 +1,4 @@
-"""The thesis' own time steps, one linear system each, with the whole adjoint of such a step (eq. 3.2, 2.27 to 2.30)."""
+"""The thesis' time steps, one linear system each, with the full adjoint of such a step (eq. 3.2, 2.27 to 2.30)."""
 
 from __future__ import annotations
 
@@ -15,26 +15,25 @@ from .steps import TimeSteps
 
 HESSIAN_DIFFERENCE_STEP = 1e-7
 """Largest motion of a node for a difference of Hessians [m]: forces change over millimetres (contact's thickness), so
-its error is a billionth, and round-off's a ten-billionth."""
+its relative error is 1e-9, and round-off's 1e-10."""
 
 
 @dataclass(frozen=True)
 class LinearisedSteps(TimeSteps):
-    """Differentiate linearised implicit Euler steps one by one, backwards in time: the thesis' way to the letter.
+    """Differentiate linearised implicit Euler steps one by one, backwards in time, as the thesis does.
 
-        A_t (x_t - x_{t-1}) = -g_t(x_{t-1}),    A_t = M / dt^2 + K(x_{t-1}),    g_t the gradient of `Unrolled`'s step
+        A_t (x_t - x_{t-1}) = -g_t(x_{t-1}),    A_t = M / dt^2 + K(x_{t-1}),    g_t the step's gradient
 
-    Such a step is not solved until no force is left, so the derivative of its matrix counts (eq. 2.30):
+    Such a step leaves forces on the nodes, so the derivative of its matrix matters (eq. 2.30):
 
         A_t lambda = dL/dx_t,    dL/dx_{t-1} += dL/dx_t - H_t lambda - d(lambda . P d_t)/dx,
         dL/dp -= lambda . dg_t/dp + d(lambda . A_t d_t)/dp,    d_t = x_t - x_{t-1}
 
-    with H_t the exact Hessian of the step's energy, and dL/dy_t = M lambda / dt^2 as in `Unrolled`. Every step is as
-    quick as one iteration of the converged ones and the gradient is that of the path that was taken; where the path has
-    not come to rest, neither has the gradient.
+    with H_t the exact Hessian of the step's energy; g_t and dL/dy_t = M lambda / dt^2 as in `UnrolledSteps`. A step
+    costs one iteration of a converged one. The gradient is that of the computed path, even if its end is not at rest.
 
     **Deviation**: K is the exact Hessian, as in the thesis, only where A is positive definite with it, else the PSD
-    form: cloth that is pressed together then has a step, too, but a shorter one.
+    form: compressed cloth then also has a step, though a shorter one.
     """
 
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
@@ -46,7 +45,7 @@ class LinearisedSteps(TimeSteps):
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
     ) -> tuple[np.ndarray, Sensitivity]:
-        """See `TimeSteps`; what comes to fixed nodes goes to the points at which they are held."""
+        """See `TimeSteps`; the derivative by fixed nodes is that by their pinned points."""
         from .hessian_form import pull_form
 
         placed, pins = place_pinned(step.scene, start), step.scene.pins
@@ -66,7 +65,7 @@ class LinearisedSteps(TimeSteps):
 
 
 def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.ndarray]:
-    """Factor a step's Hessian at nodes [m]: tell whether it is the exact one, and give the step's gradient [N]."""
+    """Factor a step's Hessian at nodes [m]; return whether it is the exact one, and the step's gradient [N]."""
     for exact in (True, False):
         _, gradient, blocks = step.hessian(nodes, exact)
         if solver.factor(step.scene.topology.assemble(blocks, step.scene.fixed)) and solver.is_positive_definite():
@@ -75,7 +74,7 @@ def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.n
 
 
 def _hessian_product(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Multiply the exact Hessian at nodes [m] with weights, shape [node_count, 3]; fixed nodes' rows are whole."""
+    """Multiply the exact Hessian at nodes [m] with weights, shape [node_count, 3]; rows of fixed nodes are kept."""
     free = np.zeros(len(nodes), dtype=bool)
     topology = step.scene.topology
     data = topology.assemble(step.hessian(nodes)[2], free)
@@ -83,11 +82,9 @@ def _hessian_product(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np
 
 
 def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along the way.
-
-    H is the derivative of g, so the order may be exchanged; the outer derivative is a central difference over
-    `HESSIAN_DIFFERENCE_STEP`.
-    """
+    """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along `way`. H
+    is the derivative of g, so the order can be exchanged; the outer derivative is a central difference over
+    `HESSIAN_DIFFERENCE_STEP`."""
     length = float(np.sqrt((way**2).sum(1).max()))
     if length == 0.0:
         return tuple(np.zeros_like(part) for part in (nodes, *pull_forces(step, nodes, weights)))

@@ -1,4 +1,4 @@
-"""Weight and inertia of nodes: what each mass adds by itself."""
+"""Energy of the nodes' masses: weight and inertia."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def loads(x, masses, gravity, inertia, order, diagonal, derivatives):  # type: i
 
 @njit(cache=True)
 def largest_length(vectors):  # type: ignore[no-untyped-def]
-    """Return the length of the longest of some vectors, shape [n, 3]; no number where one of them is none."""
+    """Return the length of the longest of vectors, shape [n, 3]; NaN where a vector has NaN."""
     most = 0.0
     for v in range(vectors.shape[0]):
         square = vectors[v, 0] ** 2 + vectors[v, 1] ** 2 + vectors[v, 2] ** 2

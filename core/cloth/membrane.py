@@ -80,10 +80,8 @@ def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore
 
 @njit(cache=True)
 def predict_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
-    """Return the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it.
-
-    sigma = H (eps(x) + D eps(x)[step]): without the square of the step, by which a straight way along a fold stretches.
-    """
+    """Return the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it. sigma = H
+    (eps(x) + D eps(x)[step]): without the term quadratic in the step, the stretch of a straight step along a fold."""
     found = np.zeros((faces.shape[0], 3))
     rows = np.zeros((4, 3))
     fu, fv, du, dv = rows[0], rows[1], rows[2], rows[3]
@@ -109,7 +107,7 @@ def predict_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _make_scratch():  # type: ignore[no-untyped-def]
-    """Return the kernel's scratch rows, made once per call."""
+    """Return the kernel's scratch rows, allocated once per call."""
     return np.zeros((5, 3))
 
 

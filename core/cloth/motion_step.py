@@ -1,4 +1,4 @@
-"""One implicit Euler step of cloth on a body that moves, solved until it is converged."""
+"""One implicit Euler step of cloth on a moving body, solved to convergence."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from .tangent_planes import TangentPlanes
 
 @dataclass(frozen=True)
 class StepSettings:
-    """Choose how a step of cloth in motion is taken.
+    """Describe the settings of a step of cloth in motion.
 
     Attributes:
-        damping: Rate at which velocity relative to the air decays [1/s]. A sheet of 120 g/m2 that falls flat comes to
-            1.3 m/s (drag coefficient 1.2), which is 7.5 a second; edge-on it is not held at all. 2 is a third of it,
-            the mean over all directions rounded down, and stands for the yarns' own losses too. Assumed.
+        damping: Rate at which velocity relative to the air decays [1/s]. A sheet of 120 g/m2 that falls flat reaches
+            1.3 m/s (drag coefficient 1.2), which is a rate of 7.5; edge-on the rate is 0. 2 is a third of 7.5, the mean
+            over all directions, rounded down, and includes the yarns' own losses. Assumed.
         wind: Velocity of the air [m/s].
-        tolerance: Largest force left on a node, relative to the mean weight of a node. 0.1: of 1 m/s2 on the worst node
-            for a step, which in 1/30 s moves it by a millimetre at most; on 99 of 100 nodes it is a fifth of that.
-        still: Motion of the fastest node in a leg under which the step counts as converged [m], unless it was cloth
-            about to touch that kept it from going on.
-        steps_per_factor: Quasi-Newton steps with one factored matrix.
-        legs: Matrices factored after which a step gives up; it is then taken in two halves. 40: steps of a skirt in a
-            walk that were given up after 12, and then took 14 to 21 in two halves, converged after 14 to 26.
-        renewals: Legs before which planes and friction's normal forces are taken anew; in a crease they and the cloth
-            chase each other, and after so many legs they stay as they are.
-        reach: Distance to the skin within which a node sees its plane [m]: further than it goes in a leg.
+        tolerance: Largest force left on a node, relative to the mean weight of a node. 0.1: 1 m/s2 on the worst node
+            for a step, which in 1/30 s moves it by at most a millimetre; on 99 of 100 nodes it is a fifth of that.
+        still: Motion of the fastest node in a run under which the step counts as converged [m], unless a near collision
+            cut the run short.
+        steps_per_factor: Quasi-Newton steps per factored matrix (a run).
+        legs: Largest number of runs; a step that needs more is taken in two halves. 40: steps of a skirt in a walk that
+            failed after 12 runs, and then took 14 to 21 in two halves, converged after 14 to 26.
+        renewals: Runs before which planes and friction's normal forces are computed anew. In a crease they and the
+            cloth keep changing each other, so that they stay constant after so many runs.
+        reach: Distance to the skin within which a node has a plane [m]: more than it moves in a run.
         max_step: Largest displacement of a node in a quasi-Newton step [m].
     """
 
@@ -56,31 +56,23 @@ class StepSettings:
     max_step: float = 0.02
 
     def __post_init__(self) -> None:
-        """Check the values.
-
-        Raises:
-            SettingsBad: where one is negative.
-        """
+        """Check the values; raise `SettingsBad` where one is negative."""
         if not self.damping >= 0 or not self.reach > 0 or self.legs < 1:
             raise SettingsBad(f"damping, reach and legs must not be negative: {self}.")
 
 
 @dataclass(frozen=True)
 class SolverLayout:
-    """Describe a scene with a matrix laid out for the pairs of cloth that touched so far.
-
-    Attributes:
-        energy: The scene without its body, and the pairs that may touch.
-        solver: Analysed for the scene's topology; of single precision, which does for a direction to descend along: a
-            step ends by its forces, and those are of double precision.
-    """
+    """Describe a scene, without its body, with the pairs of cloth that may touch and a solver analysed for its
+    topology, in single precision. That is enough for a direction of descent: a step ends by its forces, in double
+    precision."""
 
     energy: Energy
     solver: Solver
 
     @classmethod
     def of(cls, scene: Scene) -> SolverLayout:
-        """Return a scene's own layout."""
+        """Return the layout of a scene without pairs."""
         return cls(Energy(scene), make_solver(scene.topology.pattern, single=True))
 
     def at(self, pins: Pins | None, contact: SelfContact | None) -> SolverLayout:
@@ -92,13 +84,13 @@ class SolverLayout:
 
 @dataclass(frozen=True)
 class StepResult:
-    """Describe a step that was taken.
+    """Describe the result of a step.
 
     Attributes:
         state: The cloth after it.
         converged: Whether the forces are within the tolerance or nothing moves any more.
         residual: Largest force left on a node, relative to the mean weight of a node.
-        factors: Matrices factored.
+        factors: Number of matrices factored.
         layout: For the next step.
     """
 
@@ -117,22 +109,22 @@ def step_in_motion(
     dt: float,
     settings: StepSettings = StepSettings(),
 ) -> StepResult:
-    """Take an implicit Euler step of `dt` [s] against air drag, on a body that has moved.
+    """Compute an implicit Euler step of `dt` [s] with air drag, on a body that has moved.
 
         m (v+ - v) / dt = -dE(x+) - c m (v+ - w),   v+ = (x+ - x) / dt
 
     is the minimum of E(x+) + (1 + c dt) / (2 dt^2) |x+ - y|_M^2 with y = x + dt (v + c dt w) / (1 + c dt).
 
-    Notation: c `damping`; w `wind`; M masses. Friction on the skin and in bending starts from where it held after the
-    step before (`anchors`, `folds`). The planes of the body and friction's normal forces are taken anew before each
-    leg, so that a converged step is in balance with where it ends. Where forces are no numbers any more, the step ends
-    at the last place where they were, and is not converged.
+    Notation: c `damping`; w `wind`; M masses. Friction on the skin and in bending starts from the anchors of the step
+    before (`anchors`, `folds`). The body's planes and friction's normal forces are computed anew before each run, so
+    that a converged step is in balance with those at its end. Where forces become NaN or infinite, the step ends at the
+    last place with finite ones and is not converged.
 
     Args:
-        layout: The cloth and what acts on it but the body; pins are where they belong after the step.
+        layout: The cloth and all that acts on it except the body; pins are at their points after the step.
         before: The cloth before the step.
-        carried: Where the skin's motion would take nodes and friction's anchors: the nodes are where the minimum is
-            looked for from, so that cloth stays on its side of a limb that moves by more than its thickness.
+        carried: Nodes and friction's anchors moved with the skin. The search for the minimum starts at these nodes, so
+            that cloth stays on its side of a limb that moves by more than its thickness.
         body: The body after the step, or None.
         dt: Length of the step [s].
         settings: Limits.

@@ -1,4 +1,4 @@
-"""The few numbers that a fit may turn: control points of the pattern and parameters of the fabric."""
+"""Parameters of a fit: control points of the pattern and parameters of the fabric."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Parameters:
 
         rest(p) = rest + shape p_shape,    value(p) = value exp(p_fabric)
 
-    The fabric's are logarithms: they stay positive, and a step of 0.01 is one per cent of each.
+    The fabric's are logarithms: values stay positive, and a step of 0.01 is one per cent of each.
 
     Attributes:
         shape: Rest corners [m] by shape parameter [m], shape [6 face_count, shape_count].
@@ -42,10 +42,9 @@ class Parameters:
         fabric: tuple[str, ...] = (),
         gathers: Sequence[Sequence[EdgeRef]] = (),
     ) -> Parameters:
-        """Take all control points, or the effective ones of a symmetry, as x0, y0, x1, y1, ... [m]; then gathers.
-
-        Each gather is a ratio, by its logarithm: the edges that it lengthens, mirror images together (`list_gathers`).
-        """
+        """Return the parameters of a garment: all control points, or the effective ones of a symmetry, as x0, y0, x1,
+        y1, ... [m], then the logarithm of each gather's ratio: the edges that it lengthens, mirror images together
+        (`list_gathers`)."""
         points = map_rest(garment) @ control.matrix
         shape = [points if symmetry is None else points @ symmetry.matrix]
         for edges in gathers:
@@ -55,7 +54,7 @@ class Parameters:
 
     @property
     def count(self) -> int:
-        """Return how many there are."""
+        """Return the number of parameters."""
         return int(self.shape.shape[1]) + len(self.fabric)
 
     def move(self, scene: Scene, step: np.ndarray) -> Scene:
@@ -71,8 +70,7 @@ class Parameters:
         return replace(scene, topology=topology, fabric=replace(scene.fabric, **scaled))
 
     def rates(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC_PARAMETERS`,
-        shape [6, count]."""
+        """Return the rates of the rest corners, [face_count, 3, 2, count], and of `FABRIC_PARAMETERS`, [6, count]."""
         first = self.shape.shape[1]
         rest = np.zeros((self.shape.shape[0], self.count))
         rest[:, :first] = self.shape.toarray()
@@ -88,10 +86,8 @@ class Parameters:
 
 
 def map_rest(garment: Garment) -> csr_matrix:
-    """Return the linear map from uv (x0, y0, x1, ...) to the rest triangles of `Topology.from_garment`.
-
-    Shape [6 face_count, 2 uv_count]; each panel's grainline turns its warp to the second rest axis.
-    """
+    """Return the linear map from uv (x0, y0, x1, ...) to the rest triangles of `Topology.from_garment`. Shape [6
+    face_count, 2 uv_count]; each panel's grainline turns its warp to the second rest axis."""
     angles = np.array([panel.grainline for panel in garment.pattern.panels])[garment.panel_of_face]
     turn = np.stack([np.cos(angles), np.sin(angles), -np.sin(angles), np.cos(angles)], axis=1).reshape(-1, 1, 2, 2)
     values = np.broadcast_to(turn, (len(angles), 3, 2, 2))
@@ -102,10 +98,8 @@ def map_rest(garment: Garment) -> csr_matrix:
 
 
 def list_gathers(pattern: Pattern, symmetry: Symmetry) -> tuple[tuple[EdgeRef, ...], ...]:
-    """Return the gathered seams' longer edges, mirror images together: each group has one free ratio.
-
-    The longer edge of a gathered seam is the one whose cloth is gathered; the other keeps its length.
-    """
+    """Return the gathered seams' longer edges, mirror images together: each group has one free ratio. The cloth of the
+    longer edge of a gathered seam is gathered; the other edge keeps its length."""
     leader: dict[EdgeRef, EdgeRef] = {}
     for seam in pattern.seams:
         if seam.gathered:
@@ -126,7 +120,7 @@ def _mirror_images(pattern: Pattern, symmetry: Symmetry, edge: EdgeRef) -> list[
     for mirror in symmetry.mirrors:
         count = len(mirror.order)
         if pattern.panels[mirror.source].name == edge.panel:
-            # An image runs the other way round: it begins with the image of the edge's end.
+            # A mirror image has the reverse direction: it begins with the image of the edge's end.
             end = (edge.edge + 1) % count
             first = int(np.flatnonzero(mirror.order == end)[0])
             found.append(EdgeRef(pattern.panels[mirror.target].name, first))
@@ -134,10 +128,9 @@ def _mirror_images(pattern: Pattern, symmetry: Symmetry, edge: EdgeRef) -> list[
 
 
 def stretch_edge(pattern: Pattern, edge: EdgeRef) -> np.ndarray:
-    """Return the motion of control points that lengthens one edge about its middle, shape [point_count, 2].
-
-    d length / d step = length: the step is the logarithm of a gathered seam's ratio. A column for `Parameters.shape`.
-    """
+    """Return the motion of control points that lengthens one edge about its middle, shape [point_count, 2]. It is a
+    column of `Parameters.shape`: d length / d step = length, the step being the logarithm of a gathered seam's
+    ratio."""
     index = [panel.name for panel in pattern.panels].index(edge.panel)
     first, count = int(pattern.point_starts[index]), len(pattern.panels[index].points)
     start, end = first + edge.edge, first + (edge.edge + 1) % count

@@ -1,4 +1,4 @@
-"""Nodes that something other than the cloth holds: a waistband, a pin, a clamp."""
+"""Nodes pinned at given positions: a waistband, a pin, a clamp."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class PinsBad(BadInput):
 
 @dataclass(frozen=True)
 class Pins:
-    """Pin nodes to points: fixed where `stiffness` is None, else by springs.
+    """Describe nodes pinned to points: fixed where `stiffness` is None, else by springs.
 
     Attributes:
         nodes: Pinned nodes, shape [pin_count].
@@ -33,11 +33,8 @@ class Pins:
     directions: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
-        """Check the shapes.
-
-        Raises:
-            PinsBad: where nodes and points do not match, or a fixed node has free directions.
-        """
+        """Check the shapes; raise `PinsBad` where nodes and points do not match, or a fixed node has free
+        directions."""
         if np.shape(self.points) != (len(self.nodes), 3) or not np.isfinite(self.points).all():
             raise PinsBad("pins need one finite point for each node.")
         if self.stiffness is None and self.directions != (1.0, 1.0, 1.0):
@@ -51,7 +48,7 @@ class Pins:
         stiffness: float | None = None,
         directions: tuple[float, float, float] = (1.0, 1.0, 1.0),
     ) -> Pins:
-        """Pin a named contour of a garment where it stands.
+        """Pin a named contour of a garment at its present position.
 
         Raises:
             PinsBad: where the garment has no contour of that name.
@@ -63,13 +60,13 @@ class Pins:
         return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
 
     def without(self, nodes: np.ndarray) -> Pins:
-        """Return the pins but for those of some nodes, shape [count]."""
+        """Return the pins without those of some nodes, shape [count]."""
         kept = ~np.isin(self.nodes, nodes)
         return replace(self, nodes=self.nodes[kept], points=np.asarray(self.points)[kept])
 
 
 def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarray:
-    """Move fixed nodes towards where they are held, at most `max_step` [m]."""
+    """Move fixed nodes towards their pinned points by at most `max_step` [m]."""
     if pins is None or pins.stiffness is not None:
         return nodes
     nodes = nodes.copy()

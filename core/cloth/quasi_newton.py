@@ -1,4 +1,4 @@
-"""Several descent steps from one factorisation: limited-memory BFGS that starts from the factored PSD Hessian."""
+"""Runs of descent steps from one factorisation: limited-memory BFGS that starts from the factored PSD Hessian."""
 
 from __future__ import annotations
 
@@ -16,28 +16,27 @@ ARMIJO_DECREASE_SHARE = 1e-4
 """Share of the predicted decrease that a step must reach; the usual value (Nocedal and Wright 2006, 3.1)."""
 
 _MAX_LINE_SEARCH_TRIALS = 12
-"""Largest number of step lengths tried. Each is at most half of the one before, and a 4000th of a step moves nothing
-that can be seen."""
+"""Largest number of step lengths tried. Each is at most half of the one before; a 4000th of a step is negligible."""
 
 _MAX_LBFGS_RESTARTS = 4
-"""Largest number of times that a run is continued where something came near that it did not watch. The last one looks
-ahead along its steps."""
+"""Largest number of times that a run continues after a pair came near that was not watched. The last time each step is
+checked before it is taken."""
 
 _MIN_CURVATURE_COSINE = 1e-12
-"""Smallest cosine between a step and the change of the gradient. Under it the pair holds nothing but round-off."""
+"""Smallest cosine between a step and the change of the gradient. Below it the change is round-off."""
 
 
 @dataclass(frozen=True)
 class LbfgsRun:
-    """Describe where a few steps with one factored matrix have led.
+    """Describe the result of a run: a few steps with one factored matrix.
 
     Attributes:
         nodes: Positions after them [m], shape [node_count, 3].
         residual: Largest force there, relative to the mean weight of a node.
         motion: Largest displacement of a node over all of them [m].
-        steps: Steps that lowered the energy.
-        cut: Whether cloth that would have touched cut a step short.
-        energy: What was minimised; it knows the pairs of cloth near its end.
+        steps: Number of steps that lowered the energy.
+        cut: Whether a step was cut short to avoid a collision.
+        energy: What was minimised, with the pairs of cloth near its end.
     """
 
     nodes: np.ndarray
@@ -61,20 +60,20 @@ def descend(
 ) -> LbfgsRun:
     """Take up to `steps` descent steps with the matrix that `solver` has factored; stop at the residual.
 
-    d = -B g, B the inverse of the factored matrix as the BFGS formula corrects it by all pairs (s, y) of the leg, s the
-    steps and y the gradient's changes (Nocedal and Wright 2006, algorithm 7.4). A factored PSD Hessian bends the cloth
-    along straight lines; folds move along curved ones, and the pairs tell how, for a tenth of a factorisation each.
+    d = -B g, B the inverse of the factored matrix, corrected by the BFGS formula with all pairs (s, y) of the run, s
+    the steps and y the gradient's changes (Nocedal and Wright 2006, algorithm 7.4). Steps of the factored PSD Hessian
+    are straight while folds move along curves; the pairs correct this for a tenth of a factorisation each.
 
-    Cloth that touches itself is watched where the leg begins. Where the leg ends it is looked over: what came near on
-    the way cuts it there, and it goes on from there with that in sight.
+    Near pairs are searched at the start of a run and the path is checked at its end: a pair that came near on the path
+    cuts it there, and the run continues from there with that pair.
 
     Args:
         energy: What is minimised.
-        solver: Holds the factors of a positive definite matrix.
-        nodes: Where to start [m], shape [node_count, 3].
+        solver: Has the factors of a positive definite matrix.
+        nodes: Start [m], shape [node_count, 3].
         start: Energy there [J].
         gradient: Gradient there [N], shape [node_count, 3].
-        steps: Most steps.
+        steps: Largest number of steps.
         residual: Largest force, relative to the mean weight of a node, at which to stop.
         max_step: Largest displacement of a node in a step [m].
     """
@@ -101,12 +100,12 @@ def descend(
 def step_with_frozen_pairs(
     energy: Energy, solver: Solver, nodes: np.ndarray, start: float, gradient: np.ndarray, max_step: float
 ) -> LbfgsRun:
-    """Take one descent step as `descend` does that is not looked over: who holds the pairs looks back on it.
+    """Take one descent step as `descend` does, without checking its path; the caller checks it (`Energy.look_back`).
 
     Args:
-        energy: What is minimised; it holds the pairs of cloth that it knows.
-        solver: Holds the factors of a positive definite matrix.
-        nodes: Where to start [m], shape [node_count, 3].
+        energy: What is minimised; its known pairs are frozen (`Energy.hold`).
+        solver: Has the factors of a positive definite matrix.
+        nodes: Start [m], shape [node_count, 3].
         start: Energy there [J].
         gradient: Gradient there [N], shape [node_count, 3].
         max_step: Largest displacement of a node [m].
@@ -117,14 +116,14 @@ def step_with_frozen_pairs(
 
 
 def _end_run(energy: Energy, path: list[_Iterate], cut: bool) -> LbfgsRun:
-    """Return the leg of a path."""
+    """Return the run of a path."""
     end = path[-1]
     motion = float(largest_length(end.nodes - path[0].nodes))
     return LbfgsRun(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, cut, energy)
 
 
 class _CorrectionPair(NamedTuple):
-    """A step of a leg [m], the gradient's change [N], both of shape [3 node_count], and their product."""
+    """Correction pair of a step: the step [m], the gradient's change [N], both [3 node_count], and their product."""
 
     step: np.ndarray
     change: np.ndarray
@@ -132,7 +131,8 @@ class _CorrectionPair(NamedTuple):
 
 
 class _Iterate(NamedTuple):
-    """A place of a leg: nodes [m], energy [J] and gradient [N] there, and what the step to it tells, if anything."""
+    """Place of a run: nodes [m], energy [J] and gradient [N] there, and the correction pair of the step to it or
+    None."""
 
     nodes: np.ndarray
     energy: float
@@ -140,7 +140,7 @@ class _Iterate(NamedTuple):
     pair: _CorrectionPair | None = None
 
     def reached_from(self, before: _Iterate) -> _Iterate:
-        """Return the place with what the step from another one tells: but for round-off how the gradient changes."""
+        """Return the place with the correction pair of the step from another one, unless it is round-off."""
         step, change = (self.nodes - before.nodes).ravel(), (self.gradient - before.gradient).ravel()
         curvature = float(step @ change)
         tells = curvature > _MIN_CURVATURE_COSINE * float(np.linalg.norm(step) * np.linalg.norm(change))
@@ -150,11 +150,9 @@ class _Iterate(NamedTuple):
 def _step(
     energy: Energy, solver: Solver, path: list[_Iterate], max_step: float, wary: bool
 ) -> tuple[_Iterate | None, Energy, float]:
-    """Return the place that the next step leads to, or None where none lowers the energy.
-
-    With it come the energy that knows the pairs on the way, and the share of it, 0 to 1, that is free of touch. `wary`
-    looks along the step before it is taken.
-    """
+    """Return the place after the next step, or None where no step lowers the energy. Also returns the energy with the
+    pairs on the path, and the share of the step, 0 to 1, without collision. `wary` searches the pairs along the step
+    before it is taken."""
     here = path[-1]
     pairs = [place.pair for place in path if place.pair is not None]
     direction = -_apply(solver, pairs, here.gradient.ravel()).reshape(-1, 3)
@@ -169,7 +167,7 @@ def _step(
 
 
 def _apply(solver: Solver, pairs: list[_CorrectionPair], gradient: np.ndarray) -> np.ndarray:
-    """Multiply with the corrected inverse (two-loop recursion)."""
+    """Multiply the corrected inverse with a gradient (two-loop recursion)."""
     result, weights = gradient.copy(), []
     for step, change, curvature in reversed(pairs):
         weights.append(float(step @ result) / curvature)
@@ -181,14 +179,14 @@ def _apply(solver: Solver, pairs: list[_CorrectionPair], gradient: np.ndarray) -
 
 
 def _search_line(energy: Energy, here: _Iterate, direction: np.ndarray, slope: float, share: float) -> _Iterate | None:
-    """Shorten a share of the direction until the energy falls; None if nothing helps."""
+    """Return the place at a share of the direction, shortened until the energy falls; None where it does not."""
     noise = 1e-13 * abs(here.energy)
     for _ in range(_MAX_LINE_SEARCH_TRIALS):
         trial = here.nodes + share * direction
         reached, gradient = energy.gradient(trial)
         if np.isfinite(reached) and reached <= here.energy + ARMIJO_DECREASE_SHARE * share * slope + noise:
             return _Iterate(trial, reached, gradient).reached_from(here)
-        # the lowest point of the parabola through what is known, between a tenth and a half of the step
+        # minimum of the parabola through both energies and the slope, clamped to a tenth to a half of the step
         parabola = -0.5 * slope * share**2 / (reached - here.energy - slope * share) if np.isfinite(reached) else 0.0
         share = min(max(parabola, 0.1 * share), 0.5 * share)
     return None

@@ -1,4 +1,4 @@
-"""Find where no force is left on cloth, to the accuracy that a derivative asks for."""
+"""Solve for the equilibrium of cloth to the accuracy that a derivative needs."""
 
 from __future__ import annotations
 
@@ -14,25 +14,24 @@ from .settings import SolveSettings
 from .solver import Solver
 
 _ROUND_OFF_RESIDUAL = 1e-6
-"""Residual [node weights] under which a Newton step that no longer helps has met round-off and not an obstacle."""
+"""Residual [node weights] below which a Newton step that no longer helps is limited by round-off."""
 
 _ROUND_OFF_SCATTER_RATIO = 3.0
-"""Factor between residuals that are both round-off: from one evaluation to the next they scatter by about 2."""
+"""Factor between residuals that are both round-off: they scatter by about 2 from one evaluation to the next."""
 
 _MIN_RELATIVE_DECREASE = 1e-9
-"""Predicted decrease, relative to the energy, under which the energy's round-off hides whether a step helps."""
+"""Predicted decrease, relative to the energy, below which the energy's round-off hides whether a step helps."""
 
 _MAX_ENERGY_RISE_RATIO = 10.0
-"""Largest rise of the energy that a step may make, once [predicted decreases]: the stretch that the next step takes
-out. It was at most 5 where the next one did, 6 to 500 where it led astray; 3 and 30 cost the same."""
+"""Largest rise of the energy that one step may make [predicted decreases], by stretch that the next step removes. It
+was at most 5 where the next step removed it, 6 to 500 where the search diverged; 3 and 30 cost the same."""
 
 _NEWTON_RETRY_RESIDUAL = 1.0
-"""Residual [node weights] under which the exact Hessian is tried again after runs with the PSD form; 0.3 and 5 cost the
-same."""
+"""Residual [node weights] below which the exact Hessian is tried again after PSD runs; 0.3 and 5 cost the same."""
 
 _FACTOR_REUSE_RESIDUAL = 0.05
-"""Residual [node weights] under which one factor serves several steps and runs may stop: nothing buckles any more; 0.02
-and 0.2 cost the same."""
+"""Residual [node weights] below which one factor serves several steps and runs may stop, since the cloth no longer
+buckles; 0.02 and 0.2 cost the same."""
 
 _LBFGS_STEPS_PER_FACTOR = 16
 """Largest number of steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took 14 (means over eight
@@ -60,23 +59,22 @@ class _Point:
 
     @classmethod
     def at(cls, energy: Energy, nodes: np.ndarray) -> _Point:
-        """Evaluate the energy."""
+        """Compute the point of some positions."""
         value, gradient = energy.gradient(nodes)
         return cls(nodes, value, gradient, energy.scene.relative_residual(gradient))
 
 
 def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
-    """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them.
-
-    Newton with the exact Hessian for as long as it leads there (`_take_newton_steps`). Where it does not, for the cloth
-    buckles on the way, a leg of quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
+    """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them. Newton with the
+    exact Hessian as long as it converges (`_take_newton_steps`). Where it does not, because the cloth buckles, runs of
+    quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
 
     Args:
         energy: What is minimised.
-        nodes: Where to start [m], shape [node_count, 3].
-        solver: Factors the Hessians; what it holds in the end is nobody's.
+        nodes: Start [m], shape [node_count, 3].
+        solver: Factors the Hessians; its factors at the end are not meant for use.
         tolerance: Largest force left on a node, relative to the mean weight of a node; 0 for all that round-off allows.
-        max_factors: Matrices factored after which to give up.
+        max_factors: Largest number of matrices factored.
 
     Raises:
         NotAtRest: where the force left stays above the tolerance.
@@ -87,7 +85,7 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
         done += factors
         if arrived:
             return here.nodes
-        # at a saddle, where the residual is small and Newton does not help, a leg must not stop at once
+        # at a saddle, where the residual is small and Newton does not help, a run must not stop at once
         stop, near = (_FACTOR_REUSE_RESIDUAL if here.residual > _FACTOR_REUSE_RESIDUAL else 0.0), False
         while not near:
             start, gradient, blocks = energy.hessian(here.nodes, False)
@@ -103,13 +101,11 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
 def _take_newton_steps(
     energy: Energy, here: _Point, solver: Solver, tolerance: float, max_factors: int
 ) -> tuple[_Point, bool, int]:
-    """Take Newton steps with the exact Hessian; give the best point, whether it is at rest, and how many were factored.
-
-    A straight step along a fold stretches the cloth by the square of its length: the energy rises and the next step
-    takes the stretch out. So one step may climb, and the next Hessian holds the stress that the step foresaw and not
-    that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points"). Where
-    the Hessian is indefinite, or two steps together have not lowered the energy, the best point is given.
-    """
+    """Take Newton steps with the exact Hessian; return the best point, whether it is at rest, and the number of
+    factors. A straight step along a fold stretches the cloth by the square of its length: the energy rises and the next
+    step removes the stretch. So one step may raise the energy, and the next Hessian takes the predicted stress instead
+    of that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points").
+    Where the Hessian is indefinite, or two steps together have not lowered the energy, the best point is returned."""
     topology, fixed = energy.scene.topology, energy.scene.fixed
     best, stress = here, None
     for factors in range(max_factors + 1):
@@ -129,7 +125,7 @@ def _take_newton_steps(
         if -slope < _MIN_RELATIVE_DECREASE * abs(best.value):
             fell, bearable = there.residual < here.residual, False
             if not fell and here.residual <= max(tolerance, _ROUND_OFF_RESIDUAL):
-                # round-off in the stiff directions hides what the soft ones still lacked: the step has brought it
+                # round-off in the stiff directions hides the residual of the soft ones, which the step has removed
                 return (
                     (there if there.residual <= _ROUND_OFF_SCATTER_RATIO * here.residual else here),
                     True,
@@ -148,7 +144,7 @@ def _take_newton_steps(
 
 
 def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, tolerance: float) -> _Point:
-    """Step on with the factor at hand for as long as it takes most of the residual away."""
+    """Take further steps with the present factor as long as each removes most of the residual."""
     for _ in range(_MAX_CHORD_STEPS):
         if here.residual <= tolerance:
             break
@@ -164,5 +160,5 @@ def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, tolerance: f
 
 
 def _make_rest_error(here: _Point) -> NotAtRest:
-    """Describe how much force is left."""
+    """Return the error with the force that is left."""
     return NotAtRest(f"the cloth does not come to rest: a force of {here.residual:.1e} of a node's weight is left.")

@@ -24,12 +24,8 @@ HORIZONTAL_AXIS_MASK = np.array([1.0, 0.0, 1.0])
 
 @dataclass(frozen=True)
 class SteadyRotation:
-    """Turn the cloth with its wearer about a vertical axis: in that frame each mass is drawn outwards by omega^2 r.
-
-    Attributes:
-        rate: Angular velocity omega [rad/s].
-        centre: A point of the axis [m], shape [3].
-    """
+    """Describe steady rotation of cloth and wearer about a vertical axis through `centre` [m], shape [3], with the
+    angular velocity omega = `rate` [rad/s]: the frame's centrifugal acceleration is omega^2 r."""
 
     rate: float
     centre: tuple[float, float, float]
@@ -37,22 +33,21 @@ class SteadyRotation:
 
 @dataclass(frozen=True)
 class Scene:
-    """Describe cloth and what acts on it: all that a drape depends on but where it starts.
-
-    `equilibrium`, `settle`, the derivatives and the fits take the same scene; what changes in each of their steps
-    (lagged friction, inertia) is not in it.
+    """Describe cloth and what acts on it: all that a drape depends on except its start. `equilibrium`, `settle`, the
+    derivatives and the fits take the same scene; it excludes what changes in each of their steps (lagged friction,
+    inertia).
 
     Attributes:
         topology: The mesh with its rest shape.
-        fabric: What it is made of; of garments one upon the other the outermost's.
-        body: Signed distance to the body; of one that moves the planes that the cloth is near; or None.
+        fabric: Its fabric; of several garments the outermost's.
+        body: Signed distance to the body; for a moving body the tangent planes near the cloth; or None.
         pins: Pinned nodes, or None.
         rotation: For cloth in steady rotation, or None.
         bending_friction: Internal friction of bending, or None.
         gravity: Acceleration [m/s2], shape [3].
-        contact: How the cloth touches the body.
-        self_contact: How it touches itself, or None: then it passes through itself.
-        layers: The garments one upon the other that it is, from `lay_over`; empty for one garment.
+        contact: Settings of contact with the body.
+        self_contact: Contact with itself, or None: then cloth passes through itself.
+        layers: The garments of the mesh, from `stack_garments`; empty for one garment.
     """
 
     topology: Topology
@@ -79,17 +74,17 @@ class Scene:
 
     @property
     def only_fabric(self) -> Fabric:
-        """Return the one fabric by which derivatives are taken.
+        """Return the fabric by which derivatives are taken.
 
         Raises:
             SettingsBad: where there are several.
         """
         if self.layers:
-            raise SettingsBad("derivatives know one garment alone; take it without the others.")
+            raise SettingsBad("derivatives support one garment only; leave the others out.")
         return self.fabric
 
     def per_node(self, name: str) -> np.ndarray | float:
-        """Return a parameter of the fabric of that name: one number, or one for each node, shape [node_count]."""
+        """Return a named parameter of the fabric: one number, or for layers one per node, shape [node_count]."""
         if not self.layers:
             return float(getattr(self.fabric, name))
         found = np.zeros(self.topology.node_count)
@@ -111,10 +106,10 @@ class Scene:
         return fixed
 
     def acceleration(self, nodes: np.ndarray) -> np.ndarray:
-        """Compute weight and centrifugal force of a unit of mass at nodes [m], both of shape [node_count, 3] [m/s2].
+        """Compute weight and centrifugal force per mass at nodes [m], both of shape [node_count, 3] [m/s2].
 
-        a = g + omega^2 r,  r the vector from the vertical axis. At rest it is g. Coriolis forces vanish at rest in the
-        frame that turns.
+        a = g + omega^2 r,  r the vector from the vertical axis. At rest in the rotating frame there is no Coriolis
+        force.
         """
         found = np.tile(np.asarray(self.gravity, dtype=np.float64), (len(nodes), 1))
         if self.rotation is not None:

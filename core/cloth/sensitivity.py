@@ -1,4 +1,4 @@
-"""How the forces on the nodes change with the flat pattern and the fabric, at fixed positions."""
+"""Derivatives of the forces on the nodes by the flat pattern and the fabric, at fixed positions."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .membrane import membrane
 from .topology import Topology
 
 FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
-"""The fabric's parameters in the order in which derivatives by them are given."""
+"""The fabric's parameters in the order of derivatives by them."""
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Keep the derivative of one number by everything a drape depends on.
+    """Describe the derivative of one number by everything a drape depends on.
 
     Attributes:
         rest: By the corners of the flat rest triangles [1/m], shape [face_count, 3, 2].
         fabric: By `FABRIC_PARAMETERS`, in the inverse of their units, shape [6].
         pins: By the points at which nodes are pinned [1/m], shape [pin_count, 3].
-        start: By the positions one starts from [1/m], shape [node_count, 3]; zero at an equilibrium.
+        start: By the start positions [1/m], shape [node_count, 3]; zero at an equilibrium.
     """
 
     rest: np.ndarray
@@ -38,8 +38,8 @@ class Sensitivity:
 
 
 def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the derivative of sum(weights * g) by the rest triangles, shape [face_count, 3, 2], and by
-    `FABRIC_PARAMETERS`, [6].
+    """Return the derivative of sum(weights * g) by the rest triangles, [face_count, 3, 2], and `FABRIC_PARAMETERS`,
+    [6].
 
     Everything that depends on a face's flat corners r_b does so through D = sum_b dr_b S_b^T, S_b the gradients of the
     shape functions: dS_b = -D^T S_b, dA = A tr D, dF = -F D. With L = sum_a weights_a S_a^T, C = F^T L, B = F^T F, the
@@ -48,7 +48,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
         d(weights . g) = < A [ (Sigma : C) I - (C + C^T) Sigma - B T ], D >.
 
     Hinges follow through c = |e|^2 / (A1 + A2); weight, contact and inertia through the area of a node. Friction is
-    lagged: its limits and anchors count as given.
+    lagged: its limits and anchors are constants.
 
     Notation: g = dE/dx [N], `nodes` x and `weights`, both of shape [node_count, 3].
     """
@@ -86,9 +86,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
 
 def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np.ndarray:
     """Return dg along directions of the rest triangles, shape [node_count, 3, direction_count]; see `pull_forces`.
-
-    `rest_rates` [m], shape [face_count, 3, 2, direction_count].
-    """
+    `rest_rates` [m] has shape [face_count, 3, 2, direction_count]."""
     topology, fabric = energy.scene.topology, energy.scene.only_fabric
     shape, areas, faces = topology.rest.gradients, topology.rest.areas, topology.faces
     count, many = len(faces), rest_rates.shape[-1]
@@ -155,7 +153,7 @@ def _stress(fabric: Fabric, strain: np.ndarray) -> np.ndarray:
 
 
 def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Return each hinge's own force at k = c = 1, shape [hinge_count, 4, 3]: every hinge on nodes of its own."""
+    """Return each hinge's own force at k = c = 1, shape [hinge_count, 4, 3], not summed at shared nodes."""
     topology = energy.scene.topology
     count = len(topology.hinges.nodes)
     apart = np.ascontiguousarray(nodes[topology.hinges.nodes].reshape(-1, 3))
@@ -167,7 +165,7 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Return what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight, rotation and inertia."""
+    """Return the gradient of weight, rotation and inertia per mass [m/s2], shape [node_count, 3]."""
     found = -energy.scene.acceleration(nodes)
     if energy.inertia is not None:
         found += energy.inertia.weight * (nodes - energy.inertia.target)
@@ -175,7 +173,7 @@ def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _load_per_area(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Return what a unit of a node's area adds to the gradient [N/m2], shape [node_count, 3]: mass and contact."""
+    """Return the gradient of mass and contact per node area [N/m2], shape [node_count, 3]."""
     scene = energy.scene
     found = scene.only_fabric.density * _acceleration(energy, nodes)
     if scene.body is not None:

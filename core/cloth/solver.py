@@ -1,4 +1,4 @@
-"""The solver of the cloth's symmetric sparse systems, whose entries come in 3x3 blocks."""
+"""Solver of the cloth's symmetric sparse systems, whose entries are 3x3 blocks."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ __all__ = ["Solver", "SuperLU", "make_solver"]
 
 
 def make_solver(pattern: BlockPattern, single: bool = False) -> Solver:
-    """Return the quickest solver for definite matrices of a pattern, analysed; in single precision where asked for.
-
-    It refuses an indefinite matrix, as descent must; an adjoint at an equilibrium with an indefinite Hessian takes
-    `SuperLU`.
-    """
+    """Return the fastest solver for definite matrices of a pattern, analysed; in single precision on request. It
+    refuses an indefinite matrix, as descent needs; an adjoint with an indefinite Hessian takes `SuperLU`."""
     from ..geometry.multifrontal import Cholesky
 
     return Cholesky(pattern.indptr, pattern.indices, block=3, single=single)

@@ -1,4 +1,4 @@
-"""Bring cloth to its quasi-static equilibrium by quasi-Newton descent."""
+"""Solve for the quasi-static equilibrium of cloth by quasi-Newton descent."""
 
 from __future__ import annotations
 
@@ -25,25 +25,24 @@ from .settings import MAX_REST_RESIDUAL, SolveSettings
 from .solver import Solver
 
 StopCallback = Callable[[int, np.ndarray], bool]
-"""Asked after each leg, with how many there were and the nodes [m], whether to stop the search."""
+"""Called after each run with the number of runs and the nodes [m]; True stops the search."""
 
 _FRICTION_FREEZE_MOTION = 1e-5
-"""Motion in a run under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
+"""Motion in a run below which friction's normal forces stay constant [m]: their change is negligible."""
 
 _FRICTION_FREEZE_RUNS = 6
-"""Number of runs without a tenth less motion than the least before, after which friction's normal forces stay as they
-are. Where cloth is caught in a crease of the body these and the cloth keep each other in motion without end, by half a
-millimetre to two; drapes that come to rest by themselves slow down by a tenth every few runs. Twelve took trousers 3 to
-9 runs longer each time they were draped, and the fit's misfit was the same to 0.04 mm."""
+"""Number of runs without a motion a tenth below the smallest so far, after which friction's normal forces stay
+constant. Where cloth is caught in a crease of the body these and the cloth keep each other in motion without end, by
+0.5 to 2 mm; the motion of drapes that come to rest by themselves falls by a tenth every few runs. With twelve, trousers
+took 3 to 9 runs longer in each drape, and the fit's misfit was the same to 0.04 mm."""
 
 
 _UNTANGLE_PATIENCE_ITERATIONS = 6
-"""Number of untangling iterations without fewer faces crossed, after which contact is off for those that are. Trousers
-that started with 155 and 331 such faces came down to 4 and 11 with 6 to 8 (0.2 s an iteration), to 16 with 4."""
+"""Number of untangling iterations without fewer crossed faces, after which contact is off for those left. Trousers that
+started with 155 and 331 crossed faces ended with 4 and 11 at 6 to 8 (0.2 s an iteration), with 16 at 4."""
 
 _UNTANGLE_TIME_STEP = 0.05
-"""Length of a time step of untangling [s], as that of `take_time_steps`. Half of it took as many iterations, for
-shorter steps."""
+"""Length of a time step of untangling [s], as that of `take_time_steps`. Half of it took as many iterations."""
 
 
 class NodesBad(BadInput):
@@ -54,15 +53,14 @@ class NodesBad(BadInput):
 
 @dataclass(frozen=True)
 class Drape:
-    """Describe cloth at rest, or as near to it as was reached.
+    """Describe cloth at rest, or as near to rest as the search came.
 
     Attributes:
         nodes: Positions [m], shape [node_count, 3].
         residual: Largest force on a node, relative to the mean weight of a node.
-        iterations: Matrices factored before the last leg; each serves `SolveSettings.steps_per_factor` steps.
+        iterations: Matrices factored before the last run; each serves `SolveSettings.steps_per_factor` steps.
         energy: Energy at the end [J].
-        outcome: How the search ended.
-        anchors: Where friction holds each node [m], shape [node_count, 3].
+        anchors: Friction's anchor of each node [m], shape [node_count, 3].
         rotation: The rotation in which it rests, or None for cloth at rest under its weight alone.
         rubbing: The friction of cloth on cloth in which it rests, or None.
         residual_rms: Root mean square of the forces on the nodes that are not fixed, in the same unit; None: not known.
@@ -80,21 +78,19 @@ class Drape:
 
     @property
     def converged(self) -> bool:
-        """Return whether the search ended by itself: balanced, or because nothing moved any more.
-
-        That is no rest: cloth that is stuck does not move either, whatever forces are left on it. The fits take and
-        prefer equilibria by it; what is delivered is judged by `at_rest`.
-        """
+        """Return whether the search ended by itself: with balanced forces, or because nothing moved any more. Stuck
+        cloth does not move either, whatever forces are left on it, so this does not mean rest. The fits choose
+        equilibria by it; delivered drapes are judged by `at_rest`."""
         return self.outcome.converged
 
     @property
     def at_rest(self) -> bool:
-        """Return whether the search ended by itself and no node feels more than `MAX_REST_RESIDUAL` node weights."""
+        """Return whether the search ended by itself and no node's force exceeds `MAX_REST_RESIDUAL` node weights."""
         return self.outcome.converged and self.residual <= MAX_REST_RESIDUAL
 
     @property
     def advice(self) -> str:
-        """Return what the end means and what to do: the outcome's, or that of cloth that is stuck under a force."""
+        """Return the outcome's advice, or that for cloth that is stuck under a force."""
         if not self.converged or self.at_rest:
             return self.outcome.advice
         return (
@@ -114,16 +110,14 @@ class Drape:
 
 @dataclass
 class _Progress:
-    """Follow a search for an equilibrium leg by leg, and judge when it ends.
+    """Track a search for an equilibrium run by run, and decide when it ends.
 
     Attributes:
-        settings: Its limits.
-        stop: The caller's wish to end it, or None.
-        legs: Legs after which it went on.
-        follows: Whether friction's normal forces still follow the cloth.
-        calm: Legs in a row in which nothing moved.
-        least: Smallest motion of a leg yet [m].
-        since: Legs since that was undercut by a tenth.
+        legs: Runs after which it continued.
+        follows: Whether friction's normal forces are still updated.
+        calm: Consecutive runs in which nothing moved.
+        least: Smallest motion of a run so far [m].
+        since: Runs since that fell by a tenth.
         started: CPU time at the start [s].
     """
 
@@ -137,7 +131,7 @@ class _Progress:
     started: float = field(default_factory=time.process_time)
 
     def judge(self, leg: LbfgsRun, arrived: bool) -> Outcome | None:
-        """Return the outcome if the search ends with this leg, else None; `arrived`: all pins are where they belong."""
+        """Return the outcome if the search ends with this run, else None; `arrived`: all pins are at their points."""
         self.least, self.since = (leg.motion, 0) if leg.motion < 0.9 * self.least else (self.least, self.since + 1)
         self.follows = self.follows and leg.motion > _FRICTION_FREEZE_MOTION and self.since < _FRICTION_FREEZE_RUNS
         self.calm = self.calm + 1 if leg.motion < self.settings.still and arrived else 0
@@ -166,23 +160,22 @@ def equilibrium(
 ) -> Drape:
     """Find positions at which no force is left on any node of a scene, from nodes [m], shape [node_count, 3].
 
-    Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
-    forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
-    makes the cloth creep on by less than `_FRICTION_FREEZE_MOTION` a leg, or where the two chase each other for
-    `_FRICTION_FREEZE_RUNS` legs, are they left as they are. With bending friction folds stay where they are until more
-    than the yarns' friction bends them. Cloth that crosses itself at the start is untangled first where the scene has
-    self-contact.
+    Descent on E in runs: factor the PSD Hessian, then take a few quasi-Newton steps from it (`descend`). Friction's
+    normal forces are updated before each run, so that at rest they are those of the rest position, until the motion of
+    a run falls below `_FRICTION_FREEZE_MOTION` or does not fall for `_FRICTION_FREEZE_RUNS` runs. With bending friction
+    folds keep their angles until the moment exceeds the yarns' friction. Where the scene has self-contact, cloth that
+    crosses itself at the start is untangled first.
 
     **Deviation** from Newton with the exact Hessian: see `docs/adr`, "Descend by quasi-Newton steps".
 
     Args:
         scene: The cloth and what acts on it.
-        nodes: Where to start.
-        anchors: Where friction holds each node [m], shape [node_count, 3]; at the start where None.
+        nodes: Start.
+        anchors: Friction's anchor of each node [m], shape [node_count, 3]; the start where None.
         solver: Analysed for the topology; a new one where None.
         settings: Limits and steps.
-        hooks: Asked for cancellation before each leg.
-        stop: Asked after each leg whether to stop.
+        hooks: Checked for cancellation before each run.
+        stop: Called after each run; True stops the search.
 
     Raises:
         NodesBad: where the nodes do not fit the mesh or are not finite.
@@ -231,10 +224,8 @@ def equilibrium(
 def _untangle(
     energy: Energy, solver: Solver | None, nodes: np.ndarray, anchors: np.ndarray, settings: SolveSettings
 ) -> tuple[Energy, Solver | None, np.ndarray]:
-    """Pull apart, in short damped steps, what crosses at nodes [m]; contact waits for what does not come apart.
-
-    A contour that is held where it crosses itself cannot come apart: those nodes are let go.
-    """
+    """Pull crossed faces at nodes [m] apart, in short damped steps; contact is off for those that stay crossed. A
+    contour of fixed nodes that cross cannot come apart: those nodes are unpinned."""
     counts: list[int] = []
     while True:
         energy = energy.pull_apart(nodes)

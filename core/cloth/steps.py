@@ -1,4 +1,4 @@
-"""Time steps of a cloth and the adjoint through them, whichever way a single step is taken."""
+"""Time steps of a cloth and the adjoint through them, for any way of taking a single step."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from .solver import Solver, make_solver
 
 @dataclass(frozen=True)
 class TimeSteps(ABC):
-    """Take implicit Euler steps from y_t = x_{t-1} + damping (x_{t-1} - x_{t-2}); how one is taken, a subclass says.
+    """Take implicit Euler steps from y_t = x_{t-1} + damping (x_{t-1} - x_{t-2}); a subclass defines the single step.
 
     Attributes:
-        steps: How many.
         dt: Length of a step [s]; the thesis has 0.05.
         damping: Share of velocity kept from one step to the next; the thesis has 1. `SolveSettings.damping` is for
-            coming to rest, this for targets in motion. At rest 0.6 takes a sway of a second just critically out of 20
-            steps of 0.05 s, and the gradient is that of `Implicit`; undamped it still swings (docs/lab/simulate.md).
+            coming to rest, this for targets in motion. 0.6 is about critical for a sway of a second over 20 steps of
+            0.05 s, and the gradient at rest is that of `ImplicitDerivative`; undamped it still swings
+            (docs/lab/simulate.md).
     """
 
     steps: int = 20
@@ -40,14 +40,14 @@ class TimeSteps(ABC):
         friction: Friction | None = None,
         velocities: np.ndarray | None = None,
     ) -> ClothTrajectory:
-        """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3]; the friction stays as it is.
+        """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3], with constant friction.
 
         Raises:
             NotAtRest: where a step cannot be taken; take shorter ones.
-            SettingsBad: where the cloth touches itself: pairs come and go on the way; `Implicit` has their derivative.
+            SettingsBad: where the scene has self-contact, whose pairs change on the path; use `ImplicitDerivative`.
         """
         if scene.self_contact is not None:
-            raise SettingsBad("derivatives through time do not know self-contact; use Implicit, or leave it out.")
+            raise SettingsBad("derivatives through time exclude self-contact: use ImplicitDerivative or switch it off.")
         energy, solver = Energy(scene, friction), solver or make_solver(scene.topology.pattern)
         start = np.array(nodes, dtype=np.float64)
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
@@ -72,11 +72,10 @@ class TimeSteps(ABC):
 
 @dataclass(frozen=True)
 class ClothTrajectory:
-    """Describe the way that cloth took.
+    """Describe the positions of a cloth over time.
 
     Attributes:
         energy: The energy without inertia.
-        way: How the steps were taken.
         path: Positions before the start, at it and after each step [m], shape [steps + 2, node_count, 3].
         solver: Factors the steps' matrices again on the way back.
     """
@@ -92,11 +91,8 @@ class ClothTrajectory:
         return np.asarray(self.path[-1])
 
     def pull(self, upstream: np.ndarray) -> Sensitivity:
-        """Return a loss's derivative by everything, from that by the positions [1/m].
-
-        `upstream` by the last positions, shape [node_count, 3], or by those after every step (a target in motion),
-        shape [steps, node_count, 3].
-        """
+        """Return a loss's derivative by everything, from `upstream` [1/m]: by the last positions, shape [node_count,
+        3], or by those after every step (a target in motion), shape [steps, node_count, 3]."""
         way, path, scene = self.way, self.path, self.energy.scene
         bars = np.zeros_like(path)
         if np.ndim(upstream) == 3:

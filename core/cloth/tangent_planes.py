@@ -1,4 +1,4 @@
-"""Contact with a body that moves: each node keeps off the planes that touch the skin nearest to it."""
+"""Contact with a moving body by tangent planes at the skin nearest to each node."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ ABSENT_PLANE_OFFSET = -1e9
 """Offset of a plane that no node comes near [m]."""
 
 REMEASURE_MARGIN = 1e-6
-"""Distance that a node is to be beyond reach so as not to be measured again [m]: far above rounding."""
+"""Distance beyond reach at which a node is not measured again [m]: far above rounding."""
 
 OPPOSING_PLANE_COSINE = 0.5
-"""Cosine between two planes' normals below which they are of two surfaces: the sides of a crease or of a gap."""
+"""Cosine between two planes' normals below which they belong to two surfaces: the sides of a crease or of a gap."""
 
 
 class PlaneArrays(NamedTuple):
@@ -29,18 +29,18 @@ class PlaneArrays(NamedTuple):
 
 @dataclass(frozen=True)
 class TangentPlanes:
-    """Describe what cloth knows of a body for a few steps: planes through the feet of its nodes on the skin.
+    """Describe a body near cloth for a few steps: planes through the feet of the nodes on the skin.
 
         d_vk(x) = n_vk . x - o_vk
 
-    Exact where it was measured; a node that then slides by s along skin of radius R finds it s^2 / 2R too high, 0.25 mm
-    for 5 mm on a limb of 5 cm. A grid of the distance takes over a second for each pose of the body, this
-    takes a search of each node's foot.
+    Exact where it was measured; after a slide by s along skin of radius R the distance is s^2 / 2R too large, 0.25 mm
+    for 5 mm on a limb of 5 cm. Only a search of each node's foot is needed; a distance grid takes over a second per
+    pose.
 
     Attributes:
         normals: Unit normals of the plane nearest last and of one that faces it, shape [2, node_count, 3].
         offsets: Offsets [m], `ABSENT_PLANE_OFFSET` where a node has no plane, shape [2, node_count].
-        places: Where each node was when its distance was measured last [m], shape [node_count, 3].
+        places: Position of each node when its distance was measured last [m], shape [node_count, 3].
         distances: The distance then [m], shape [node_count].
     """
 
@@ -57,13 +57,10 @@ class TangentPlanes:
         )
 
     def renewed(self, nodes: np.ndarray, body: SignedDistance, reach: float) -> TangentPlanes:
-        """Return the planes of nodes [m], shape [node_count, 3], that are nearer to a body than a reach [m].
-
-        Of the planes before, the one that faces the new one is kept for as long as it is within reach: in a crease,
-        where the nearest side changes with every move, a node so keeps off both. What has no plane and cannot have
-        come within reach since it was measured is not measured again: a distance changes by no more than the node's
-        way.
-        """
+        """Return the planes of nodes [m], shape [node_count, 3], that are nearer to a body than a reach [m]. Of the
+        planes before, one that faces the new one is kept while it is within reach: in a crease, where the nearest side
+        changes with every move, the node then stays off both sides. A node without a plane that cannot have come within
+        reach is not measured again, since a distance changes by at most the node's displacement."""
         way = np.sqrt(((nodes - self.places) ** 2).sum(axis=1))
         asked = np.flatnonzero(
             (self.distances - way < reach + REMEASURE_MARGIN) | (self.offsets > ABSENT_PLANE_OFFSET).any(axis=0)
@@ -93,10 +90,10 @@ def plane_contact(x, planes, nodes, law, order, exact, derivatives, forces):  # 
     """Add the contact's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E_v = sum_k a_v c / 3 (delta - d_vk(x_v))^3 where d_vk < delta: the law of `contact`, with planes for the grid. The
-    Hessian is exact either way, for planes have no curvature.
+    Hessian is exact in both forms, since planes have no curvature.
 
-    Notation: `planes` `PlaneArrays`; the rest as in `contact`, c [N/m4] the stiffness. Of two planes the one that
-    presses more gives the direction in `forces`, and both their size.
+    Notation: `planes` a `PlaneArrays`; the rest as in `contact`, c [N/m4] the stiffness. `forces` gets the sum of both
+    planes' forces and the direction of the larger one.
     """
     areas, diagonal = nodes
     stiffness, thickness = law

@@ -1,4 +1,4 @@
-"""What never changes while a mesh deforms: its rest shape, its hinges and the pattern of its matrix."""
+"""Constants of a deforming mesh: its rest shape, its hinges and the pattern of its matrix."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..run.errors import BadInput
 from .block_pattern import BlockPattern
 
 MIN_TRIANGLE_HEIGHT_SHARE = 1e-4
-"""Smallest height of a flat triangle as a share of its longest edge. Below it the triangle is so stiff that the rest of
-the matrix is lost in round-off."""
+"""Smallest height of a flat triangle as a share of its longest edge. A lower one is so stiff that the rest of the
+matrix is lost in round-off."""
 
 
 class TopologyBad(BadInput):
@@ -60,7 +60,7 @@ class RestShape:
 
     @classmethod
     def of(cls, corners: np.ndarray, faces: np.ndarray, node_count: int) -> RestShape:
-        """Measure flat triangles [m], shape [face_count, 3, 2], of faces [face_count, 3].
+        """Compute the rest shape of flat triangles [m], shape [face_count, 3, 2], of faces [face_count, 3].
 
         Raises:
             TopologyBad: where a face has no area.
@@ -68,7 +68,7 @@ class RestShape:
         corners = np.ascontiguousarray(corners, dtype=np.float64)
         areas = signed_areas(corners)
         sides = corners[:, 1:] - corners[:, :1]
-        # `not`, so that an area that is not a number is refused too
+        # `not`, so that a NaN area is refused too
         if not (2.0 * np.abs(areas) > MIN_TRIANGLE_HEIGHT_SHARE * (sides**2).sum(2).max(1)).all():
             raise TopologyBad("a face of the flat pattern has no area; mesh the panel again.")
         areas = np.abs(areas)
@@ -111,14 +111,12 @@ class Hinges:
 
 @dataclass(frozen=True)
 class Topology:
-    """Describe a cloth mesh: which nodes its elements couple, its rest shape and its hinges.
+    """Describe a cloth mesh: the nodes that its elements couple, its rest shape and its hinges.
 
     Attributes:
         faces: Node indices, shape [face_count, 3].
-        pattern: Of its matrix.
-        rest: Its flat triangles.
-        hinges: Its edges between two faces.
-        face_slots: Blocks that each face's 6 upper blocks add to, shape [face_count, 6]; see `BlockPattern.of`.
+        pattern: Sparsity of its matrix.
+        face_slots: Slots of each face's 6 upper blocks, shape [face_count, 6]; see `BlockPattern.of`.
         hinge_slots: The same for the 10 of a hinge, shape [hinge_count, 10].
         hinge_scale: |e|^2 / (A1 + A2) at rest, shape [hinge_count].
     """
@@ -184,7 +182,7 @@ class Topology:
         return replace(self, rest=shape, hinge_scale=self.hinges.scale(shape))
 
     def couple(self, nodes: np.ndarray) -> Topology:
-        """Return the same mesh whose matrix has room for groups of nodes, shape [count, k], too; it needs a solver."""
+        """Return the same mesh whose matrix also couples groups of nodes, shape [count, k]; it needs a new solver."""
         pattern, slots = BlockPattern.of(self.node_count, self.faces, self.hinges.nodes, nodes)
         return replace(self, pattern=pattern, face_slots=slots[0], hinge_slots=slots[1])
 

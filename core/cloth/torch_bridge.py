@@ -21,7 +21,7 @@ class _Drape(torch.autograd.Function):
     def forward(
         ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, given: Any
     ) -> torch.Tensor:
-        """Bring the cloth to where `given`'s derivative is taken."""
+        """Solve for the positions at which `given`'s derivative is taken."""
         scene, derivative, frozen = given
         values = dict(zip(FABRIC_PARAMETERS, _array(fabric).tolist(), strict=True))
         scene = replace(scene, topology=scene.topology.reshape(_array(rest)), fabric=replace(scene.fabric, **values))
@@ -32,7 +32,7 @@ class _Drape(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, *upstream: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
-        """Pull the gradient by the positions back to everything."""
+        """Pull the gradient by the positions back to all inputs."""
         found = ctx.response.pull(_array(upstream[0]))
         return (*(torch.from_numpy(part) for part in (found.rest, found.fabric, found.pins, found.start)), None)
 
@@ -47,13 +47,11 @@ def drape_tensor(
     fabric: torch.Tensor | None = None,
     pins: torch.Tensor | None = None,
 ) -> torch.Tensor:
-    """Return draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
-
-    What is not given is taken from the scene; friction is taken as given. `rest`: flat triangles [m], shape
-    [face_count, 3, 2], as `map_rest` makes them from uv. `fabric`: the values of `FABRIC_PARAMETERS`, shape [6].
-    `pins`: pinned points [m], shape [pin_count, 3].
-    Each call has a solver of its own, so that several may be in one graph; a graph can be walked back once or often.
-    """
+    """Return draped positions [m], shape [node_count, 3], float64, through which torch can differentiate. What is not
+    given is taken from the scene; friction is constant. `rest`: flat triangles [m], shape [face_count, 3, 2], as
+    `map_rest` makes them from uv. `fabric`: the values of `FABRIC_PARAMETERS`, shape [6]. `pins`: pinned points [m],
+    shape [pin_count, 3]. Each call has its own solver, so that one graph may have several calls and can be walked back
+    repeatedly."""
     points = np.zeros((0, 3)) if scene.pins is None else np.asarray(scene.pins.points, dtype=np.float64)
     values = np.array([getattr(scene.fabric, name) for name in FABRIC_PARAMETERS])
     given = [(rest, scene.topology.rest.corners), (fabric, values), (pins, points)]

@@ -26,12 +26,12 @@ class UnrolledSteps(TimeSteps):
 
     **Deviation**: eq. 3.2 takes one linearised step, whose derivative needs that of the matrix too (eq. 2.30), third
     derivatives of the energy. Here each step is solved by Newton until no force is left, so that the derivative of the
-    matrix is multiplied by zero; the cheap adjoint after a linearised step is wrong (cosine -0.18 was met).
+    matrix is multiplied by zero; this adjoint after a linearised step would be wrong (cosine -0.18 was measured).
 
     Attributes (beside those of `TimeSteps`):
         tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-6: the gradient's relative
-            error was 1e-8 to 2e-6 (1e-4: 1e-5). 0 asks for all that round-off allows.
-        max_iterations: Matrices factored after which a step gives up.
+            error was 1e-8 to 2e-6 (1e-4: 1e-5). 0: all that round-off allows.
+        max_iterations: Largest number of matrices factored per step.
     """
 
     tolerance: float = 1e-6
@@ -45,7 +45,7 @@ class UnrolledSteps(TimeSteps):
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
     ) -> tuple[np.ndarray, Sensitivity]:
-        """See `TimeSteps`: the step depends on where it starts through y alone."""
+        """See `TimeSteps`: the step depends on its start through y alone."""
         blocks = step.hessian(end)[2]
         weights = adjoint(step.scene, factor(step, blocks, solver), bar)
         rest, fabric = pull_forces(step, end, weights)

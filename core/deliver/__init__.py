@@ -1,1 +1,1 @@
-"""What leaves the program: files for print, cutting, other programs and browsers."""
+"""Output: files for print, cutting, other programs and browsers."""

@@ -15,7 +15,7 @@ _COLOURS = ("red", "green", "blue")
 
 
 class PlyBad(ValueError):
-    """The content is no PLY that `write_ply` wrote."""
+    """The content is not a PLY that `write_ply` wrote."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def read_ply(content: bytes) -> PlyMesh:
     """Read a mesh.
 
     Raises:
-        PlyBad: where the content is something else, or cut off.
+        PlyBad: where the content is something else, or incomplete.
     """
     head, mark, _ = content[:MAX_PLY_HEADER_BYTES].partition(b"end_header\n")
     vertices, faces = head.partition(b"element face ")[::2]

@@ -1,4 +1,4 @@
-"""How a panel's mesh follows its control points: thesis eq. 3.1 on the outline, mean value coordinates inside."""
+"""Linear map from control points to a panel's mesh: thesis eq. 3.1 on the outline, mean value coordinates inside."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from .memo import memoise
 from .pattern import EdgeRef, Pattern
 
 MEAN_VALUE_CHUNK_SIZE = 1000
-"""Number of points for which mean value coordinates are held at once: some 10 MB on the finest panels."""
+"""Number of points whose mean value coordinates are computed at once: 10 MB on the finest panels."""
 
 
 @dataclass(frozen=True)
 class ControlMap:
-    """Map all control points to all uv vertices, linearly.
+    """Describe the linear map from all control points to all uv vertices.
 
         u = M c,    u and c stacked as x0, y0, x1, y1, ...
 
-    A boundary vertex keeps its relative place (alpha, beta) on the chord of its edge (thesis eq. 3.1, both divided by
-    the squared chord, so that they have no unit), v = c_i + alpha x_i + beta R90 x_i. An inner vertex is the average of
-    its panel's boundary vertices by mean value coordinates. Both reproduce every similarity of the control points
+    A boundary vertex keeps its relative position (alpha, beta) on the chord of its edge (thesis eq. 3.1, both divided
+    by the squared chord, so that they have no unit), v = c_i + alpha x_i + beta R90 x_i. An inner vertex is the average
+    of its panel's boundary vertices by mean value coordinates. Both reproduce every similarity of the control points
     exactly, and affine maps too on panels without curves. The map depends on the flat mesh alone.
 
     **Deviation** The thesis updates inner vertices iteratively; mean value coordinates are an explicit linear map.
@@ -66,14 +66,13 @@ def map_controls(garment: Garment) -> ControlMap:
 
 
 def update_flat_mesh(garment: Garment, pattern: Pattern) -> Garment:
-    """Return a garment whose flat mesh follows the curves of another drawing of its panels; faces and nodes stay.
-
-    Outline vertices lie on the new curves, uniform in arc length as the mesh was made; an inner vertex moves by the
-    average of its panel's outline by mean value coordinates.
+    """Return a garment whose flat mesh follows its pattern's changed curves; faces and nodes stay. Outline vertices are
+    on the new curves, uniform in arc length as in the mesh; an inner vertex moves by the average of its panel's outline
+    by mean value coordinates.
 
     Args:
         garment: The garment.
-        pattern: The same panels, seams and kinds of corners; points and edges' shapes may differ a little.
+        pattern: The same panels, seams and kinds of corners, with slightly different points and edge shapes.
     """
     moved = np.zeros_like(garment.uv)
     for index, panel in enumerate(pattern.panels):
@@ -100,13 +99,12 @@ def spread_inside(garment: Garment, panel: int, values: np.ndarray) -> None:
 
 
 def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return mean value coordinates of points inside a simple polygon (Floater 2003; any simple polygon: Hormann
-    and Floater 2006).
+    """Return mean value coordinates of points inside a simple polygon (Floater 2003; Hormann and Floater 2006).
 
         w_k = (tan(a_{k-1} / 2) + tan(a_k / 2)) / |v_k - p|,    lambda_k = w_k / sum w
 
-    a_k: signed angle at p from polygon vertex v_k to v_{k+1}. The tangent of the half angle is (1 - cos) / sin, written
-    as cross / (r r' + dot), which has no pole inside.
+    a_k: signed angle at p from polygon vertex v_k to v_{k+1}. The tangent of the half angle is (1 - cos) / sin,
+    computed as cross / (r r' + dot), which has no pole inside.
 
     Args:
         polygon: Vertices [m], shape [m, 2].
@@ -127,7 +125,7 @@ def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarra
 
 
 def _as_real(weights: np.ndarray) -> np.ndarray:
-    """Write a complex matrix as the real one that acts on interleaved (x, y): p + iq becomes [[p, -q], [q, p]]."""
+    """Return a complex matrix as the real one on interleaved (x, y): p + iq becomes [[p, -q], [q, p]]."""
     rows, columns = weights.shape
     real = np.zeros((rows, 2, columns, 2))
     real[:, 0, :, 0] = real[:, 1, :, 1] = weights.real

@@ -1,8 +1,6 @@
-"""Points, lengths and parts of one edge.
-
-An edge is drawn in the frame of its chord: start (0, 0), end (1, 0), across to the left. The panel's edge is
-c0 + along * x + across * R90 x with x = c1 - c0 (thesis eq. 3.1), so it follows its two control points by a similarity.
-"""
+"""Points, lengths and parts of one edge. An edge is drawn in the frame of its chord: start (0, 0), end (1, 0), across
+to the left. The panel's edge is c0 + along * x + across * R90 x with x = c1 - c0 (thesis eq. 3.1), so it follows its
+two control points by a similarity."""
 
 from __future__ import annotations
 
@@ -13,14 +11,13 @@ from .pattern import Edge, Panel, Pattern
 from .polygon import polygon_area
 
 LENGTH_TABLE_SPAN_COUNT = 64
-"""Number of parameter spans of the length table; 5-point Gauss on each gives lengths to 1e-12 of the chord on drawn
-curves."""
+"""Number of parameter spans of the length table; 5-point Gauss on each gives lengths to 1e-12 chords."""
 
 FLAT_ARC_TOLERANCE = 1e-9
-"""An arc whose apex is nearer than this (in chords) to its chord is a line: 1 nm on a 1 m edge."""
+"""Distance of an arc's apex from its chord [chords] below which the arc is a line: 1 nm on a 1 m edge."""
 
 AREA_SEGMENTS = 64
-"""Parts of a curve whose area is summed: 0.03 % of it are lost."""
+"""Number of segments of a curve whose area is summed; the error is 0.03 %."""
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 """Nodes and weights of 5-point Gauss-Legendre quadrature on [-1, 1]."""
@@ -91,15 +88,13 @@ def edge_area(edge: Edge) -> float:
 
 
 def is_flat_arc(edge: Edge) -> bool:
-    """Return whether an arc is as good as a line."""
+    """Return whether an arc counts as a line."""
     return edge.kind == "arc" and abs(edge.handles[0, 1]) < FLAT_ARC_TOLERANCE
 
 
 def unit_circle(edge: Edge) -> tuple[np.ndarray, float, float, float]:
-    """Return centre, radius, first angle and sweep [rad] of an arc in its chord's frame.
-
-    With apex height b (signed, left positive): radius (1/4 + b^2) / (2 |b|), centre (1/2, b - sign(b) radius).
-    """
+    """Return centre, radius, first angle and sweep [rad] of an arc in its chord's frame. With apex height b (signed,
+    left positive): radius (1/4 + b^2) / (2 |b|), centre (1/2, b - sign(b) radius)."""
     height = float(edge.handles[0, 1])
     radius = (0.25 + height * height) / (2.0 * abs(height))
     centre = np.array([0.5, height - np.sign(height) * radius])
@@ -112,7 +107,7 @@ def split_edge(edge: Edge, fraction: float) -> tuple[np.ndarray, Edge, Edge]:
     """Cut an edge at a fraction of its length.
 
     Returns:
-        The cut's relative position, shape [2], and the two parts; together they draw the same curve.
+        The cut's relative position, shape [2], and the two parts, which draw the same curve.
     """
     if edge.kind == "line" or is_flat_arc(edge):
         straight = Edge("line", label=edge.label, contour=edge.contour)
@@ -138,7 +133,7 @@ def split_edge(edge: Edge, fraction: float) -> tuple[np.ndarray, Edge, Edge]:
 
 
 def reverse_edge(edge: Edge) -> Edge:
-    """Return the same curve run from its end to its start."""
+    """Return the same curve from its end to its start."""
     handles = edge.handles[::-1].copy()
     handles[:, 0] = 1.0 - handles[:, 0]
     handles[:, 1] = -handles[:, 1]
@@ -146,12 +141,12 @@ def reverse_edge(edge: Edge) -> Edge:
 
 
 def mirror_edge(edge: Edge) -> Edge:
-    """Return the mirror image of a curve, still run from its start to its end."""
+    """Return the mirror image of a curve, from its start to its end."""
     return Edge(edge.kind, edge.handles * np.array([1.0, -1.0]), edge.label, edge.contour)
 
 
 def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
-    """Return the panel's outline [m] as a polygon, `segments` to a curved edge and one to a line, shape [n, 2]."""
+    """Return the panel's outline [m] as a polygon, `segments` per curved edge and one per line, shape [n, 2]."""
     parts = []
     for index, edge in enumerate(panel.edges):
         count = 1 if edge.kind == "line" else segments
@@ -206,7 +201,7 @@ def _length_table(edge: Edge) -> np.ndarray:
 
 
 def _parameters(edge: Edge, fraction: np.ndarray) -> np.ndarray:
-    """Invert arc length: the Bezier parameters at fractions of the length, by table and three Newton steps."""
+    """Return the Bezier parameters at fractions of the arc length, by table and three Newton steps."""
     control = _control(edge)
     table = _length_table(edge)
     grid = np.linspace(0.0, 1.0, LENGTH_TABLE_SPAN_COUNT + 1)

@@ -1,4 +1,4 @@
-"""Divide open edges by more control points, so that grading can bend a hem or a waist as a whole skirt needs it."""
+"""Add control points to open edges, so that grading can bend a hem or a waist."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from .pattern import Edge, EdgeRef, Panel, Pattern
 
 
 def divide_edges(pattern: Pattern, contours: Collection[str], parts: int) -> Pattern:
-    """Cut every edge that lies on one of some open contours into equal parts; the outlines stay the same curves.
-
-    A control point at each cut lets a hem that was drawn as one curve become an arc of any depth: a straight skirt's
-    hem is nearly a line, a full circle skirt's an arc of half a turn, and a chord with its handles fixed is neither.
+    """Cut every edge on some open contours into equal parts; the outlines stay the same curves. A control point at each
+    cut allows an arc of any depth: a straight skirt's hem is nearly a line, a full circle skirt's an arc of half a
+    turn, which one chord with fixed handles cannot draw.
 
     Args:
         pattern: The pattern; edges to be divided are in no seam.

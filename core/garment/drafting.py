@@ -1,8 +1,6 @@
-"""Write the library's pattern files: the cut of each template, drafted by the rules of a tailor's block.
-
-All are blocks without darts or zips, for planar placement. A draft is made in the front plane seen from outside: x to
-the wearer's left, y up. Seams are equal because both sides are the same curve, or because one corner was solved for.
-"""
+"""Write the library's pattern files: the cut of each template, drafted by the rules of a tailor's block. All are blocks
+without darts or zips, for planar placement. A draft is made in the front plane seen from outside: x to the wearer's
+left, y up. Seams are equal because both sides are the same curve, or because one corner was solved for."""
 
 from __future__ import annotations
 

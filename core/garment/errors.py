@@ -1,4 +1,4 @@
-"""What can be wrong with a pattern, one stable code each."""
+"""Errors of a pattern, one stable code each."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ from ..run.errors import BadInput
 
 @dataclass(frozen=True)
 class Place:
-    """Point at where something is wrong with a pattern.
-
-    Attributes:
-        panel: Name of the panel.
-        edge: Number of the edge, or None.
-        vertex: Number of the control point, or None.
-        point: Where, in the panel's own axes, or None.
-    """
+    """Describe the place of a fault in a pattern: the panel's name, and the numbers of the edge and the control point
+    and the point in the panel's own axes, each or None."""
 
     panel: str
     edge: int | None = None
@@ -28,7 +22,7 @@ class PatternFault(BadInput):
     """Something is wrong with a pattern; the places say where.
 
     Attributes:
-        places: Where: edges and points as the pattern at hand numbers them, in a file those of the file.
+        places: Edges and points by the pattern's numbers; for a file by the file's numbers.
         seam: Number of the seam, or None.
     """
 

@@ -1,4 +1,4 @@
-"""Check a pattern's document: everything that keeps it from being cut, sewn and meshed, each with its place."""
+"""Check a pattern's document: find all faults that prevent cutting, sewing and meshing, each with its place."""
 
 from __future__ import annotations
 
@@ -23,18 +23,17 @@ from .symmetry import find_symmetry
 from .validity import check_outline
 
 SEAM_MISMATCH_TOLERANCE = 0.5e-3
-"""Difference between the lengths of a seam's sides [m] above which it is reported: the limit of the verdict on
-seams."""
+"""Reported difference between the lengths of a seam's sides [m]: the limit of the verdict on seams."""
 
 TRIAL_MESH_VERTEX_COUNT = 1500
-"""Number of nodes of the trial mesh, as many as the first drape of a pattern has."""
+"""Number of nodes of the trial mesh, as in the first drape of a pattern."""
 
 CM2_PER_M2 = 1e4
 """Square centimetres in a square metre."""
 
 
 class Severity(StrEnum):
-    """Describe what a finding means: an error keeps the pattern from being draped."""
+    """Severity of a finding: an error prevents draping."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -42,14 +41,13 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """Describe one thing that is wrong with a pattern.
+    """Describe one fault of a pattern.
 
     Attributes:
         code: Stable, `pattern.*`.
-        severity: Whether the pattern can be draped all the same.
-        message: For people.
+        severity: Whether the pattern can still be draped.
+        message: Text for the user.
         seam: Number of the seam, or None.
-        places: Where.
     """
 
     code: str
@@ -65,11 +63,11 @@ class Finding:
 
 
 def find_faults(pattern: Pattern, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -> tuple[Finding, ...]:
-    """Find what is wrong with a pattern: outlines, seams, and where these are sound, its mesh.
+    """Find the faults of a pattern: outlines, seams, and where these are sound, its mesh.
 
     Args:
         pattern: What to examine.
-        vertex_count: Nodes of the mesh that is tried.
+        vertex_count: Nodes of the trial mesh.
     """
     found = [Finding.of(fault) for fault in _catch(check_outline, pattern.panels)]
     found += _examine_seams(pattern)
@@ -79,7 +77,7 @@ def find_faults(pattern: Pattern, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -
 
 
 def _catch(check: Callable[[Any], object], given: Iterable[Any]) -> list[PatternFault]:
-    """Return what a check raises of each thing that is given."""
+    """Return the faults that a check raises for each of some values."""
     found = []
     for one in given:
         try:
@@ -90,7 +88,7 @@ def _catch(check: Callable[[Any], object], given: Iterable[Any]) -> list[Pattern
 
 
 def _examine_seams(pattern: Pattern) -> list[Finding]:
-    """Find seams whose sides are unequal without being gathered, and panels that no seam holds."""
+    """Find seams whose sides are unequal without being gathered, and panels without a seam."""
     found = []
     for number, (seam, (a, b)) in enumerate(zip(pattern.seams, seam_lengths(pattern), strict=True)):
         if seam.gathered or abs(a - b) <= SEAM_MISMATCH_TOLERANCE:
@@ -112,15 +110,15 @@ def _examine_seams(pattern: Pattern) -> list[Finding]:
 
 
 def examine_file(source: str, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -> dict[str, Any]:
-    """Check a pattern file in a limited process, and return what was found and measured, as JSON values.
+    """Check a pattern file in a limited process, and return findings and measurements, as JSON values.
 
     Args:
         source: Path of the file.
-        vertex_count: Nodes of the mesh that is tried.
+        vertex_count: Nodes of the trial mesh.
 
     Returns:
         `is_sound`, `findings`, `panels`, `seams` and `mirrors` (docs/reference/pattern-documents.md). Numbers of edges
-        and control points are the file's, points are in its unit.
+            and control points are the file's, points are in its unit.
 
     Raises:
         PatternFault: where the file is no JSON object.
@@ -133,7 +131,7 @@ def examine_pattern(document: dict[str, Any], vertex_count: int = TRIAL_MESH_VER
 
     Args:
         document: The parsed document.
-        vertex_count: Nodes of the mesh that is tried.
+        vertex_count: Nodes of the trial mesh.
     """
     try:
         pattern, numbers = read_numbered(document, is_checked=False)
@@ -188,10 +186,8 @@ def _describe_seams(pattern: Pattern, numbers: dict[str, Numbering]) -> list[dic
 
 
 def _describe_mirrors(pattern: Pattern, numbers: dict[str, Numbering]) -> list[dict[str, Any]]:
-    """Return the pairs of panels that are mirror images, with the pairs of control points, and how a move is mirrored.
-
-    A control point of the target follows its image by `matrix` times that one's move, in the file's axes.
-    """
+    """Return the pairs of mirrored panels with their pairs of control points, and `matrix`, which maps the move of a
+    control point to that of its image in the target, in the file's axes."""
     found = []
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]

@@ -1,4 +1,4 @@
-"""Fair curves: where a cut is smooth its boundary stays smooth, within a panel and across a seam that ends there."""
+"""Fair curves: keep a boundary smooth where the cut is smooth, within a panel and across a seam that ends there."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from .pattern import Edge, EdgeRef, Panel, Pattern
 from .seams import equalise_seams
 
 MAX_SMOOTH_CORNER_ANGLE = np.radians(5.0)
-"""Turn of a boundary below which it is smooth [rad]: a cutter's knife does not show it."""
+"""Turn of a boundary below which it is smooth [rad]: it is not visible in cut cloth."""
 
 MIN_CORRECTED_CORNER_ANGLE = np.radians(0.5)
-"""Smallest corner that is corrected [rad]: a straight edge need not become a curve for less."""
+"""Smallest corner that is corrected [rad], so that a straight edge does not become a curve for less."""
 
 MAX_BENT_ARC_ANGLE = 2.0 * np.pi / 3.0
-"""Arcs of a larger sweep [rad] stay arcs: a cubic curve would leave them by more than 0.3 % of their radius."""
+"""Arcs of a larger sweep [rad] stay arcs: a cubic curve would differ from them by more than 0.3 % of their radius."""
 
 EDGE_BLEND_LENGTH = 0.06
-"""Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm, beyond which
-the edge stays the line that it was."""
+"""Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm; the rest of
+the edge stays a line."""
 
 MIN_DIRECTED_EDGE_LENGTH = 0.005
-"""Least length of an edge that has a direction which a cutter sees [m]: the steps of 2 mm that programs draw at a
-corner turn by 40 degrees where a point moves by 1 mm."""
+"""Smallest length of an edge with a significant direction [m]: the steps of 2 mm that programs draw at a corner turn by
+40 degrees where a point moves by 1 mm."""
 
 MAX_FAIRING_ITERATIONS = 8
-"""Largest number of iterations. Each turns the curves, moves the control points and makes the seams equal. What each
-step undoes of the others halves, so that corners of 30 degrees fall below 0.5."""
+"""Largest number of iterations, each of which turns the curves, moves the control points and equalises the seams. The
+corner that remains halves each time, so that corners of 30 degrees fall below 0.5."""
 
 PROVED_CORNER_TOLERANCE_ANGLE = np.radians(2.0)
-"""A proved corner within this of its angle stays as it was fitted [rad]: scans tell corners to 0.5 to 2 degrees, and a
-straight hem need not become a curve for the difference."""
+"""A proved corner within this of its angle stays as it was fitted [rad]: scans have corners to within 0.5 to 2 degrees,
+and a straight hem does not become a curve for the difference."""
 
 PARALLEL_EDGE_RCOND = 0.3
 """Cut-off of the singular values [share of the largest] in the move of a control point. Two edges that meet at less
-than 33 degrees then count as one line: a point moves across both by their mean, not far along them."""
+than 33 degrees then count as parallel: the point moves across both by their mean, not far along them."""
 
 Corner = tuple[str, int]
 """Panel's name, and index of a control point in it."""
@@ -48,28 +48,21 @@ Corner = tuple[str, int]
 
 @dataclass(frozen=True)
 class SmoothJoin:
-    """Name a place where a boundary goes on without a corner.
-
-    Attributes:
-        corners: One corner, between two edges of a panel; or two, on both sides of a seam that ends there.
-        seam: The sewn edge of each of two corners; empty for one.
-    """
+    """Describe a place where a boundary continues without a corner: one corner, between two edges of a panel; or two
+    corners on both sides of a seam that ends there, with the sewn edge of each."""
 
     corners: tuple[Corner, ...]
     seam: tuple[EdgeRef, ...] = ()
 
 
 NO_PROVED_CORNERS: Mapping[SmoothJoin, float] = {}
-"""Corners of no scan."""
+"""No proved corners: there is no scan."""
 
 
 @memoise
 def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
-    """Find every place where a pattern's boundary is smooth: those where its own corner is below
-    `MAX_SMOOTH_CORNER_ANGLE`.
-
-    Where one of the two edges is below `MIN_DIRECTED_EDGE_LENGTH` it is part of a corner, whatever its direction.
-    """
+    """Find all joins where the corner of a pattern's boundary is below `MAX_SMOOTH_CORNER_ANGLE`. An edge below
+    `MIN_DIRECTED_EDGE_LENGTH` is part of a corner, so its ends are no smooth joins."""
     single = [SmoothJoin(((panel.name, i),)) for panel in pattern.panels for i in range(len(panel.points))]
     joins = [*single, *_across_seams(pattern)]
     return tuple(
@@ -84,12 +77,10 @@ def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
 
 
 def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:
-    """Compute the corner of a boundary at a join [rad]: 0 where it is smooth, positive where it bulges out.
-
-    Let t be the angle by which a counter-clockwise outline turns left at a corner. Within a panel the corner is t.
-    Where a seam ends, the boundary goes on in the other panel; its interior angles pi - t add up, so that it is
-    t_a + t_b - pi. Full turns are taken off.
-    """
+    """Compute the corner of a boundary at a join [rad]: 0 where it is smooth, positive where it is convex. Let t be the
+    angle by which a counter-clockwise outline turns left at a corner. Within a panel the corner is t. Where a seam
+    ends, the boundary continues in the other panel; its interior angles pi - t add up, so that the corner is t_a + t_b
+    - pi. Full turns are subtracted."""
     turns = [_turn(pattern.panel(name), index) for name, index in join.corners]
     corner = turns[0] if len(turns) == 1 else sum(turns) - np.pi
     return float((corner + np.pi) % (2.0 * np.pi) - np.pi)
@@ -98,18 +89,14 @@ def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:
 def unplanned_corners(
     pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS
 ) -> np.ndarray:
-    """Measure the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count].
-
-    Where a corner is proved it is planned: what counts is how far the pattern's is from that angle [rad].
-    """
+    """Compute the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count]. A proved corner
+    is planned: there the value is the difference from the proved angle [rad]."""
     return np.array([measure_corner(pattern, join) - proved.get(join, 0.0) for join in find_smooth_joins(base)])
 
 
 def interior_angles(panel: Panel) -> np.ndarray:
-    """Return the angle of cloth at each control point of a panel [rad]: pi where its outline is smooth.
-
-    Beside an edge below `MIN_DIRECTED_EDGE_LENGTH` none is told (NaN).
-    """
+    """Return the interior angle at each control point of a panel [rad]: pi where its outline is smooth. It is NaN
+    beside an edge below `MIN_DIRECTED_EDGE_LENGTH`."""
     short = np.array([edge_length(panel, i) < MIN_DIRECTED_EDGE_LENGTH for i in range(len(panel.points))])
     turns = np.array([_turn(panel, i) for i in range(len(panel.points))])
     return np.where(short | np.roll(short, 1), np.nan, np.pi - turns)
@@ -121,19 +108,20 @@ def fair_curves(
     held: Collection[Corner] = (),
     proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS,
 ) -> Pattern:
-    """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
+    """Turn the ends of a pattern's curves until each corner that is smooth in its base pattern has that pattern's
+    angle.
 
-    Each of the two edges of a boundary turns its tangent by half of what the corner is off, and moves across itself so
-    far that it encloses as much as before: the smooth line runs through the corner, not around it. A straight edge
-    becomes a cubic curve where it has to bend. Large arcs stay as they are: their neighbour turns by the whole corner,
-    and where both are large arcs the corner stays.
+    Each of the two edges of a boundary turns its tangent by half of the corner's excess, and moves across itself until
+    it encloses the same area: the smooth line passes through the corner, not around it. A straight edge becomes a cubic
+    where it has to bend. Large arcs stay: their neighbour turns by the whole corner; between two large arcs the corner
+    stays.
 
     Args:
         pattern: The graded or fitted pattern.
         base: The pattern that it was graded from, with the same panels and edges.
-        held: Control points that stay where they are; an edge between two of them stays as it is, too.
-        proved: Corners that the scan proves, by how far the boundary turns there [rad]: they are kept within
-            `PROVED_CORNER_TOLERANCE_ANGLE` of that, in place of the base pattern's.
+        held: Control points that stay fixed; an edge between two of them does not change.
+        proved: Corners that the scan proves, by the boundary's turn there [rad], within `PROVED_CORNER_TOLERANCE_ANGLE`
+            of which they are kept in place of the base pattern's.
     """
     for _ in range(MAX_FAIRING_ITERATIONS):
         turns: dict[EdgeRef, np.ndarray] = {}
@@ -143,7 +131,7 @@ def fair_curves(
                 continue
             ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], held)]
             for edge, is_end in ends:
-                # the boundary turns left by the corner: what arrives turns left by its share, what departs right
+                # the boundary turns left by the corner: the arriving edge turns left, the departing one right
                 share = corner / len(ends)
                 turns.setdefault(edge, np.zeros(2))[int(is_end)] += share if is_end else -share
         if not turns:
@@ -153,17 +141,14 @@ def fair_curves(
 
 
 def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef]:
-    """Return the two edges of the boundary that meets at a join."""
+    """Return the two edges of the boundary that meet at a join."""
     (first, _), (last, _) = _boundary_ends(pattern, join)
     return first, last
 
 
 def _corner_excess(corner: float, plain: float, proved: float | None) -> float:
-    """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it.
-
-    A base pattern's corner that is nearly `MAX_SMOOTH_CORNER_ANGLE` is taken back so far that what is left of it stays
-    below.
-    """
+    """Return the angle by which a corner has to turn back [rad], given its base pattern's and its proved angle. A base
+    pattern's corner near `MAX_SMOOTH_CORNER_ANGLE` is reduced until the rest is below that angle."""
     if proved is None:
         return corner - float(
             np.clip(
@@ -177,11 +162,9 @@ def _corner_excess(corner: float, plain: float, proved: float | None) -> float:
 
 
 def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
-    """Yield both ends of every seam, with the corners of the two panels that it joins there.
-
-    Left out are those where two straight seams meet, as a shoulder's and a sleeve's do: a sleeve is set at an angle,
-    and the seam on top of it stays straight, so that its halves can be cut as one.
-    """
+    """Yield both ends of every seam, with the corners of the two panels that it joins there. Ends where two straight
+    seams meet, as a shoulder's and a sleeve's do, are left out: a sleeve is set at an angle, and the seam on top of it
+    stays straight, so that its halves can be cut as one."""
     sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
     for seam in pattern.seams:
         if seam.gathered:
@@ -201,7 +184,7 @@ def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
 
 
 def _boundary_ends(pattern: Pattern, join: SmoothJoin) -> Iterator[tuple[EdgeRef, bool]]:
-    """Yield the edges of the boundary that meets at a join, each with whether it ends there."""
+    """Yield the edges of the boundary that meet at a join, each with whether it ends there."""
     for k, (name, index) in enumerate(join.corners):
         count = len(pattern.panel(name).points)
         arriving, departing = EdgeRef(name, (index - 1) % count), EdgeRef(name, index)
@@ -218,7 +201,7 @@ def _turn(panel: Panel, index: int) -> float:
 
 
 def _tangent(panel: Panel, edge: int, is_end: bool) -> np.ndarray:
-    """Return the direction in which an edge runs at its start or end, a unit vector, shape [2]."""
+    """Return the unit direction of an edge at its start or end, shape [2]."""
     along = panel.points[(edge + 1) % len(panel.points)] - panel.points[edge]
     x, y = _unit_tangent(panel.edges[edge], is_end)
     found = x * along + y * np.array([-along[1], along[0]])
@@ -242,7 +225,7 @@ def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
 
 
 def _can_bend(pattern: Pattern, edge: EdgeRef, held: Collection[Corner]) -> bool:
-    """Return whether an edge may change, and is as good as drawn by a cubic curve."""
+    """Return whether an edge may change and is well approximated by a cubic curve."""
     panel = pattern.panel(edge.panel)
     if (edge.panel, edge.edge) in held and (edge.panel, (edge.edge + 1) % len(panel.points)) in held:
         return False
@@ -251,7 +234,7 @@ def _can_bend(pattern: Pattern, edge: EdgeRef, held: Collection[Corner]) -> bool
 
 
 def _turn_ends(pattern: Pattern, turns: dict[EdgeRef, np.ndarray]) -> Pattern:
-    """Return a pattern whose edges begin and end turned left by given angles [rad], start and end."""
+    """Return a pattern with the start and end tangents of edges turned left by given angles [rad]."""
     panels = []
     for panel in pattern.panels:
         edges = [
@@ -265,7 +248,7 @@ def _turn_ends(pattern: Pattern, turns: dict[EdgeRef, np.ndarray]) -> Pattern:
 
 
 def _bend(edge: Edge, chord: float, turns: np.ndarray) -> Edge:
-    """Return an edge of some chord [m] as a cubic curve whose ends are turned left by two angles [rad], shape [2]."""
+    """Return an edge of a chord [m] as a cubic curve whose ends are turned left by two angles [rad], shape [2]."""
     first, last = _cubic_handles(edge, chord)
     end = np.array([1.0, 0.0])
     handles = np.stack([plane_rotation(turns[0]) @ first, end + plane_rotation(turns[1]) @ (last - end)])
@@ -273,7 +256,7 @@ def _bend(edge: Edge, chord: float, turns: np.ndarray) -> Edge:
 
 
 def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
-    """Return the two handles of the cubic curve that draws an edge, an arc within 0.3 % of its radius, shape [2, 2]."""
+    """Return the two handles of the cubic for an edge, shape [2, 2]; an arc is met within 0.3 % of its radius."""
     start, end = np.zeros(2), np.array([1.0, 0.0])
     if edge.kind == "cubic":
         return edge.handles
@@ -288,11 +271,9 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
 
 
 def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Pattern:
-    """Return a pattern whose control points have moved until each bent edge encloses what it did before.
-
-    An edge whose curve has gained the area dA has to move by -dA / chord across itself. A control point moves by the
-    least that both of its edges ask for, and by their mean where they run alike.
-    """
+    """Return a pattern whose control points have moved until each bent edge encloses the same area as before. An edge
+    whose curve has gained the area dA moves by -dA / chord across itself. A control point moves by the least-norm
+    solution for both of its edges, by their mean where they are parallel."""
     points = {}
     for panel, old in zip(bent.panels, before.panels, strict=True):
         chord = np.roll(panel.points, -1, axis=0) - panel.points

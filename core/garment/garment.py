@@ -1,4 +1,4 @@
-"""A pattern meshed and sewn: the one topology that drape, simulation mesh and detail mesh share."""
+"""The mesh of a sewn pattern: one topology for drape, simulation mesh and detail mesh."""
 
 from __future__ import annotations
 
@@ -12,13 +12,11 @@ from .pattern import EdgeRef, Pattern
 
 @dataclass(frozen=True)
 class Garment:
-    """Describe the sewn mesh of a pattern.
-
-    The rest shape of face f is always the flat triangle uv[uv_faces[f]], never a placed or draped one.
+    """Describe the sewn mesh of a pattern. The rest shape of face f is always the flat triangle uv[uv_faces[f]], never
+    a placed or draped one.
 
     Attributes:
-        pattern: The pattern that was meshed.
-        nodes: 3D positions [m], shape [node_count, 3]; where the garment stands now.
+        nodes: Present 3D positions [m], shape [node_count, 3].
         faces: Node indices, outward, shape [face_count, 3].
         uv: Flat positions in each panel's own axes [m], shape [uv_count, 2].
         uv_faces: Indices into `uv`, corner for corner as `faces`, shape [face_count, 3].
@@ -26,7 +24,7 @@ class Garment:
         panel_of_face: Index into pattern.panels, shape [face_count].
         panel_of_uv: Index into pattern.panels, shape [uv_count].
         edge_uv: For each pattern edge, the uv vertices along it from start to end, both included.
-        contours: Named open contours as loops of nodes; empty until they were named on a body.
+        contours: Named open contours as loops of nodes; empty until they are named on a body.
     """
 
     pattern: Pattern
@@ -51,7 +49,7 @@ class Garment:
         return found
 
     def at(self, nodes: np.ndarray, contours: tuple[Contour, ...] | None = None) -> Garment:
-        """Return the same garment with its nodes elsewhere [m], shape [node_count, 3]."""
+        """Return the same garment with its nodes at other positions [m], shape [node_count, 3]."""
         return replace(self, nodes=nodes, contours=self.contours if contours is None else contours)
 
     def contour(self, name: str) -> Contour | None:

@@ -1,11 +1,8 @@
-"""Read the pattern JSON of GarmentCode and of NeuralTailor's generator.
-
-Lengths are in the file's own unit (`properties.units_in_meter` of them make a metre). Curves are a list [x, y] (one
-quadratic handle, older files) or {type: quadratic | cubic | circle, params}. Placement is a translation and Euler
-angles in degrees about the fixed axes x, y, z in this order. GarmentCode's writer itself uses moving axes while its
-mesher and every other reader use fixed ones; published patterns mostly turn about one axis or by half turns, where both
-agree.
-"""
+"""Read the pattern JSON of GarmentCode and of NeuralTailor's generator. Lengths are in the file's own unit
+(`properties.units_in_meter` per metre). Curves are a list [x, y] (one quadratic handle, older files) or {type:
+quadratic | cubic | circle, params}. Placement is a translation and Euler angles in degrees about the fixed axes x, y, z
+in this order. GarmentCode's writer uses moving axes while its mesher and every other reader use fixed ones; published
+patterns mostly turn about one axis or by half turns, where both agree."""
 
 from __future__ import annotations
 
@@ -42,33 +39,33 @@ from .validity import check_outline
 __all__ = ["load_pattern", "read_pattern", "save_pattern", "write_pattern"]
 
 MAX_BYTES = 10_000_000
-"""The largest file read; published patterns have 5 to 300 kB."""
+"""Largest size of a pattern file [bytes]; published patterns have 5 to 300 kB."""
 MAX_PANELS = 200
-"""The most panels of a pattern; the richest published garments have about 60."""
+"""Largest number of panels; the largest published garments have about 60."""
 MAX_EDGES = 2000
-"""The most edges of a pattern."""
+"""Largest number of edges of a pattern."""
 MAX_CATEGORY_LENGTH = 32
-"""The most letters of a category; ours have at most 8."""
+"""Largest length of a category [characters]; those in use are shorter."""
 MAX_SIZE = 50.0
-"""Coordinates and translations beyond this [m] are refused: the file's unit is then wrong."""
+"""Largest coordinate or translation [m]; beyond it the file's unit is wrong."""
 GATHER_TOLERANCE = 0.03
-"""A seam whose length ratio lies outside 1 +- this is gathered (numerics 5)."""
+"""Difference of a seam's length ratio from 1 above which it is gathered."""
 RADIUS_SLACK = 1e-3
-"""A radius shorter than half the chord by at most this fraction is rounding, and is taken as a half circle."""
+"""A radius shorter than half the chord by at most this fraction is rounding; the arc is then a half circle."""
 
 
 def load_pattern(path: str | Path) -> Pattern:
     """Read a pattern file.
 
     Raises:
-        BadInput: with a code `pattern.*` and one clear line, whatever the file holds.
+        BadInput: with a code `pattern.*` and one clear line, whatever the file contains.
     """
     path = Path(path)
     return read_pattern(read_bytes(path), name=path.stem.removesuffix("_specification"))
 
 
 def read_bytes(path: Path) -> bytes:
-    """Return the bytes of a pattern file; of one that is too large those that tell so.
+    """Read the bytes of a pattern file; at most `MAX_BYTES` + 1, so that `parse_document` finds a file too large.
 
     Raises:
         PatternUnreadable: where it cannot be opened.
@@ -81,12 +78,11 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") -> Pattern:
-    """Read a pattern from its JSON text or from the parsed object.
-
-    Clockwise panels are mirrored (see `orientation.mirror_panel`) and marked; `write_pattern` restores them.
+    """Read a pattern from its JSON text or from the parsed object. Clockwise panels are mirrored (see
+    `orientation.mirror_panel`) and marked; `write_pattern` restores them.
 
     Raises:
-        BadInput: with a code `pattern.*` and one clear line, whatever the source holds.
+        BadInput: with a code `pattern.*` and one clear line, whatever the source contains.
     """
     return read_numbered(source, name)[0]
 
@@ -94,12 +90,12 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
 def read_numbered(
     source: dict[str, Any] | str | bytes, name: str = "pattern", is_checked: bool = True
 ) -> tuple[Pattern, dict[str, Numbering]]:
-    """Read a pattern as `read_pattern` does, and return with it how the file numbers each panel, by its name.
+    """Read a pattern as `read_pattern` does, and return also the file's numbering of each panel, by its name.
 
     Args:
         source: JSON text, or the parsed object.
-        name: What the pattern is called.
-        is_checked: False lets panels through whose outline crosses itself or has no area.
+        name: Name of the pattern.
+        is_checked: False accepts panels whose outline crosses itself or has no area.
 
     Raises:
         PatternFault: with the place, in the file's numbers.
@@ -151,14 +147,14 @@ def read_numbered(
     pattern = Pattern(name, tuple(panels), seams, category, extra)
     read = _restore_extensions(pattern, own)
     if own and all(seam.reversed for seam in seams):
-        return _mark_gathers(read, own), found  # written by `write_pattern`, of panels that agree
+        return _mark_gathers(read, own), found  # written by `write_pattern`, with consistent panels
     try:
         agreed = agree_orientation(read)
     except NotOrientable as error:
         places = [renumber(place, found[place.panel]) for place in error.places]
         raise NotOrientable(None, *places, seam=error.seam) from None
     for panel, now in zip(read.panels, agreed.panels, strict=True):
-        if panel.mirrored != now.mirrored:  # turned over, which runs its loop the other way from the same point
+        if panel.mirrored != now.mirrored:  # turned over: its loop is reversed, from the same point
             before = found[panel.name]
             found[panel.name] = Numbering(before.edges[::-1], (before.vertices[0], *before.vertices[:0:-1]))
     return _mark_gathers(agreed, own), found
@@ -185,7 +181,7 @@ def parse_document(source: str | bytes) -> Any:
 def _read_panel(
     name: str, file: dict[str, Any], scale: float, relative: bool
 ) -> tuple[Panel, Numbering, dict[str, Any]]:
-    """Read one panel: the panel (counter-clockwise), how the file numbers it, and unknown keys."""
+    """Read one panel: return it (counter-clockwise), the file's numbering, and unknown keys."""
     where = f"panel '{name}'"
     for key in ("vertices", "edges"):
         if key not in file:
@@ -241,11 +237,8 @@ def _read_panel(
 
 
 def _order_loop(ends: list[tuple[int, int]], name: str) -> tuple[list[int], list[bool]]:
-    """Order edges into one loop from edge 0; True marks an edge that the file runs the other way.
-
-    Raises:
-        PanelOpen: where they are not exactly one closed loop.
-    """
+    """Order edges into one loop from edge 0; True marks an edge that the file has in reverse. Raise `PanelOpen` where
+    they are not exactly one closed loop."""
     at: dict[int, list[int]] = {}
     for number, pair in enumerate(ends):
         for end in set(pair):
@@ -303,7 +296,7 @@ def _read_edge(
 
 
 def _read_circle(params: list[Any], length: float, scale: float, where: str) -> Edge:
-    """Turn [radius, large_arc, right] into the apex's height over the chord (right of it: negative)."""
+    """Convert [radius, large_arc, right] to the apex's height over the chord (right of it: negative)."""
     if len(params) != 3:
         raise PatternValueBad(f"{where}: a circle has the parameters radius, large_arc, right.")
     radius = get_number(params[0], f"{where} radius", low=0.0, high=1e9) * scale / length
@@ -311,7 +304,7 @@ def _read_circle(params: list[Any], length: float, scale: float, where: str) -> 
     if radius < 0.5 * (1.0 - RADIUS_SLACK):
         raise PatternValueBad(f"{where}: the radius is shorter than half the distance of its endpoints.")
     drop = np.sqrt(max(radius * radius - 0.25, 0.0))
-    # radius - drop loses its digits on flat arcs; 1/4 / (radius + drop) is the same number.
+    # radius - drop cancels on flat arcs; 1/4 / (radius + drop) is the same number.
     height = radius + drop if large else 0.25 / (max(radius, 0.5) + drop)
     return Edge("arc", np.array([[0.5, -height if right else height]]))
 
@@ -352,7 +345,7 @@ def _read_seams(stitches: list[Any], numbers: dict[str, dict[int, int]]) -> tupl
 
 
 def _restore_extensions(pattern: Pattern, own: dict[str, Any]) -> Pattern:
-    """Put back grainlines, notches and contour names that `write_pattern` kept; what does not fit is ignored."""
+    """Restore grainlines, notches and contour names that `write_pattern` kept; invalid ones are ignored."""
     notes = own.get("panels", {}) if isinstance(own.get("panels", {}), dict) else {}
     panels = []
     for panel in pattern.panels:
@@ -379,7 +372,7 @@ def _restore_extensions(pattern: Pattern, own: dict[str, Any]) -> Pattern:
 
 
 def _mark_gathers(pattern: Pattern, own: dict[str, Any]) -> Pattern:
-    """Mark gathered seams: as the file says where it was ours, else by their ratio of lengths."""
+    """Mark gathered seams: as the file says if this program wrote it, else by their ratio of lengths."""
     said = own.get("gathered")
     seams = []
     for index, seam in enumerate(pattern.seams):

@@ -15,12 +15,12 @@ from .orientation import mirror_panel
 from .pattern import Panel, Pattern
 
 EXTENSION_KEY = "garmentq"
-"""The key under `properties` that keeps what the format has no place for."""
+"""Key under `properties` for what the format has no place for."""
 
 
 LENGTH_DECIMAL_COUNT = 12
-"""Number of decimals of a length in metres that are written: 1e-12 m lies far above the rounding of units, and far
-below every length that means anything. A file that is read and written again so has the same digits."""
+"""Number of decimals of a length in metres that are written: 1e-12 m is far above the rounding of units and far below
+every significant length, so that reading and writing again gives the same digits."""
 
 RADIUS_DIGIT_COUNT = 13
 """Number of significant digits of a radius that are written, for the same reason. An angle in degrees has six fewer, as
@@ -28,10 +28,8 @@ decimals."""
 
 
 def write_pattern(pattern: Pattern) -> dict[str, Any]:
-    """Return a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept.
-
-    What is read from it and written again is the same, digit for digit.
-    """
+    """Return a pattern as a GarmentCode object, ready for `json.dump`; unknown keys of its file are kept. Reading and
+    writing it again gives the same digits."""
     extra = pattern.extra
     per_metre = float(extra.get("units_in_meter", 100))
     rests = extra.get("panels", {})
@@ -70,7 +68,7 @@ def write_pattern(pattern: Pattern) -> dict[str, Any]:
 
 
 def save_pattern(pattern: Pattern, path: str | Path) -> Path:
-    """Write a pattern file and give its path."""
+    """Write a pattern file and return its path."""
     path = Path(path)
     path.write_text(json.dumps(write_pattern(pattern), indent=1), encoding="utf-8")
     return path
@@ -111,15 +109,15 @@ def _write_panel(panel: Panel, per_metre: float, rest: dict[str, Any]) -> dict[s
 
 def _euler_degrees(rotation: np.ndarray) -> list[float]:
     with warnings.catch_warnings():
-        # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
+        # At 90 degrees about y two angles are not unique; scipy warns and takes a valid pair.
         warnings.simplefilter("ignore")
         angles = Rotation.from_matrix(rotation).as_euler("xyz", degrees=True)
-    # near 90 degrees an arc sine keeps half of the digits
+    # near 90 degrees an arc sine loses half of the digits
     found: list[float] = (angles.round(RADIUS_DIGIT_COUNT - 6) + 0.0).tolist()
     return found
 
 
 def _round_lengths(values: np.ndarray, per_metre: float) -> list[Any]:
-    """Return lengths in a file's unit, without digits below the resolution."""
+    """Return lengths in a file's unit, rounded to the resolution."""
     found: list[Any] = (values.round(LENGTH_DECIMAL_COUNT - round(np.log10(per_metre))) + 0.0).tolist()
     return found

@@ -1,4 +1,4 @@
-"""The handles of a pattern's curves as one vector, and what of a pattern follows them."""
+"""The handles of a pattern's curves as one vector, and derivatives of the pattern by them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ CURVE_KINDS = ("quadratic", "cubic")
 """Kinds of edges whose handles can move; an arc stays an arc."""
 
 HANDLE_DIFFERENCE_STEP = 1e-5
-"""Step of central differences [chords]: lengths and points are exact to 1e-9 then."""
+"""Step of central differences [chords]: lengths and points are then accurate to 1e-9."""
 
 Measure = Callable[[Edge], np.ndarray | float]
 
 
 def list_curves(pattern: Pattern) -> Iterator[tuple[EdgeRef, Edge, slice]]:
-    """Yield each curve with where its handles are in `handles_of`."""
+    """Yield each curve with the slice of its handles in `handles_of`."""
     first = 0
     for panel in pattern.panels:
         for index, edge in enumerate(panel.edges):
@@ -60,8 +60,8 @@ def find_free_handles(pattern: Pattern, held: Collection[EdgeRef] = ()) -> np.nd
     """Return an orthonormal basis of the motions that keep mirror images, shape [2 handle_count, free_count].
 
     Args:
-        pattern: Tells the symmetry.
-        held: Curves that stay as they are.
+        pattern: The pattern, with its symmetry.
+        held: Curves that stay fixed.
     """
     places = {ref: own for ref, _, own in list_curves(pattern)}
     count = len(handles_of(pattern))
@@ -76,7 +76,7 @@ def find_free_handles(pattern: Pattern, held: Collection[EdgeRef] = ()) -> np.nd
             if own is None or image is None:
                 continue
             for one, other in zip(range(own.start, own.stop), range(image.stop - 1, image.start - 1, -1), strict=True):
-                # a mirrored curve runs the other way: (along, across) becomes (1 - along, across)
+                # a mirrored curve is reversed: (along, across) becomes (1 - along, across)
                 for axis, sign in ((0, 1.0), (1, -1.0)):
                     tie = np.zeros((count, 2))
                     tie[one, axis] += 1.0
@@ -89,7 +89,7 @@ def find_free_handles(pattern: Pattern, held: Collection[EdgeRef] = ()) -> np.nd
 
 
 def differentiate(edge: Edge, measure: Measure) -> np.ndarray:
-    """Return the derivative of what is measured of an edge by its handles [1/chord], shape [..., 2 handle_count]."""
+    """Return the derivative of a measure of an edge by its handles [1/chord], shape [..., 2 handle_count]."""
     rates = []
     for index in np.ndindex(edge.handles.shape):
         ends = []
@@ -122,7 +122,7 @@ def area_rates(pattern: Pattern, by: Mapping[EdgeRef, float]) -> np.ndarray:
 
 
 def _edge_rates(pattern: Pattern, by: Mapping[EdgeRef, float], measure: Measure, power: int) -> np.ndarray:
-    """Return the derivative of a weighted sum of what grows with a power of each edge's chord."""
+    """Return the derivative of a weighted sum of measures that grow with a power of each edge's chord."""
     rates = np.zeros((len(handles_of(pattern)), 2))
     for ref, edge, own in list_curves(pattern):
         if ref in by:
@@ -134,9 +134,7 @@ def _edge_rates(pattern: Pattern, by: Mapping[EdgeRef, float], measure: Measure,
 
 def follow_handles(garment: Garment) -> np.ndarray:
     """Return the derivative of a flat mesh by the handles of its pattern [m], shape [uv_count, 2, 2 handle_count].
-
-    Outline vertices stay uniform in arc length; inner ones move by mean value coordinates, as in `redraw`.
-    """
+    Outline vertices stay uniform in arc length; inner ones move by mean value coordinates, as in `update_flat_mesh`."""
     pattern = garment.pattern
     moved = np.zeros((len(garment.uv), 2, 2 * len(handles_of(pattern))))
     for ref, edge, own in list_curves(pattern):
@@ -152,10 +150,9 @@ def follow_handles(garment: Garment) -> np.ndarray:
 
 
 def corner_rates(pattern: Pattern, join: SmoothJoin) -> tuple[np.ndarray, np.ndarray]:
-    """Return the derivative of the corner at a join, as `measure_corner` has it, by control points and by handles.
-
-    With the chord c and the tangent t in its frame, an edge runs at the angle atan2(c) + atan2(t); a corner is the
-    angle of the edge that departs less that of the one that arrives.
+    """Return the derivative of the corner at a join, as of `measure_corner`, by control points and by handles. With the
+    chord c and the tangent t in its frame, an edge has the angle atan2(c) + atan2(t); a corner is the angle of the
+    departing edge less that of the arriving one.
 
     Returns:
         By all control points [rad/m], shape [point_count, 2], and by all handles [rad chord], shape [handle_count, 2].

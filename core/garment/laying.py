@@ -1,4 +1,4 @@
-"""Lay the mesh of an edited pattern where the present one hangs, also where panels were cut, joined or given points."""
+"""Place the mesh of an edited pattern over the present drape, also where panels were cut, joined or given points."""
 
 from __future__ import annotations
 
@@ -17,32 +17,31 @@ from .resampling import locate
 from .sewing import mesh_pattern
 
 MIN_MOVED_TRIANGLE_ANGLE = np.radians(15.0)
-"""Smallest angle of a triangle [rad] down to which a mesh that follows moved points is kept; fresh meshes have 20 to 30
-degrees."""
+"""Smallest triangle angle [rad] at which a mesh that follows moved points is kept; new meshes have 20 to 30 degrees."""
 
 SAME_PLACE_TOLERANCE = 0.01
-"""Mean distance [m] between the control points of a panel and another one, both placed, up to which it is cut out of
-that: what is cut keeps its axes and its place."""
+"""Mean distance [m] between the placed control points of a panel and those of another one, up to which it was cut out
+of that panel: a cut piece keeps its axes and its placement."""
 
 MAX_EXTRAPOLATION_WEIGHT = 20.0
 """Largest barycentric weight of a point beyond the present cloth. At so many triangles' distance, 40 cm where they are
-of 2 cm, the place where it hangs is unknown."""
+of 2 cm, its position is unknown."""
 
 
 def transfer_nodes(garment: Garment, pattern: Pattern) -> Garment | None:
     """Return an edited pattern's mesh with its nodes where the present garment has the same cloth.
 
-    Where only points and curves were changed, the mesh stays and follows them (`update_flat_mesh`). Otherwise the
-    pattern is meshed anew; a node stands where the present mesh has its flat point: in the panel of its name, or the
-    one that it was cut out of, together with panels that are gone and were sewn to it, laid beside it along their seam.
-    Beyond the present outline the nearest triangle goes on.
+    Where only points and curves changed, the mesh follows them (`update_flat_mesh`). Otherwise the pattern is meshed
+    anew, and each node is placed where the present mesh has its flat point: in the panel of its name or the one that it
+    was cut out of, together with removed panels that were sewn to that one, aligned along their seam. Beyond the
+    present outline the nearest triangle is extrapolated.
 
     Args:
-        garment: The present pattern's mesh, nodes where it hangs.
+        garment: The present pattern's mesh, draped.
         pattern: The edited pattern.
 
     Returns:
-        The mesh; None where a panel or a part of one comes from nowhere, so that there is no place for it.
+        The mesh; None where the source of a panel or a part of one is unknown.
 
     Raises:
         MeshTooCoarse: where the pattern cannot be meshed.
@@ -73,7 +72,7 @@ def transfer_nodes(garment: Garment, pattern: Pattern) -> Garment | None:
 
 @dataclass(frozen=True)
 class Motion:
-    """Move the plane rigidly: p -> p @ rotation.T + shift."""
+    """Describe a rigid motion of the plane: p -> p @ rotation.T + shift."""
 
     rotation: np.ndarray
     shift: np.ndarray
@@ -84,14 +83,14 @@ class Motion:
 
 
 def _has_same_topology(one: Pattern, other: Pattern) -> bool:
-    """Return whether two patterns have the same panels, control points and seams, wherever the points are."""
+    """Return whether two patterns have the same panels, numbers of control points and seams."""
     panels = [[(panel.name, len(panel.points)) for panel in pattern.panels] for pattern in (one, other)]
     seams = [[(seam.a, seam.b) for seam in pattern.seams] for pattern in (one, other)]
     return panels[0] == panels[1] and seams[0] == seams[1]
 
 
 def _find_base(pattern: Pattern, panel: Panel) -> str | None:
-    """Return the name of the panel that a panel is now, or was cut out of; None where there is none."""
+    """Return the name of the panel that a panel is, or was cut out of; None where there is none."""
     if any(one.name == panel.name for one in pattern.panels):
         return panel.name
     placed = place_points(panel, panel.points)
@@ -100,15 +99,14 @@ def _find_base(pattern: Pattern, panel: Panel) -> str | None:
 
 
 def _placement_distance(one: Panel, panel: Panel, placed: np.ndarray) -> float:
-    """Return the mean distance [m] of a panel's placed points from where another panel's axes have them."""
+    """Return the mean distance [m] between a panel's placed points and the same points placed by another panel's
+    axes."""
     return float(np.linalg.norm(place_points(one, panel.points) - placed, axis=1).mean())
 
 
 def _find_merged_panels(pattern: Pattern, base: str, gone: set[str]) -> dict[str, Motion]:
-    """Return the panels whose cloth a panel may have now, each with the motion into that one's axes.
-
-    These are the panel itself, and panels that are gone and were sewn to it, or to one of these.
-    """
+    """Return the panels whose cloth a panel may have now, each with the motion into that panel's axes: the panel
+    itself, and removed panels that were sewn to it or to one of these."""
     found = {base: Motion(np.eye(2), np.zeros(2))}
     grown = True
     while grown:
@@ -123,7 +121,7 @@ def _find_merged_panels(pattern: Pattern, base: str, gone: set[str]) -> dict[str
 
 
 def align_chords(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
-    """Return the motion that lays a chord along another one, middle on middle, shape [2, 2] each."""
+    """Return the motion that aligns a chord to another one, middle on middle, shape [2, 2] each."""
     one, other = (line[1] - line[0] for line in (chord_of, ends))
     angle = np.arctan2(other[1], other[0]) - np.arctan2(one[1], one[0])
     turn = plane_rotation(angle)

@@ -1,4 +1,4 @@
-"""The body measures that base patterns are drafted from."""
+"""Body measures that base patterns are drafted from."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class BodyMeasures:
-    """Describe the measures that the drafts need.
-
-    The defaults are those of the built-in female body of 1.70 m, standing in T-pose with her feet at y = 0.
+    """Describe the measures that the drafts need. The defaults are those of the built-in female body of 1.70 m,
+    standing in T-pose with her feet at y = 0.
 
     Attributes:
         bust, waist, hip: Girths [m].

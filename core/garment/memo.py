@@ -1,4 +1,4 @@
-"""Compute a property of an immutable object once, and keep it with the object."""
+"""Compute a property of an immutable object once, and cache it in the object."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ Result = TypeVar("Result")
 
 
 def memoise(function: Callable[[Value], Result]) -> Callable[[Value], Result]:
-    """Make a function of one frozen dataclass compute its result only once for each object.
-
-    What `functools.cached_property` does, for properties that live in a module above the object's own.
-    """
+    """Return a function of one frozen dataclass that computes its result once per object, as
+    `functools.cached_property` does for a property in the object's own module."""
     name = f"_{function.__name__}"
 
     @wraps(function)

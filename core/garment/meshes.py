@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Meshes:
-    """Node positions of one garment's meshes; faces, rest triangles and contours are the garment's.
+    """Describe the node positions of one garment's meshes; faces, rest triangles and contours are the garment's.
 
     Attributes:
         graded: The graded pattern's drape, before deforming [m], shape [node_count, 3].
@@ -30,7 +30,7 @@ class Meshes:
         return self.graded if self.simulation is None else self.simulation
 
     def __iter__(self) -> Iterator[tuple[str, np.ndarray]]:
-        """Iterate over (file name, nodes) of the meshes that there are, in the order in which they are made."""
+        """Iterate over (file name, nodes) of the meshes that exist, in the order in which they are made."""
         yield "graded", self.graded
         yield "detail", self.detail
         if self.simulation is not None:

@@ -1,4 +1,4 @@
-"""Flat panels into triangles: a hexagonal lattice inside samples of the outline, evened out by forces."""
+"""Triangulate flat panels: a hexagonal lattice inside samples of the outline, relaxed by spring forces."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from .curves import edge_length, edge_points, panel_area
 from .pattern import EdgeRef, Panel, Pattern
 
 LATTICE_VERTEX_AREA = np.sqrt(3.0) / 2.0
-"""Area per vertex of a lattice of equilateral triangles with edge 1 [squared edges], and the distance between its rows
-[edges]."""
+"""Area per vertex of a lattice of equilateral triangles of edge 1 [squared edges], and its rows' distance [edges]."""
 
 MAX_POINT_SIDE_PAIRS = 2**19
 """Number of pairs of a point and a polygon's side that are compared at once: 30 MB."""
@@ -21,15 +20,15 @@ MAX_POINT_SIDE_PAIRS = 2**19
 
 @dataclass(frozen=True)
 class MeshSettings:
-    """Choose how panels are meshed.
+    """Describe how panels are meshed.
 
     Attributes:
         vertex_count: Nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
         sweeps: Force sweeps; angles stop improving after about 20.
-        clearance: Lattice points nearer to the outline than this many edge lengths are left out: 0.6 lies between the
+        clearance: Distance to the outline [edge lengths] below which lattice points are left out: 0.6 is between the
             height of an equilateral triangle and half of it, so that boundary triangles are neither flat nor tall.
-        push: Springs are this much longer than the mean edge, so that they fill the panel (DistMesh's 1.2).
+        push: Rest length of springs [mean edges]; above 1 they fill the panel (DistMesh's 1.2).
         step: Fraction of a spring's force that moves its ends in a sweep (DistMesh's 0.2).
         refinements: Rounds in which an edge that the triangulation lost gets 1.5 times its samples.
     """
@@ -50,7 +49,7 @@ class FlatMesh:
     Attributes:
         vertices: Flat positions [m], shape [n, 2].
         faces: Counter-clockwise triangles, shape [m, 3].
-        boundary_count: The first vertices lie on the outline, counter-clockwise, starting at control point 0.
+        boundary_count: Number of vertices on the outline, the first ones, counter-clockwise from control point 0.
         corner: Index of each control point among them, shape [control_count].
     """
 
@@ -61,11 +60,9 @@ class FlatMesh:
 
 
 def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
-    """Return the edge length [m] at which the sewn mesh has about this many nodes.
-
-    n = A / (sqrt(3)/2 h^2) + L / (2 h), A the panels' area and L the length of open edges: a node on an open contour
-    belongs to half as many triangles as one inside, one on a seam counts as one inside.
-    """
+    """Return the edge length [m] at which the sewn mesh has about this many nodes. n = A / (sqrt(3)/2 h^2) + L / (2 h),
+    A the panels' area and L the length of open edges: a node on an open contour belongs to half as many triangles as
+    one inside, one on a seam counts as one inside."""
     sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
     area = sum(panel_area(panel) for panel in pattern.panels)
     open_length = sum(
@@ -79,10 +76,8 @@ def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
 
 
 def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
-    """Return the number of segments of every edge; both sides of a seam get that of their mean length.
-
-    It is two at least: the vertex between makes sure that no two edges, sewn or open, run between the same two nodes.
-    """
+    """Return the number of segments of every edge; both sides of a seam get that of their mean length. It is at least
+    two: with a vertex between, no two edges, sewn or open, join the same two nodes."""
     counts = {}
     for panel in pattern.panels:
         for i in range(len(panel.edges)):
@@ -94,7 +89,7 @@ def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
 
 
 def refine_counts(pattern: Pattern, counts: dict[EdgeRef, int], lost: set[EdgeRef]) -> dict[EdgeRef, int]:
-    """Return lost edges, and the edges sewn to them, 1.5 times their segments."""
+    """Return the counts with 1.5 times the segments for lost edges and the edges sewn to them."""
     partner = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
     grown = lost | {partner[ref] for ref in lost if ref in partner}
     return {ref: int(np.ceil(1.5 * count)) if ref in grown else count for ref, count in counts.items()}
@@ -104,7 +99,7 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
     """Mesh one panel with the given segments to each edge.
 
     Returns:
-        The mesh, and the edges of which a segment is missing from it (the mesh is of no use where there are any).
+        The mesh, and the edges of which a segment is missing from it (the mesh is invalid where there are any).
     """
     boundary = np.concatenate([edge_points(panel, i, count)[:-1] for i, count in enumerate(counts)])
     corner = np.cumsum([0] + counts[:-1])
@@ -123,7 +118,7 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
 
 
 def points_in_polygon(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
+    """Return which points, shape [n, 2], are inside a polygon, by the crossing rule, shape [n]."""
     if not len(points):
         return np.zeros(0, bool)
     start, end = polygon, np.roll(polygon, -1, axis=0)
@@ -131,7 +126,7 @@ def points_in_polygon(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     order = np.argsort(points[:, 1])
     x, y = points[order].T
     low, high = (np.searchsorted(y, choose(start[:, 1], end[:, 1])) for choose in (np.minimum, np.maximum))
-    spanned = high - low  # points that lie as high as the side: those between low and high
+    spanned = high - low  # points at the height of the side: those between low and high
     crossed = np.zeros(len(points), np.int64)
     for sides in np.split(
         np.arange(len(polygon)), np.flatnonzero(np.diff(np.cumsum(spanned) // MAX_POINT_SIDE_PAIRS)) + 1
@@ -174,11 +169,9 @@ def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarr
 
 
 def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
-    """Push inner points apart until springs balance (Persson and Strang 2004); the outline stays.
-
-    A spring's rest length follows the size of the outline's segments near it, so that gathered or short edges are met
-    by smaller triangles. A point that leaves the outline or comes within a third of an edge of it goes back a step.
-    """
+    """Move inner points apart until springs balance (Persson and Strang 2004); the outline stays. A spring's rest
+    length follows the size of the outline's segments near it, so that gathered or short edges get smaller triangles. A
+    step that takes a point out of the outline or within a third of an edge of it is undone."""
     if not len(inside):
         return inside
     fixed = len(boundary)
@@ -214,11 +207,9 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
 
 
 def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the counter-clockwise Delaunay triangles inside the outline, flat ones dropped.
-
-    Only triangles between three vertices of the outline, the first ones, are tested by their middle; one that reaches
-    from an inner vertex across the outline leaves a segment of it without a triangle, which is found afterwards.
-    """
+    """Return the counter-clockwise Delaunay triangles inside the outline, without flat ones. Only triangles between
+    three vertices of the outline, the first ones, are tested by their centroid; one that reaches from an inner vertex
+    across the outline leaves a segment of it without a triangle, which `_missing_segments` finds."""
     faces = Delaunay(points).simplices
     a, b, c = (points[faces[:, k]] for k in range(3))
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
@@ -247,11 +238,9 @@ def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:
 
 
 def _flip_ear_edges(vertices: np.ndarray, faces: np.ndarray, boundary_count: int) -> np.ndarray:
-    """Turn the inner edge of triangles with two sides on the outline, so that no corner is cut off.
-
-    Such a triangle cannot bend, and two of them sewn corner to corner would share an edge four times. The edge is
-    turned only where both new triangles are sound (smallest angle above 20 degrees).
-    """
+    """Flip the inner edge of triangles with two sides on the outline, so that each corner has an inner edge. Such a
+    triangle cannot bend, and two of them sewn corner to corner would share an edge four times. The edge is flipped only
+    where both new triangles have a smallest angle above 20 degrees."""
     faces = faces.copy()
     owner = {(int(f[k]), int(f[(k + 1) % 3])): i for i, f in enumerate(faces) for k in range(3)}
     for i in range(len(faces)):
@@ -276,7 +265,7 @@ def _flip_ear_edges(vertices: np.ndarray, faces: np.ndarray, boundary_count: int
 
 
 def _angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return the signed corner angles [rad], shape [n, 3]; negative where a triangle is turned over."""
+    """Return the signed corner angles [rad], shape [n, 3]; negative for an inverted triangle."""
     angles = np.zeros(faces.shape)
     for k in range(3):
         a, b, c = (vertices[faces[:, (k + j) % 3]] for j in range(3))
@@ -286,12 +275,12 @@ def _angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return the corner angles [rad] of flat triangles, shape [n, 3]; negative where one is turned over."""
+    """Return the corner angles [rad] of flat triangles, shape [n, 3]; negative for an inverted one."""
     return _angles(vertices, faces)
 
 
 def split_edges(mesh: FlatMesh, pairs: np.ndarray) -> FlatMesh:
-    """Put a vertex in the middle of inner edges, shape [n, 2]; each becomes two and cuts its two triangles."""
+    """Insert a vertex in the middle of inner edges, shape [n, 2]; each becomes two and divides its two triangles."""
     vertices, faces = list(mesh.vertices), [tuple(face) for face in mesh.faces.tolist()]
     for a, b in pairs.tolist():
         middle = len(vertices)

@@ -12,16 +12,15 @@ from .orientation import place_points
 from .pattern import EdgeRef, Pattern
 
 FLAT_TOLERANCE = 0.005
-"""Largest RMS misfit of mirrored control points, as a fraction of the panel's diagonal: 3 mm on a panel of 60 cm. Below
-it lies drafting noise, above it a different cut."""
+"""Largest RMS misfit of mirrored control points, as a fraction of the panel's diagonal: 3 mm on a panel of 60 cm.
+Drafting noise is below it, a different cut above it."""
 
 HANDLE_TOLERANCE = 0.01
 """Largest difference of mirrored curve handles, in chords."""
 
 PLACE_TOLERANCE = 0.25
 """Largest RMS distance in 3D between a placed panel's mirror image and its partner, as a fraction of the panel's
-diagonal. Placement is rough (the published T-shirt's sleeves differ by 1 cm), but a front is never
-mistaken for a back."""
+diagonal. Placement is rough (the published T-shirt's sleeves differ by 1 cm); front and back are further apart."""
 
 MAX_MIRROR_POINT_PAIRS = 2**17
 """Number of pairs of control points that are compared at once: a few MB."""
@@ -38,7 +37,7 @@ class Mirror:
         order: For each control point of the target, its image's index in the source, shape [n].
         rotation: Orthogonal with determinant -1, shape [2, 2].
         shift: Translation [m], shape [2].
-        rest: What the mirror image misses in the pattern as it is [m], at most the tolerance, shape [n, 2].
+        rest: Misfit of the mirror image in the given pattern [m], at most the tolerance, shape [n, 2].
     """
 
     source: int
@@ -51,15 +50,15 @@ class Mirror:
 
 @dataclass(frozen=True)
 class _Group:
-    """Hold what is compared of k panels with n edges each.
+    """Describe k panels with n edges each for the comparison.
 
     Attributes:
         panels: Their indices in the pattern, shape [k].
         kinds: One number for an edge's kind, its number of handles and whether it is sewn, shape [k, n].
         handles: Shape [k, n, handle_count, 2], zeros where an edge has fewer.
-        images: The handles of each edge, mirrored and run the other way: (along, across) becomes (1 - along, across).
+        images: The handles of each edge, mirrored and reversed: (along, across) becomes (1 - along, across).
         points: Control points [m], shape [k, n, 2].
-        placed: The same where the panels stand [m], shape [k, n, 3].
+        placed: The same, placed in 3D [m], shape [k, n, 3].
     """
 
     panels: np.ndarray
@@ -71,11 +70,9 @@ class _Group:
 
 
 def find_mirrors(pattern: Pattern) -> list[Mirror]:
-    """Find for each panel the one that fits its mirror image best, perhaps itself; each panel is in one pair at most.
-
-    All cyclic shifts of the reversed control points are tried, aligned by orthogonal Procrustes. Edges in
-    correspondence must be of one kind, with mirrored handles, sewn alike.
-    """
+    """Find for each panel the one that fits its mirror image best, perhaps itself; each panel is in at most one pair.
+    All cyclic shifts of the reversed control points are tried, aligned by orthogonal Procrustes. Corresponding edges
+    must have one kind and mirrored handles, and be both sewn or both open."""
     middle = _middle(pattern)
     mirrors = []
     for group in _stack(pattern):
@@ -93,7 +90,7 @@ def find_mirrors(pattern: Pattern) -> list[Mirror]:
 
 
 def _middle(pattern: Pattern) -> float | None:
-    """Return x of the plane that halves the placed panels, or None where nothing is placed."""
+    """Return x of the middle plane of the placed panels, or None where nothing is placed."""
     translations = np.array([panel.translation for panel in pattern.panels])
     if len(pattern.panels) > 1 and np.ptp(translations, axis=0).max() < 1e-6:
         return None
@@ -128,7 +125,7 @@ def _stack(pattern: Pattern) -> list[_Group]:
 
 
 def _list_fits(group: _Group, source: int, targets: np.ndarray, middle: float | None) -> list[tuple[float, int, int]]:
-    """List the acceptable mirror maps of one panel to others: score (smaller is better), target and cyclic shift."""
+    """Return the acceptable mirror maps of one panel to others: score (smaller is better), target and cyclic shift."""
     count = group.points.shape[1]
     diagonal = float(np.linalg.norm(np.ptp(group.points[source], axis=0)))
     fits: list[tuple[float, int, int]] = []
@@ -138,7 +135,7 @@ def _list_fits(group: _Group, source: int, targets: np.ndarray, middle: float | 
         order = _reverse(shifts, count)
         target, row = np.nonzero((group.kinds[source][order - 1] == group.kinds[targets][:, None]).all(axis=2))
         target = targets[target]
-        # Edge i runs from point i to i + 1; its image runs from order[i] back to order[i] - 1.
+        # Edge i joins points i and i + 1; its image joins order[i] and order[i] - 1.
         apart = np.abs(group.images[source][order[row] - 1] - group.handles[target])
         is_like = (apart < HANDLE_TOLERANCE).all(axis=(1, 2, 3))
         target, row = target[is_like], row[is_like]
@@ -156,15 +153,14 @@ def _list_fits(group: _Group, source: int, targets: np.ndarray, middle: float | 
 
 
 def _reverse(shifts: np.ndarray, count: int) -> np.ndarray:
-    """Return the control points in reversed order, begun at each of some, shape [shift_count, count]."""
+    """Return the control points in reversed order from each of some starts, shape [shift_count, count]."""
     return (shifts[:, None] - np.arange(count)) % count
 
 
 def _misfits(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the RMS distance [m] of points b from the best mirror image of a, shape [n, point_count, 2], each.
-
-    A mirror image by R = [[c, s], [s, -c]] is best where (c, s) is along (H_xx - H_yy, H_xy + H_yx), H = sum b a^T.
-    """
+    """Return the RMS distance [m] of points b from the best mirror image of a, shape [n, point_count, 2], each. A
+    mirror image by R = [[c, s], [s, -c]] is best where (c, s) is parallel to (H_xx - H_yy, H_xy + H_yx), H = sum b
+    a^T."""
     a, b = a - a.mean(axis=1, keepdims=True), b - b.mean(axis=1, keepdims=True)
     moments = np.einsum("nik,nil->nkl", b, a)
     along, across = moments[:, 0, 0] - moments[:, 1, 1], moments[:, 0, 1] + moments[:, 1, 0]

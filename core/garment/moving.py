@@ -1,4 +1,4 @@
-"""Make a pattern for other measures: move its control points as two drafts differ, or scale its panels."""
+"""Adapt a pattern to other measures: move its control points by the difference of two drafts, or scale its panels."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ from .seams import equalise_seams
 
 
 def move_by_drafts(pattern: Pattern, old: Pattern, new: Pattern) -> Pattern | None:
-    """Return a pattern whose control points are moved by what two drafts differ in, seams made equal.
+    """Return a pattern with control points p + D(m1) - D(m0), D the draft for measures m, and seams made equal.
 
-    p + D(m1) - D(m0), with D the draft for measures m: a grade rule for each control point. Handles are relative and
-    follow, also of edges that are straight in the draft and were recovered as curves; panels move in the first drape,
-    too.
+    The drafts give a grade rule for each control point. Handles are relative and follow, also on edges that are
+    straight in the draft and were recovered as curves; the panels' placement moves too.
 
     Args:
         pattern: The pattern that fits m0.
@@ -35,8 +34,8 @@ def scale_panels(pattern: Pattern, across: float, along: float) -> Pattern:
 
     Args:
         pattern: The pattern.
-        across: Factor of what runs round the body.
-        along: Factor of what runs along it: of the panel's axis that is placed upright.
+        across: Factor around the body.
+        along: Factor along the body: of the panel's axis that is placed upright.
     """
     panels = []
     for panel in pattern.panels:

@@ -1,4 +1,4 @@
-"""Find a scan's neckline, in front and behind, by the shape of its contour."""
+"""Find the kind of a scan's neckline, in front and behind, from the shape of its contour."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .parts.cut import Neckline
 from .parts.necklines import NecklineCut, corner_turn, neckline_points
 
 MIN_V_TURN_ANGLE = np.radians(45.0)
-"""Least turn in the middle that makes a V [rad]. The shallowest that is worn, 12 cm deep and 30 cm wide, turns by 77
-degrees; round necklines of scans, taken for Vs with bowed sides, by up to 37."""
+"""Smallest turn in the middle of a V [rad]. The shallowest V that is worn, 12 cm deep and 30 cm wide, turns by 77
+degrees; round necklines of scans, fitted as Vs with bowed sides, by up to 37."""
 
 NECKLINE_TURN_STD = 0.02
 """Standard deviation of the window over which a contour's turn in the middle is summed [m]: two edges of a scan's mesh,
@@ -30,44 +30,42 @@ CONTOUR_STRIP_WIDTH = 0.015
 strip's curvature by 109, 117 and 95."""
 
 MIN_SURFACE_TURN_SHARE = 0.5
-"""Least turn of a contour within its surface by that of the V: 0.8 to 1.06 of it on V-necks of six drapes, 0.3 where
-folds drew a round one together behind. It is at least `MIN_V_TURN_ANGLE`, too: a round line turns by 32 degrees over
-the window where it is 18 cm wide, which was 0.63 of the turn of the V with the most bow that a drape had drawn it
-together to."""
+"""Smallest turn of a contour within its surface as a share of the V's: 0.8 to 1.06 on V-necks of six drapes, 0.3 where
+folds drew a round one together behind. `MIN_V_TURN_ANGLE` applies too: a round line 18 cm wide turns by 32 degrees over
+the window, which was 0.63 of the turn of the most bowed V that a drape had drawn it together to."""
 
 MAX_NONROUND_MISFIT_SHARE = 0.6
-"""Share of the round line's misfit below which another line is chosen: round is what most necklines are. V-necks of
-three scans have 0.08 to 0.22 of it, the crew necks of two 1.6 and more."""
+"""Share of the round line's misfit below which another line is chosen, since most necklines are round. V-necks of three
+scans have 0.08 to 0.22, the crew necks of two 1.6 and more."""
 
 MIN_SQUARE_CORNER_ANGLE = np.radians(39.0)
-"""Least turn within the cloth at the lower corners of a square neckline, on both sides [rad]. Squares of 13 drapes have
-40 to 90 degrees, the less the coarser the mesh, on both sides and at most 0.6 of it in the middle; round ones up to 46
-on one side and 38 on both, in front."""
+"""Smallest turn within the cloth at both lower corners of a square neckline [rad]. Squares of 13 drapes have 40 to 90
+degrees on both sides, less on coarser meshes, and at most 0.6 of it in the middle; round ones in front up to 46 on one
+side and 38 on both."""
 
 MIN_NECKLINE_TURN_RATIO = 1.5
-"""Least ratio of the turn at the corners to the turn in the middle that makes a square, and of the turn in the middle
-to the one at the corners that makes a V: round lines turn everywhere."""
+"""Smallest ratio of the turn at the corners to the turn in the middle of a square, and of the turn in the middle to
+that at the corners of a V: round lines turn everywhere."""
 
 MAX_SQUARE_MISFIT_RATIO = 1.5
-"""Largest ratio of the misfit of a square to that of the round line, for a line with corners: the lower edge of a
-square sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and
-more."""
+"""Largest ratio of the misfit of a square to that of the round line, for a line with corners. It is 1.3 where the lower
+edge of a square sags. Round lines behind, which have corners at the side neck points, have 2.3 and more."""
 
 MIN_SQUARE_NECK_DEPTH = 2.0 * NECKLINE_TURN_STD
-"""Depth up to which a line is not taken for a square [m]: its corners lie as near to the side neck points, where round
-lines end in a corner, and the windows of both are one. A shallow round line behind, flat with tight ends, had 52 to 64
-degrees there, and a square fitted it with 0.59 to 1.4 of a round one's misfit, 2 mm either way."""
+"""Depth up to which a line is no square [m]: its corners are as near to the side neck points, where round lines end in
+a corner, and the windows of both overlap. A shallow round line behind, flat with tight ends, had 52 to 64 degrees
+there, and a square's misfit was 0.59 to 1.4 of a round one's, with 2 mm of change either way."""
 
 MIN_SURFACE_V_ANGLE = np.radians(75.0)
-"""Turn in the middle within the cloth from which a line is a V [rad]: V-necks of nine drapes have 83 to 134 degrees,
-round ones at most 33, 60 with 2 mm of noise."""
+"""Smallest turn in the middle within the cloth that makes a line a V [rad]: V-necks of nine drapes have 83 to 134
+degrees, round ones at most 33, 60 with 2 mm of noise."""
 
 MAX_V_MISFIT_RATIO = 2.5
 """Largest ratio of the misfit of a V to that of the round line, where the turn in the middle makes it a V: the sides of
-a tight V bulge out until they are as good as round, 2.1 of it then."""
+a tight V bulge until they are nearly round, with a ratio of 2.1."""
 
 SQUARE_CORNER_SHARES = (0.25, 0.9)
-"""Shares of a line's length from the middle between which a square's corner is looked for."""
+"""Range in which a square's corner is searched [shares of a line's length from the middle]."""
 
 V_BOW_CANDIDATES = np.round(np.arange(-0.15, 0.151, 0.0125), 4)
 """Bows of a V's side that are tried [chords]; 0.15 is a quarter turn from one end to the other, and no V any more."""
@@ -82,13 +80,8 @@ MAX_BOAT_DEPTH_RATIO = 0.6
 
 @dataclass(frozen=True)
 class NecklineFit:
-    """Describe how well one neckline fits a contour.
-
-    Attributes:
-        throat: The neckline, of the contour's depth and bow.
-        half_width: The contour's half width [m].
-        misfit: Root mean square distance of the two lines, by the half width.
-    """
+    """Describe the fit of one neckline, of a contour's depth and bow: the contour's half width [m], and the root mean
+    square distance of the two lines [half widths]."""
 
     throat: NecklineCut
     half_width: float
@@ -104,12 +97,10 @@ class NecklineFits:
 
 
 def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
-    """Fit every neckline to a target's neck contour; None where it has none to be trusted, or it cannot be unrolled.
-
-    What hangs in folds may come to a point that was cut round, so a V has to turn within the cloth, too: by the angles
-    of the faces around the contour's vertices, which folds do not change. By them the corners of a square are found,
-    too, whose lower edge sags.
-    """
+    """Fit every neckline to a target's neck contour; None where that is missing, not trusted or cannot be unrolled.
+    Folds can make a round neckline hang to a point, so a V has to turn within the cloth too: by the angles of the faces
+    around the contour's vertices, which folds do not change. The corners of a square, whose lower edge sags, are found
+    by the same angles."""
     contour = target.contour("neck")
     if contour is None or not contour.trusted:
         return None
@@ -126,10 +117,8 @@ def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
 
 @dataclass(frozen=True)
 class _Turns:
-    """Describe how a contour turns within its surface [rad]: in the middle, and at the lesser of two corners.
-
-    That of the corners is not a number where the contour is bridged there: nothing is known of them then.
-    """
+    """Describe the turns of a contour within its surface [rad]: in the middle, and at the lesser of two corners (NaN,
+    unknown, where the contour is bridged there)."""
 
     middle: float
     corner: float
@@ -137,13 +126,9 @@ class _Turns:
 
 @dataclass(frozen=True)
 class _Rim:
-    """Describe a neck contour within its surface.
-
-    Attributes:
-        points: Its vertices [m], shape [n, 3].
-        turns: By how much it turns at each within the surface, positive in a V [rad], shape [n].
-        bridged: Whether the way to each from the one before is no border of the surface, shape [n].
-    """
+    """Describe a neck contour within its surface: its vertices [m], shape [n, 3]; the turn at each within the surface,
+    positive in a V [rad], shape [n]; and whether the segment to each from the one before is no border of the surface,
+    shape [n]."""
 
     points: np.ndarray
     turns: np.ndarray
@@ -151,7 +136,7 @@ class _Rim:
 
     @classmethod
     def of(cls, target: Target, contour: Contour) -> _Rim:
-        """Measure a target's contour."""
+        """Compute the rim of a target's contour."""
         loop = contour.vertices
         edges = HalfEdges.of(target.faces, len(target.vertices))
         along = {*zip(edges.tail[edges.border].tolist(), edges.head[edges.border].tolist(), strict=True)}
@@ -160,12 +145,8 @@ class _Rim:
         return cls(target.vertices[loop], turns, bridged)
 
     def turns_around(self, middle: np.ndarray, length: float) -> _Turns | None:
-        """Sum the turns around a middle and aside of it; None where the contour is bridged there.
-
-        Args:
-            middle: The middle of the front, or of the back [m], shape [3].
-            length: From there to the side neck point [m].
-        """
+        """Sum the turns around the middle of the front or back [m], shape [3], and at the corners; None where it is
+        bridged. `length` is that from the middle to the side neck point [m]."""
         nearest = int(np.linalg.norm(self.points - middle, axis=1).argmin())
         points, turns, bridged = (np.roll(each, -nearest, axis=0) for each in (self.points, self.turns, self.bridged))
         arc = ClosedCurve(points).arc
@@ -182,11 +163,9 @@ class _Rim:
 
 
 def _curvature_beside(target: Target, loop: np.ndarray) -> np.ndarray:
-    """Sum the curvature of a contour's strip at each of its vertices [rad], shape [n].
-
-    By the theorem of Gauss and Bonnet a line that runs along the strip's inner side turns by so much more than the
-    contour: what dents and rounds a scan's edge turns the contour one way and the strip the other.
-    """
+    """Sum the curvature of a contour's strip at each of its vertices [rad], shape [n]. By the theorem of Gauss and
+    Bonnet a line along the strip's inner side turns by this much more than the contour: dents and rounding of a scan's
+    edge turn the contour one way and the strip the other."""
     away, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=CONTOUR_STRIP_WIDTH)
     inside = np.isfinite(away)
     curvature = angle_defects(target.vertices, target.faces)
@@ -194,12 +173,10 @@ def _curvature_beside(target: Target, loop: np.ndarray) -> np.ndarray:
 
 
 def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[NecklineFit, ...]:
-    """Rank the necklines by their misfit; round first unless another one is clearly better, or shows its corners.
-
-    A square has its corners within the cloth, too: what was cut round may lie crumpled on the shoulders. `shallow` is
-    what a shallow round one is called: a boat in front, where it has to be cut into the shoulders. `turns` are those of
-    the contour within the cloth, or None.
-    """
+    """Rank the necklines by their misfit; round first unless another one is clearly better, or has its corners. A
+    square needs its corners within the cloth, since a round neckline may be crumpled on the shoulders. `shallow` is the
+    name of a shallow round one: a boat in front, where it is cut into the shoulders. `turns` are those of the contour
+    within the cloth, or None."""
     half_width, depth = float(line[0, 0]), float(line[-1, 1])
     fits = [
         rounded := _fit(line, NecklineCut(classify_round_neckline(depth / half_width, shallow), depth)),
@@ -229,7 +206,7 @@ def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[Ne
 def _classify_by_turns(
     turns: _Turns | None, rounded: NecklineFit, square: NecklineFit, pointed: NecklineFit
 ) -> NecklineFit | None:
-    """Return the line whose corners are plain within the cloth, though it hangs nearly round; None where none is."""
+    """Return the line with clear corners within the cloth, even if it hangs nearly round; None where there is none."""
     if turns is None:
         return None
     cornered = (
@@ -247,14 +224,14 @@ def _classify_by_turns(
 
 
 def classify_round_neckline(ratio: float, shallow: Neckline = Neckline.BOAT) -> Neckline:
-    """Name a round neckline by its depth over its half width."""
+    """Return the kind of a round neckline by its depth over its half width."""
     if ratio < MAX_BOAT_DEPTH_RATIO:
         return shallow
     return Neckline.SCOOP if ratio > MIN_SCOOP_DEPTH_RATIO else Neckline.CREW
 
 
 def _fit(line: np.ndarray, throat: NecklineCut) -> NecklineFit:
-    """Compare a line with a drafted neckline of its width and depth, both ways."""
+    """Return the fit of a drafted neckline of a line's width and depth, by distances in both directions."""
     half_width = float(line[0, 0])
     drawn, seen = neckline_points(throat, half_width), line * (1.0, -1.0)
     gaps = np.concatenate([cKDTree(drawn).query(seen)[0], cKDTree(seen).query(drawn)[0]])

@@ -1,4 +1,4 @@
-"""How a file numbers the edges and control points of a panel that was reordered when it was read."""
+"""A file's numbering of the edges and control points of a panel that was reordered on reading."""
 
 from __future__ import annotations
 
@@ -9,12 +9,7 @@ from .errors import Place
 
 @dataclass(frozen=True)
 class Numbering:
-    """Return how a file numbers a panel.
-
-    Attributes:
-        edges: The file's number of each edge of ours.
-        vertices: The file's number of each control point of ours.
-    """
+    """Describe the file's numbers of each edge and of each control point of a panel."""
 
     edges: tuple[int, ...]
     vertices: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""Which side of a panel is out: mirroring of panels, and seams that agree with it."""
+"""Outer side of panels: mirror panels, and orient them consistently with their seams."""
 
 from __future__ import annotations
 
@@ -12,19 +12,17 @@ from .errors import NotOrientable, Place
 from .pattern import EdgeRef, Panel, Pattern, Seam
 
 HALF_TURN_ROTATION = np.diag([-1.0, 1.0, -1.0])
-"""Rotation by half a turn about y: a panel mirrored in x stands at the same 3D place when its rotation is multiplied by
-this."""
+"""Rotation by half a turn about y, which keeps the 3D placement of a panel mirrored in x: `rotation` is multiplied by
+it."""
 
 MIN_PARALLEL_CHORD_COSINE = 0.7
-"""Cosine between the chords of two placed edges above which their placement says that both run the same way (45
-degrees): a side seam's two edges are parallel as placed, a cap and its armhole nearly so."""
+"""Cosine between the chords of two placed edges above which both have the same direction (45 degrees): a side seam's
+two edges are parallel as placed, a cap and its armhole nearly so."""
 
 
 def mirror_panel(panel: Panel) -> Panel:
-    """Look at a panel from its other side: x becomes -x, its place in 3D stays, its outward normal turns.
-
-    The order of the points stays, so a clockwise loop becomes a counter-clockwise one and edge numbers hold.
-    """
+    """Return a panel seen from its other side: x becomes -x, its 3D placement stays, its outward normal is reversed.
+    The order of the points stays, so a clockwise loop becomes counter-clockwise and edge numbers remain valid."""
     return replace(
         panel,
         points=panel.points * np.array([-1.0, 1.0]),
@@ -36,7 +34,7 @@ def mirror_panel(panel: Panel) -> Panel:
 
 
 def reverse_panel(panel: Panel) -> Panel:
-    """Run a panel's loop the other way: point 0 stays first, edge i becomes edge n - 1 - i."""
+    """Return a panel with its loop reversed: point 0 stays first, edge i becomes edge n - 1 - i."""
     return replace(
         panel,
         points=np.roll(panel.points[::-1], 1, axis=0),
@@ -46,22 +44,21 @@ def reverse_panel(panel: Panel) -> Panel:
 
 
 def flip_panel(panel: Panel) -> Panel:
-    """Turn a panel's other side out: mirrored and run the other way, so that it stays counter-clockwise."""
+    """Return a panel with its other side out: mirrored and reversed, so that it stays counter-clockwise."""
     return reverse_panel(mirror_panel(panel))
 
 
 def place_points(panel: Panel, points: np.ndarray) -> np.ndarray:
-    """Put flat points [m], shape [n, 2], where the panel stands in 3D [m], shape [n, 3]."""
+    """Return flat points [m], shape [n, 2], placed by a panel in 3D [m], shape [n, 3]."""
     found: np.ndarray = points @ panel.rotation[:, :2].T + panel.translation
     return found
 
 
 def agree_orientation(pattern: Pattern) -> Pattern:
-    """Turn panels so that every seam joins two outward counter-clockwise loops (all `reversed`).
-
-    What the loops' normals say comes first. A seam which the author marks as running the same way (`reversed` False),
-    or whose placed ends clearly say so, asks for one of its panels to be turned; panels are turned only where all such
-    wishes agree (two-colouring of the panels), else the wishes that come from the placement alone are dropped.
+    """Turn panels so that every seam joins two outward counter-clockwise loops (all `reversed`). The default is the
+    loops' normals. A seam marked by the author as of equal direction (`reversed` False), or whose placed ends clearly
+    are so, requires one of its panels to be turned. Panels are turned only where all such requirements agree
+    (two-colouring of the panels); otherwise those from the placement alone are dropped.
 
     Raises:
         NotOrientable: where the author's own marks contradict each other.
@@ -96,7 +93,7 @@ def _turn_panel(pattern: Pattern, name: str) -> Pattern:
 
 
 def _runs_along(pattern: Pattern, seam: Seam) -> bool:
-    """Return whether the placed ends of a seam clearly say that both edges run the same way."""
+    """Return whether the placed ends of a seam clearly show that both edges have the same direction."""
     if seam.a.panel == seam.b.panel:
         return False
     first, second = pattern.panel(seam.a.panel), pattern.panel(seam.b.panel)
@@ -118,7 +115,7 @@ def _links(pattern: Pattern) -> dict[str, list[tuple[str, int]]]:
 
 
 def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | int:
-    """Colour panels so that exactly the seams in `differ` join two colours, or return a seam that contradicts that."""
+    """Colour panels so that exactly the seams in `differ` join two colours, or return a contradicting seam."""
     links, colours = _links(pattern), {}
     for root in links:
         if root in colours:
@@ -137,7 +134,7 @@ def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | int:
 
 
 def _groups(pattern: Pattern) -> list[list[str]]:
-    """Return the names of panels that hang together, group by group."""
+    """Return the names of the panels of each connected group."""
     links, seen, groups = _links(pattern), set(), []
     for root in links:
         if root in seen:
@@ -156,11 +153,9 @@ def _groups(pattern: Pattern) -> list[list[str]]:
 
 
 def _choose_turns(pattern: Pattern, colours: dict[str, bool], groups: list[list[str]]) -> list[str]:
-    """Choose in each group which colour to turn: normals then point away from the group's middle.
-
-    A group of one colour is turned as a whole only where its normals clearly point inwards (by a tenth of what they
-    could), since a flat group says nothing about its outside.
-    """
+    """Choose in each group the colour to turn, so that normals point away from the group's middle. A group of one
+    colour is turned as a whole only where its normals clearly point inwards (by a tenth of the possible sum), since a
+    flat group does not show its outside."""
     turned = []
     for group in groups:
         panels = [pattern.panel(name) for name in group]

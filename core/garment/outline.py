@@ -1,4 +1,4 @@
-"""Draw panels by hand: outlines of lines and cubics in the wearer's front plane, mirrored, placed and sewn by label."""
+"""Draw panels: outlines of lines and cubics in the wearer's front plane, mirrored, placed and sewn by label."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from .curves import edge_length, place_on_chord, relative_to_chord, split_edge, 
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 
 PLACEMENT_DEPTH = 0.25
-"""Distance of front and back panels from the body's middle plane [m]: no grown body is half as deep."""
+"""Distance of front and back panels from the body's middle plane [m]: adult bodies are less than twice as deep."""
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Draw one edge from where the last ended.
+    """Describe one edge from the end of the last one.
 
     Attributes:
         end: Where it ends [m].
         handles: Handles in the draft's axes [m]; none for a line, two for a cubic.
         label: Edges of two panels with the same label are sewn.
-        contour: Open contour that the edge lies on, or an empty text.
-        notch: Fraction of the edge's length where a notch stands, or None.
+        contour: Its open contour, or an empty text.
+        notch: Fraction of the edge's length at its notch, or None.
     """
 
     end: Point
@@ -38,17 +38,15 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Outline:
-    """Draw a counter-clockwise outline: a start, and strokes; the last one closes it when it ends at the start."""
+    """Describe a counter-clockwise outline: a start, and strokes; the last one closes it when it ends at the start."""
 
     start: Point
     strokes: tuple[Stroke, ...]
 
 
 def draw_monotone_spline(points: list[Point], labels: list[str]) -> list[Stroke]:
-    """Draw a smooth line through points as cubics whose slopes are those of a monotone spline (Fritsch and Carlson).
-
-    The ends run straight; handles stand at a third of the height, so that the curve is x as a function of y.
-    """
+    """Draw a smooth line through points as cubics with the slopes of a monotone spline (Fritsch and Carlson). The ends
+    are straight; handles are at a third of the height, so that the curve is x as a function of y."""
     xs, ys = np.array(points).T
     secants = np.diff(xs) / np.diff(ys)
     slopes = np.concatenate([secants[:1], np.zeros(len(points) - 2), secants[-1:]])
@@ -70,7 +68,7 @@ def unfold(outline: Outline, closing: str, dip: float = 0.0) -> Outline:
     start, end = outline.start, (-outline.start[0], outline.start[1])
     handles: tuple[Point, ...] = ()
     if dip:
-        # A parabola's middle lies halfway to its handle; as a cubic its handles stand at 2/3 of that.
+        # A parabola's middle is halfway to its handle; as a cubic its handles are at 2/3 of that.
         low = end[1] - dip * 4 / 3
         handles = ((end[0] / 3, low), (start[0] / 3, low))
     return Outline(start, (*outline.strokes, *other.strokes, Stroke(start, handles, contour=closing)))
@@ -87,7 +85,7 @@ def arc_handles(start: Point, end: Point, turn: float) -> tuple[Point, Point]:
     Args:
         start: Where the arc begins [m].
         end: Where it ends [m].
-        turn: Its angle [rad], positive to the left; up to a quarter turn the cubic is 0.03 % of the radius off.
+        turn: Its angle [rad], positive to the left; up to a quarter turn the cubic is within 0.03 % of the radius.
     """
     a, b = np.array(start), np.array(end)
     chord = b - a
@@ -111,11 +109,9 @@ def to_point(array: np.ndarray) -> Point:
 
 
 def mirror(outline: Outline, swap: bool = True) -> Outline:
-    """Mirror an outline at x = 0 and walk it backwards, so that it stays counter-clockwise.
-
-    With `swap`, left and right change places in labels and contours too: the other half of a garment. Without, it is
-    the same piece of the wearer seen from behind.
-    """
+    """Return an outline mirrored at x = 0 and reversed, so that it stays counter-clockwise. With `swap`, left and right
+    are exchanged in labels and contours: the other half of a garment. Without, it is the same part of the wearer seen
+    from behind."""
     ends = [outline.start, *(s.end for s in outline.strokes)]
     strokes = []
     for i in range(len(outline.strokes) - 1, -1, -1):
@@ -133,7 +129,7 @@ def mirror(outline: Outline, swap: bool = True) -> Outline:
 
 
 def reverse_strokes(outline: Outline) -> tuple[Stroke, ...]:
-    """Return the strokes of a line walked from its end to its start."""
+    """Return the strokes of a line from its end to its start."""
     starts = [outline.start, *(stroke.end for stroke in outline.strokes[:-1])]
     return tuple(
         replace(s, end=start, handles=s.handles[::-1], notch=None if s.notch is None else 1.0 - s.notch)
@@ -154,11 +150,9 @@ def _flip(point: Point) -> Point:
 def place_panel(
     name: str, outline: Outline, height: float, grain: float = 0.0, label: str = "body", across: float = 0.0
 ) -> Panel:
-    """Place a drawn outline before or behind the body, moved by `across` to the wearer's left [m].
-
-    A panel whose name holds `back` stands behind, turned about y. The draft is made in world x, so a
-    back panel, seen from outside, is its mirror image; the turn brings it back.
-    """
+    """Place a drawn outline in front of or behind the body, moved by `across` to the wearer's left [m]. A panel with
+    `back` in its name is behind, turned about y. The draft is made in world x, so a back panel, seen from outside, is
+    its mirror image; the turn restores it."""
     behind = "back" in name
     drawn = mirror(outline, swap=False) if behind else outline
     starts = [drawn.start, *(s.end for s in drawn.strokes[:-1])]
@@ -177,10 +171,8 @@ def _edge(start: Point, stroke: Stroke) -> Edge:
 
 
 def cut_stroke(start: Point, stroke: Stroke, share: float, names: tuple[str, str]) -> tuple[Stroke, Stroke]:
-    """Cut a stroke that begins at `start` [m] at a share of its length; both parts draw the same curve.
-
-    `names` are the labels of the two parts; a stroke on an open contour stays on it, and a notch goes.
-    """
+    """Cut a stroke that begins at `start` [m] at a share of its length; both parts draw the same curve. `names` are the
+    labels of the two parts; both keep the open contour, and a notch is dropped."""
     edge, a, b = _edge(start, stroke), np.array(start), np.array(stroke.end)
     cut, *parts = split_edge(edge, share)
     middle = place_on_chord(cut[None], a, b)[0]
@@ -201,7 +193,7 @@ def stroke_points(start: Point, stroke: Stroke, segments: int) -> np.ndarray:
 
 
 def labelled_length(outline: Outline, label: str) -> float:
-    """Measure the length of the strokes whose label begins so [m]."""
+    """Return the length of the strokes whose label begins with a text [m]."""
     total, here = 0.0, outline.start
     for stroke in outline.strokes:
         if stroke.label.startswith(label):
@@ -211,12 +203,12 @@ def labelled_length(outline: Outline, label: str) -> float:
 
 
 MIN_NOTCHED_SEAM_LENGTH = 0.12
-"""A seam longer than this [m] gets a notch at half its length where the draft sets none: what a hand holds at once."""
+"""Length of a seam above which it gets a notch at half its length where the draft sets none [m]: a longer piece cannot
+be held at once in sewing."""
 
 
 MIN_GATHER_SHARE = 0.03
-"""Difference between the lengths of a seam's sides above which it is gathered [share of one side], as in a file that is
-read."""
+"""Difference between the lengths of a seam's sides above which it is gathered [share of one side], as for files."""
 
 
 def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:

@@ -1,4 +1,4 @@
-"""A sewing pattern: flat panels bounded by lines and curves, and the seams that join their edges. No mesh here."""
+"""A sewing pattern: flat panels bounded by lines and curves, and the seams that join their edges, without a mesh."""
 
 from __future__ import annotations
 
@@ -14,16 +14,15 @@ EDGE_KINDS = ("line", "quadratic", "cubic", "arc")
 
 @dataclass(frozen=True)
 class Edge:
-    """Describe the curve from control point i of a panel to control point i + 1.
-
-    Handles are relative: (along, across), in units of the chord, across to the left of it (thesis eq. 3.1), so that an
-    edge follows its two control points by a similarity and keeps its kind.
+    """Describe the curve from control point i of a panel to control point i + 1. Handles are relative: (along, across),
+    in units of the chord, across to the left of it (thesis eq. 3.1), so that an edge follows its two control points by
+    a similarity and keeps its kind.
 
     Attributes:
         kind: `line`, `quadratic` (one handle), `cubic` (two) or `arc` (one handle: the apex, along = 0.5).
         handles: Relative coordinates of the handles, shape [handle_count, 2].
         label: The author's label, or an empty text.
-        contour: Name of the open contour this edge lies on once sewn (`hem`, `cuff.left`, ...), or an empty text.
+        contour: Name of the sewn garment's open contour with this edge (`hem`, `cuff.left`, ...), or an empty text.
     """
 
     kind: str = "line"
@@ -39,12 +38,12 @@ class Panel:
     Attributes:
         name: Unique in the pattern.
         points: Control points (corners and joins) [m], counter-clockwise from the cloth's outside, shape [n, 2].
-        edges: n edges; edge i runs from point i to point (i + 1) % n.
+        edges: n edges; edge i joins point i to point (i + 1) % n.
         rotation: Turns panel axes into the world's (first drape), shape [3, 3]; rotation[:, 2] is the outward normal.
-        translation: Where the panel's origin stands [m], shape [3].
+        translation: Position of the panel's origin [m], shape [3].
         grainline: Angle of the warp from the panel's +y [rad].
         label: The author's label (`body`, `leg`, ...), or an empty text.
-        mirrored: True where the file drew the panel clockwise: it was mirrored (x to -x) on import and is on export.
+        mirrored: True for a panel that is clockwise in the file: import and export mirror it (x to -x).
         notches: (edge index, fraction of its length) of each notch.
     """
 
@@ -65,7 +64,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class EdgeRef:
-    """Point at one edge of a pattern."""
+    """Describe one edge of a pattern by panel and number."""
 
     panel: str
     edge: int
@@ -73,10 +72,9 @@ class EdgeRef:
 
 @dataclass(frozen=True)
 class Seam:
-    """Join two edges.
+    """Describe the seam of two edges.
 
     Attributes:
-        a, b: The two edges.
         reversed: True (the rule for two outward counter-clockwise panels) where a's start meets b's end.
         gathered: True where the sides' lengths are meant to differ (ratio outside 1 +- 0.03 in the template).
     """
@@ -92,12 +90,11 @@ class Pattern:
     """Describe the panels and seams of one garment.
 
     Attributes:
-        name: For people.
+        name: For display.
         panels: The panels, in the author's order.
-        seams: The seams.
-        category: One of `segment.CATEGORIES`, or an empty text where nobody said.
-        extra: What a file held beyond this (parameters, properties), kept for export.
-        symmetric: False where left and right are to be free of each other: `find_symmetry` then finds nothing.
+        category: One of `target.CATEGORIES`, or an empty text where it is unknown.
+        extra: Unknown keys of its file (parameters, properties), kept for export.
+        symmetric: False for independent left and right sides: `find_symmetry` then finds nothing.
     """
 
     name: str
@@ -148,7 +145,7 @@ class Pattern:
         return np.cumsum([0] + [len(panel.points) for panel in self.panels])
 
     def with_points(self, points: np.ndarray | Mapping[str, np.ndarray]) -> Pattern:
-        """Move control points; curves follow their chords.
+        """Return the pattern with its control points moved; curves follow their chords.
 
         Args:
             points: All control points [m], shape [point_count, 2] as in `points`, or those of some panels by name.

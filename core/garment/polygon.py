@@ -7,13 +7,13 @@ from scipy.spatial import ConvexHull
 
 
 def polygon_area(polygon: np.ndarray) -> float:
-    """Return the area [m2] of a polygon, shape [n, 2]; positive where it runs counter-clockwise."""
+    """Return the area [m2] of a polygon, shape [n, 2]; positive for counter-clockwise order."""
     x, y = (polygon - polygon[0]).T
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def polygon_width(polygon: np.ndarray) -> float:
-    """Return the least distance [m] between two parallel lines that hold a polygon, shape [n, 2]."""
+    """Return the smallest distance [m] between two parallel lines with a polygon, shape [n, 2], between them."""
     corners = polygon[ConvexHull(polygon).vertices]
     side = np.roll(corners, -1, axis=0) - corners
     side = side / np.linalg.norm(side, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""What the files of one recovery hold, and how a limited process hands it over: as plain arrays."""
+"""Content of the files of one recovery, and its transfer from a limited process as plain arrays."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from .garmentcode import load_pattern
 from .pattern import Pattern
 
 MAX_LISTED_LABELS = 50
-"""Labels that are listed of a scan."""
+"""Largest number of labels that are listed of a scan."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What the files of a request hold.
+    """Describe the content of the files of a request.
 
     Attributes:
         pieces: The garment, and the wearer's mesh where there is one.
         body: The wearer, where its file is of SMPL's format and has its own skeleton; else None.
         pattern: The base pattern, where it is a file; else None.
-        category: The garment's category where it is known from what else the person wears; else None.
+        category: The garment's category where it follows from the person's other clothes; else None.
     """
 
     pieces: ScanInput
@@ -39,7 +39,7 @@ class Reading:
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
-    """Return what was understood of the files, as JSON values."""
+    """Return a description of the files' content, as JSON values."""
     pieces = reading.pieces
     garment, wearer = pieces.garment, pieces.wearer
     labels = pieces.labels if pieces.labels is not None else garment.labels
@@ -71,7 +71,7 @@ def check_pattern(source: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _StoredReading:
-    """A reading, and as JSON what its pattern's file held beyond the pattern, as stored results of 0.1.0 have it."""
+    """A reading, with the unknown keys of its pattern's file as JSON, the format of stored results of 0.1.0."""
 
     reading: Reading
     extra: str = ""
@@ -86,7 +86,7 @@ def save_reading(reading: Reading, path: Path) -> None:
 
 
 def load_reading(path: Path) -> Reading:
-    """Read what `save_reading` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+    """Read what `save_reading` wrote in a limited process, which is untrusted: no pickle, nothing compressed.
 
     Raises:
         ReaderCrashed: where it is something else.
@@ -106,7 +106,7 @@ def save_given_pattern(pattern: Pattern, path: Path) -> None:
 
 
 def load_given_pattern(path: Path) -> Pattern:
-    """Read what `save_given_pattern` wrote in a limited process, which is not believed.
+    """Read what `save_given_pattern` wrote in a limited process, which is untrusted.
 
     Raises:
         ReaderCrashed: where it is something else.

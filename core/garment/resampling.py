@@ -1,4 +1,4 @@
-"""Carry a garment's 3D nodes over to another mesh of the same pattern."""
+"""Transfer a garment's 3D nodes to another mesh of the same pattern."""
 
 from __future__ import annotations
 
@@ -11,16 +11,13 @@ from .garment import Garment
 from .pattern import EdgeRef
 
 TRIANGLE_CANDIDATE_COUNT = 16
-"""Number of triangles tried for each point, nearest middles first: on even meshes the right one is among the first
-6."""
+"""Number of triangles tried for each point, nearest centroids first: on even meshes it is among the first 6."""
 
 
 def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
-    """Return the target's nodes where the source's surface has them.
-
-    The source's flat mesh is first moved to the target pattern's control points. Vertices on the outline are looked up
-    along their edge by arc length, so that both sides of a seam agree; inner ones in the triangle that holds them. A
-    node is the mean over its uv vertices.
+    """Return the target's nodes on the source's surface. The source's flat mesh is first moved to the target pattern's
+    control points. Vertices on the outline are interpolated along their edge by arc length, so that both sides of a
+    seam agree; inner ones in their triangle. A node is the mean over its uv vertices.
 
     Args:
         source: The garment that the nodes belong to.
@@ -65,11 +62,9 @@ def _resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
 def locate(
     uv: np.ndarray, faces: np.ndarray, points: np.ndarray, is_within: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners (uv indices) and barycentric weights, shape [n, 3] each, of the triangle at each point.
-
-    A point that no triangle holds takes the one it is least outside of; its weights are cut at zero, or without
-    `is_within` stay as they are, so that the triangle's plane goes on.
-    """
+    """Return the corners (uv indices) and barycentric weights, shape [n, 3] each, of the triangle at each point. A
+    point outside all triangles gets the one it is least outside of; its weights are clamped to zero, or without
+    `is_within` kept, which extrapolates the triangle."""
     a, b, c = (uv[faces[:, k]] for k in range(3))
     near = (
         cKDTree((a + b + c) / 3.0)

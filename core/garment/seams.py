@@ -1,4 +1,4 @@
-"""Lengths of seams, and making their two sides equal by moving control points as little as possible."""
+"""Compute lengths of seams, and make their two sides equal by moving control points as little as possible."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ MAX_SEAM_CLOSURE_ITERATIONS = 30
 """Largest number of Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
 
 MIN_SINGULAR_VALUE_SHARE = 0.05
-"""Singular values below this fraction of the largest are dropped: seams that follow from others (a chain that closes),
-or repeat those of the wearer's other side up to what a file rounds, and could be made equal only by moving points 20
-times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up to
+"""Singular values below this fraction of the largest are dropped: those of seams that depend on others (a chain that
+closes), or repeat those of the wearer's other side up to a file's rounding, which could be closed only by moving points
+20 times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up to
 0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
 
 PATTERN_SYMMETRY_TOLERANCE = 1e-6
-"""Largest distance of a point from its image up to which a pattern is symmetric [m]."""
+"""Largest distance of a point from its image at which a pattern is symmetric [m]."""
 
 MAX_SEAM_STEP_HALVINGS = 6
 """Largest number of halvings of a Gauss-Newton step."""
@@ -59,18 +59,18 @@ def equalise_seams(
 
         l_a - q_s l_b = 0,    l = f |c1 - c0|
 
-    f: an edge's length over its chord, which stays as handles are relative. q is 1, or for a gathered seam its ratio in
-    `like`. A step is halved until it reduces the mismatch, and is the last one where it does not. A pattern that has
-    the symmetry of `like` keeps it, but for what cannot be closed so: sides that a file draws unlike by a rounding.
+    f: an edge's length over its chord, constant as handles are relative. q is 1, or for a gathered seam its ratio in
+    `like`. A step is halved until it reduces the mismatch, and is the last one where it does not. A pattern with the
+    symmetry of `like` keeps it, except for seams that cannot be closed so, as their sides differ by a file's rounding.
 
     Args:
         pattern: What to change.
-        fixed: (panel name, control point) that must stay where they are.
-        like: The pattern that tells the ratios of gathered seams and the symmetry, the template say; default: pattern.
+        fixed: (panel name, control point) that must not move.
+        like: The pattern with the ratios of gathered seams and the symmetry, such as the template; default: pattern.
         symmetry: The symmetry to keep, where it is not that of `like`.
 
     Returns:
-        The changed pattern; see `seam_mismatch` for what may be left where fixed points contradict the seams.
+        The changed pattern; `seam_mismatch` gives the rest where fixed points contradict the seams.
     """
     if not pattern.seams:
         return pattern
@@ -107,14 +107,13 @@ def seam_constraints(
     pattern: Pattern, points: np.ndarray | None = None, like: Pattern | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute the mismatch of every seam [m], shape [seam_count], and its derivative by all coordinates x0, y0, x1, ...
-
     An edge follows its chord by a similarity, so the mismatch is l_a - q_s l_b = f_a |c_a| - q_s f_b |c_b|, and its
     derivative along a chord is the chord's direction times f.
 
     Args:
         pattern: Whose seams.
-        points: Control points at which both are taken [m], shape [point_count, 2]; None for the pattern's own.
-        like: The pattern that tells the ratios of gathered seams, as in `equalise_seams`; None for the pattern itself.
+        points: Control points at which both are computed [m], shape [point_count, 2]; None for the pattern's own.
+        like: The pattern with the ratios of gathered seams, as in `equalise_seams`; None for the pattern itself.
 
     Returns:
         Mismatches, and derivatives of shape [seam_count, 2 point_count].
@@ -123,7 +122,7 @@ def seam_constraints(
 
 
 def seam_ratios(pattern: Pattern) -> np.ndarray:
-    """Return the ratio of lengths that both sides of each seam are to have, 1 unless gathered, shape [seam_count]."""
+    """Return the planned ratio of the lengths of both sides of each seam, 1 unless gathered, shape [seam_count]."""
     lengths = seam_lengths(pattern)
     return np.where(pattern.gathered, lengths[:, 0] / lengths[:, 1], 1.0)
 
@@ -144,7 +143,7 @@ def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.n
 
 
 def _free_coordinates(pattern: Pattern, symmetry: Symmetry | None, fixed: Iterable[tuple[str, int]]) -> np.ndarray:
-    """Return an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
+    """Return an orthonormal basis of the allowed motions, so that the least norm is that of all points' motion."""
     points = pattern.points
     allowed = np.eye(2 * len(points))
     if (

@@ -1,4 +1,4 @@
-"""A pattern's panels meshed and welded along the seams into one mesh of nodes."""
+"""Mesh a pattern's panels and weld them along the seams into one mesh of nodes."""
 
 from __future__ import annotations
 
@@ -13,26 +13,24 @@ from .pattern import EdgeRef, Pattern
 from .validity import check_outline
 
 MAX_EDGE_SPLIT_ITERATIONS = 4
-"""Largest number of iterations in which edges are split that four triangles would share; one is enough on all patterns
-tried."""
+"""Largest number of iterations that split edges which four triangles would share; one sufficed on all patterns."""
 
 
 def mesh_pattern(
     pattern: Pattern, vertex_count: int = 4000, edge_length: float | None = None, sweeps: int = MeshSettings.sweeps
 ) -> Garment:
-    """Mesh all panels evenly and sew them.
-
-    Both sides of every seam, gathered ones too, get the same number of vertices, uniform in arc length.
+    """Mesh all panels evenly and sew them. Both sides of every seam, gathered ones too, get the same number of
+    vertices, uniform in arc length.
 
     Args:
         pattern: What to mesh.
         vertex_count: Nodes of the sewn mesh, met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
-        sweeps: Force sweeps that make triangles regular; none where only lengths and areas are measured on them.
+        sweeps: Force sweeps that make triangles regular; 0 where only lengths and areas are needed.
 
     Raises:
         MeshTooCoarse: where a panel cannot be meshed at this edge length.
-        PanelCrossing: where that is because a panel's outline crosses itself.
+        PanelCrossing: where the reason is a panel's outline that crosses itself.
         NotOrientable: where the seams make a one-sided surface.
     """
     settings = MeshSettings(vertex_count, edge_length, sweeps)
@@ -59,13 +57,12 @@ def mesh_pattern(
 
 
 def sew_panels(pattern: Pattern, meshes: list[FlatMesh]) -> Garment:
-    """Weld the panels' meshes along the seams; a node stands at the mean of its vertices' placed positions.
-
-    Corners of triangles become one node where a chain of triangles joins them through shared edges, inner or sewn. So
-    every node has one fan of triangles and every open contour is a simple loop, also where seams meet or end.
+    """Weld the panels' meshes along the seams; a node is at the mean of its vertices' placed positions. Corners of
+    triangles become one node where a chain of triangles joins them through shared edges, inner or sewn. So every node
+    has one fan of triangles and every open contour is a simple loop, also where seams meet or end.
 
     Raises:
-        NotOrientable: where a seam is not `reversed`: its two loops then run the same way along it.
+        NotOrientable: where a seam is not `reversed`: its two loops then have the same direction along it.
         MeshTooCoarse: where a seam joins the ends of one short edge.
     """
     if not all(seam.reversed for seam in pattern.seams):

@@ -23,7 +23,7 @@ def edge_path(edge: Edge, drawn: np.ndarray) -> str:
         height = float(edge.handles[0, 1])
         chord = float(np.linalg.norm(drawn[-1] - drawn[0]))
         radius = chord * (0.25 + height * height) / (2.0 * abs(height))
-        # An apex to the left of the chord is met clockwise, which is SVG's sweep 1 on a page with y down.
+        # An apex to the left of the chord makes a clockwise arc, which is SVG's sweep 1 on a page with y down.
         return f"A {radius:.6f} {radius:.6f} 0 {int(abs(height) > 0.5)} {int(height > 0)} {end}"
     return f"L {end}"
 

@@ -18,14 +18,13 @@ class Symmetry:
 
         points = matrix @ K + offset,    stacked as x0, y0, x1, y1, ...
 
-    Thesis 3.2.2 and algorithm 2. What the drawn pattern misses of exact symmetry (at most the tolerance) is kept in the
+    Thesis 3.2.2 and algorithm 2. Deviations of the drawn pattern from exact symmetry (at most the tolerance) are in the
     offset, so `expand(reduce(points))` gives the pattern back exactly. A point on its own panel's axis stays on it.
 
     Attributes:
         effective: Indices into all control points, shape [effective_count].
         matrix: Shape [2 point_count, 2 effective_count].
         offset: Shape [2 point_count].
-        mirrors: What was found.
     """
 
     effective: np.ndarray
@@ -53,19 +52,18 @@ class Symmetry:
 def find_symmetry(pattern: Pattern) -> Symmetry:
     """Find the left-right symmetry of a pattern (thesis algorithm 2).
 
-    Each pair of panels is compared, and each panel with itself, as `find_mirrors` says.
+    Each pair of panels is compared, and each panel with itself, by `find_mirrors`. A pattern with `Pattern.symmetric`
+    False has no symmetry: every control point is effective.
 
     **Deviation** Algorithm 2 accepts any congruent pair. On a T-shirt that ties all four half sleeves together, and a
-    skirt's back to its front, which grading then cannot tell apart. So where the file places the panels, a mirror image
-    must also stand across the garment's middle plane; the placement also decides between several fitting shifts.
-
-    A pattern that is freed of its symmetry (`Pattern.symmetric`) has none: every control point is effective.
+    skirt's back to its front, which grading then cannot distinguish. So where the file places the panels, a mirror
+    image must also be across the garment's middle plane; the placement also decides between several fitting shifts.
     """
     return _assemble(pattern, find_mirrors(pattern) if pattern.symmetric else [])
 
 
 def _assemble(pattern: Pattern, mirrors: list[Mirror]) -> Symmetry:
-    """Build the effective points and the map back."""
+    """Return the effective points and the map back."""
     starts = pattern.point_starts
     dependent: dict[int, tuple[int, Mirror, np.ndarray]] = {}
     on_axis: dict[int, Mirror] = {}
@@ -84,7 +82,7 @@ def _assemble(pattern: Pattern, mirrors: list[Mirror]) -> Symmetry:
     for k in range(len(points)):
         block, source = np.eye(2), k
         if k in on_axis:
-            # Points of the axis satisfy p = Rp + t; (I + R) / 2 projects on it.
+            # Points of the axis satisfy p = Rp + t; (I + R) / 2 projects onto it.
             block = (np.eye(2) + on_axis[k].rotation) / 2.0
             offset[k] = points[k] - block @ points[k]
         elif k in dependent:

@@ -29,13 +29,7 @@ class TemplateUnknown(NotFound):
 
 @dataclass(frozen=True)
 class TemplateInfo:
-    """Describe one shipped template.
-
-    Attributes:
-        name: What `load_template` takes.
-        category: One of `segment.CATEGORIES`.
-        title: One line for people.
-    """
+    """Describe one shipped template: its name, its category, one of `target.CATEGORIES`, and one line for display."""
 
     name: str
     category: str
@@ -60,22 +54,22 @@ TEMPLATES = (
 
 
 DRAPED_VERTICES = 1500
-"""Nodes of the shipped drapes: edges of 2.5 cm, enough to start from, and 20 kB a file."""
+"""Number of nodes of the shipped drapes: edges of 2.5 cm, enough for a start, and 20 kB a file."""
 
 LIBRARY = Path(__file__).parent / "library"
-"""Where the pattern files are; `drafting.write_library` makes them."""
+"""Folder of the pattern files, which `drafting.write_library` writes."""
 
 
 def list_templates() -> tuple[TemplateInfo, ...]:
-    """List the shipped templates."""
+    """Return the shipped templates."""
     return TEMPLATES
 
 
 def load_template(name: str) -> Pattern:
-    """Load a shipped base pattern, or draft it with other parts: `tshirt` or `tshirt+neckline=v,sleeve=long`.
+    """Read a shipped base pattern, or draft it with other parts: `tshirt` or `tshirt+neckline=v,sleeve=long`.
 
     Raises:
-        TemplateUnknown: where there is none of that name; the message lists those there are.
+        TemplateUnknown: where there is none of that name; the message lists the known names.
         PartUnknown: where there is no such part.
         PartsConflict: where the parts cannot be sewn to each other.
     """
@@ -86,7 +80,7 @@ def load_template(name: str) -> Pattern:
 
 
 def find_cut(name: str) -> Cut:
-    """Return the cut of a shipped base pattern, with the other parts that its name asks for behind a `+`.
+    """Return the cut of a shipped base pattern, with the other parts in its name after a `+`.
 
     Raises:
         TemplateUnknown: where there is none of that name.
@@ -114,7 +108,7 @@ def _check_name(name: str) -> None:
 
 
 def draft_template(name: str, measures: BodyMeasures) -> Pattern:
-    """Draft a base pattern of the library, or one with other parts, anew for a body of other measures.
+    """Draft a base pattern of the library, or one with other parts, for a body of other measures.
 
     Raises:
         TemplateUnknown: where there is none of that name.
@@ -125,10 +119,9 @@ def draft_template(name: str, measures: BodyMeasures) -> Pattern:
 
 
 def load_draped_template(name: str) -> Garment | None:
-    """Load a shipped template as it hangs on the built-in female body, contours named; None where no drape is shipped.
-
-    The file holds node positions only; the mesh is made anew, and where another machine's triangulation gives another
-    number of nodes the drape does not apply and None is returned.
+    """Read a shipped template draped on the built-in female body, contours named; None where no drape is shipped. The
+    file has node positions only; the mesh is computed again. Where another machine's triangulation gives another number
+    of nodes the drape is invalid and None is returned.
 
     Raises:
         TemplateUnknown: where there is no template of that name.
@@ -149,6 +142,6 @@ def load_draped_template(name: str) -> Garment | None:
 
 
 def save_draped_template(garment: Garment, path: Path) -> None:
-    """Keep the nodes [m], to 32 bits, and the named contours of a drape that `load_draped_template` reads."""
+    """Write the nodes [m], to 32 bits, and the named contours of a drape for `load_draped_template`."""
     arrays: dict[str, Any] = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
     np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **arrays)

@@ -1,4 +1,4 @@
-"""Checks of a panel's outline: its edges have lengths, it encloses an area and does not cross itself."""
+"""Check a panel's outline: its edges have lengths, it encloses an area and does not cross itself."""
 
 from __future__ import annotations
 
@@ -10,22 +10,21 @@ from .pattern import Panel
 from .polygon import polygon_area
 
 CROSSING_SEGMENT_COUNT = 12
-"""Number of segments of a curve in the crossing test; a drawn curve then strays from its chords by less than 1 % of
-them."""
+"""Number of segments of a curve in the crossing test; a drawn curve is then within 1 % of the chords of them."""
 
 MIN_PANEL_AREA = 1e-6
-"""The smallest area of a panel [m2]: a square of 1 mm."""
+"""Smallest area of a panel [m2]: a square of 1 mm."""
 
 
 MIN_PANEL_EDGE_LENGTH = 1e-6
-"""The shortest edge of a panel, from end to end [m]."""
+"""Smallest length of a panel's edge, from end to end [m]."""
 
 
 def check_outline(panel: Panel) -> None:
-    """Refuse a panel with an edge without length, without area, or with an outline that crosses itself.
+    """Check that a panel's edges have lengths, that it has an area, and that its outline does not cross itself.
 
     Raises:
-        PanelDegenerate, PanelCrossing: naming the panel and the place.
+        PanelDegenerate, PanelCrossing: with the panel and the place.
     """
     for index in range(len(panel.edges)):
         start, end = chord(panel, index)
@@ -51,7 +50,7 @@ def find_crossing(polygon: np.ndarray) -> tuple[int, int] | None:
     start, end = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)
     low, high = np.minimum(start, end), np.maximum(start, end)
-    left, right = low[:, 0].copy(), high[:, 0].copy()  # side by side in memory: most pairs are told apart by these
+    left, right = low[:, 0].copy(), high[:, 0].copy()  # contiguous in memory: most pairs are excluded by these
     for i in range(count - 2):
         others = slice(i + 2, count - 1 if i == 0 else count)
         other = i + 2 + np.flatnonzero((left[others] <= right[i]) & (right[others] >= left[i]))
@@ -73,7 +72,7 @@ def _outline(panel: Panel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _meet(polygon: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return where the segments i and j of a polygon cross."""
+    """Return the crossing of the segments i and j of a polygon."""
     count = len(polygon)
     a, u = polygon[i], polygon[(i + 1) % count] - polygon[i]
     b, v = polygon[j], polygon[(j + 1) % count] - polygon[j]

@@ -1,1 +1,1 @@
-"""Triangle meshes and curves: what every room asks of them, without knowledge of cloth or bodies."""
+"""Triangle meshes and curves, without knowledge of cloth or bodies."""

@@ -1,4 +1,4 @@
-"""Fewer triangles for the same surface: edges are collapsed, the shortest first, and every border stays as it is."""
+"""Simplify a triangle mesh by collapsing edges, the shortest first; borders do not change."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ from numba import njit
 from .geometry import edge_lengths
 
 MAX_COLLAPSED_EDGE_SHARE = 0.4
-"""Share of the edges, the shortest, that one iteration may collapse. Lengths are measured anew after each: with all at
-once, the last collapses would go by outdated lengths."""
+"""Share of the edges, the shortest, that one iteration may collapse; lengths are recomputed after each."""
 
 MIN_COLLAPSE_NORMAL_COSINE = 0.5
-"""Least cosine of the angle by which a collapse may turn a face: 60 degrees, above what a fold turns within an edge."""
+"""Smallest cosine of the angle by which a collapse may turn a face: 60 degrees, more than folds turn within an edge."""
 
 MIN_COLLAPSE_HEIGHT_RATIO = 0.15
-"""Least height over longest side that a collapse leaves to faces which had it; along a border that is finer than the
-inside they have less."""
+"""Smallest ratio of height to longest side of faces that a collapse changes, unless they had less; along a border that
+is finer than the inside they have less."""
 
 MIN_REMOVED_FACE_SHARE = 0.01
-"""Share of the faces below which an iteration that removes fewer is stalled: where noise is as large as an edge every
-face points elsewhere, so the next iteration may turn faces farther."""
+"""Smallest share of the faces that an iteration must remove; else the next may turn faces further. Where noise is as
+large as an edge, normals differ so much that few collapses are allowed."""
 
 MAX_COLLAPSE_ITERATIONS = 200
 """Largest number of iterations; 2.2 million faces become 100 thousand in 20."""
@@ -30,14 +29,14 @@ MAX_COLLAPSE_ITERATIONS = 200
 
 @dataclass(frozen=True)
 class CollapsedMesh:
-    """A mesh with fewer faces.
+    """Describe a mesh with fewer faces.
 
     Attributes:
-        vertices: Positions, shape [vertex_count, 3]: on a border those of the mesh, elsewhere the mean of the vertices
-            that one stands for, which averages noise out.
+        vertices: Positions, shape [vertex_count, 3]: on a border those of the given mesh, elsewhere the mean of the
+            merged vertices, which averages noise.
         faces: Vertex indices, shape [face_count, 3].
-        origin: Index in the mesh of each vertex, ascending, shape [vertex_count].
-        place: Vertex that stands for each vertex of the mesh, shape [mesh_vertex_count]; -1 where no face uses it.
+        origin: Index of each vertex in the given mesh, ascending, shape [vertex_count].
+        place: Vertex into which each given vertex was merged, shape [mesh_vertex_count]; -1 where no face uses it.
     """
 
     vertices: np.ndarray
@@ -47,20 +46,19 @@ class CollapsedMesh:
 
 
 def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> CollapsedMesh:
-    """Return a surface with at most `most` faces and with the borders, the openings and the handles of the given one.
+    """Reduce a surface to at most `most` faces; borders, openings and handles remain.
 
-    An edge is collapsed into the mean of the vertices that its ends stand for, or into the end that lies on a border.
-    Only where both ends have no more than the two neighbours in common that the edge's faces give them (the link
-    condition, Dey et al., "Topology preserving edge contraction", 1999: the surface stays one), where no face turns
-    over, and not where both ends lie on a border. So every border edge is still there, with the same positions.
+    An edge is collapsed into the mean of the vertices merged into its ends, or into the end on a border. It is
+    collapsed only if both ends have exactly the two common neighbours of its faces (the link condition, Dey et al.,
+    "Topology preserving edge contraction", 1999), if no face turns over, and unless both ends are on a border. So every
+    border edge remains, with the same positions.
 
-    The same mesh gives the same result. A mesh that has no more faces comes back as it is. One whose borders alone need
-    more faces keeps them all.
+    The result is deterministic. A mesh with no more faces is returned as given; one whose borders need more keeps them.
 
     Args:
         vertices: Positions, shape [vertex_count, 3].
         faces: Consistently oriented, no edge with more than two faces, shape [face_count, 3].
-        most: Faces to come down to.
+        most: Largest number of faces.
     """
     count = len(vertices)
     if len(faces) <= most:
@@ -88,7 +86,7 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
 
 
 def _shortest(lengths: np.ndarray, count: int) -> np.ndarray:
-    """Return the `count` smallest in ascending order, equal ones in that of their indices; the others stay unsorted."""
+    """Return the indices of the `count` smallest values, ascending, ties by index."""
     if count >= len(lengths):
         return np.argsort(lengths, kind="stable")
     within = np.flatnonzero(lengths <= np.partition(lengths, count)[count])
@@ -96,7 +94,7 @@ def _shortest(lengths: np.ndarray, count: int) -> np.ndarray:
 
 
 def _border_vertices(faces: np.ndarray, count: int) -> np.ndarray:
-    """Find the vertices on edges that one face alone has."""
+    """Find the vertices on edges of a single face."""
     tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     edge, times = np.unique(np.minimum(tail, head) * count + np.maximum(tail, head), return_counts=True)
     single = edge[times != 2]
@@ -112,7 +110,7 @@ def _inner_edges(faces: np.ndarray) -> np.ndarray:
 
 @njit(cache=True)
 def _roots(stands):  # type: ignore[no-untyped-def]
-    """Follow each vertex to the one that stands for it in the end."""
+    """Find the vertex into which each vertex is finally merged."""
     found = stands.copy()
     for v in range(len(stands)):
         root = v
@@ -124,11 +122,8 @@ def _roots(stands):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type: ignore[no-untyped-def]
-    """Collapse edges in their order, each vertex at most once, until `most` faces are gone; changes all but `edges`.
-
-    Returns:
-        Which faces are left, and how many are not.
-    """
+    """Collapse edges in their order, each vertex at most once, until `most` faces are removed; modifies all but
+    `edges`. Return which faces remain, and the number of removed ones."""
     count, corners = len(points), 3 * len(faces)
     first, following = np.full(count, -1), np.full(corners, -1)
     for corner in range(corners - 1, -1, -1):
@@ -208,7 +203,7 @@ def _has_two_common(fans, seen, u, v, token):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def]
-    """Check that no face of u that lacks v turns over or gets thin where u moves to the goal."""
+    """Check that no face of u without v turns over or becomes thin where u moves to the goal."""
     faces, alive, first, following = fans
     corner = first[u]
     while corner >= 0:

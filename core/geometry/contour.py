@@ -1,4 +1,4 @@
-"""The lines along which a mesh passes through itself, and how their length follows the vertices."""
+"""The contours along which a mesh intersects itself, and the derivative of their length by the vertices."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 
 MIN_EDGE_FACE_SINE = 0.1
-"""Sine of the angle between an edge and a face below which the angle is taken for this: along an edge that lies almost
-in the face the meeting point would move arbitrarily far, and the gradient with it."""
+"""Sine of the angle between an edge and a face to which smaller ones are clamped: for an edge almost in the face the
+intersection point, and the gradient with it, would be unbounded."""
 
 
 def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> tuple[float, np.ndarray]:
@@ -19,9 +19,9 @@ def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) 
         P = p + t (q - p),  t = N . (a - p) / N . E,  E = q - p
         dL/dp = (1 - t) M g,  dL/dq = t M g,  dL/dx_k = w_k N (E . g) / (N . E),  M = I - N E^T / (N . E)
 
-    with g = dL/dP the unit vector along the segment. To make the contour shorter is how a surface gets out of itself
-    (Volino and Magnenat-Thalmann 2006, intersection contour minimisation). **Deviation**: the exact gradient of the
-    length and not its estimate for each edge; N . E is kept above `MIN_EDGE_FACE_SINE` |N| |E|.
+    with g = dL/dP the unit vector along the segment. Shortening the contour untangles a surface (Volino and
+    Magnenat-Thalmann 2006, intersection contour minimisation). **Deviation**: the exact gradient of the length, not its
+    estimate for each edge; N . E is kept above `MIN_EDGE_FACE_SINE` |N| |E|.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -38,7 +38,7 @@ def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) 
 
 @njit(cache=True)
 def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
-    """Add up the segments of all pairs and their gradients."""
+    """Sum the segments of all pairs and their gradients."""
     total = 0.0
     ends, corners, sizes = np.zeros((6, 3)), np.zeros((6, 5), np.int64), np.zeros((6, 8))
     pull = np.zeros(3)
@@ -71,7 +71,7 @@ def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
-    """Check whether an edge passes through the inside of a face; fill where, t, the weights, the normal and N . E."""
+    """Check whether an edge passes through a face; write where, t, the weights, the normal and N . E."""
     a, b, c = face[0], face[1], face[2]
     u, v, edge, way = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     for d in range(3):
@@ -102,7 +102,7 @@ def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _scatter_gradient(x, corners, sizes, pull, gradient):  # type: ignore[no-untyped-def]
-    """Add what a pull on an end of a segment is to the five vertices that it hangs on."""
+    """Add the gradient by a segment's end to the five vertices on which that end depends."""
     p, q = corners[0], corners[1]
     along = 0.0
     for d in range(3):

@@ -10,13 +10,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class CurvePoints:
-    """Points (1 - t) x_i + t x_(i+1) of a closed curve.
-
-    Attributes:
-        segment: i, from corner i to the next, shape [n].
-        along: t, 0 to 1, shape [n].
-        foot: The points [m], shape [n, d].
-    """
+    """Describe points (1 - t) x_i + t x_(i+1) of a closed curve: `segment` i from corner i to the next, `along` t from
+    0 to 1, shape [n] each, and the points `foot` [m], shape [n, d]."""
 
     segment: np.ndarray
     along: np.ndarray
@@ -25,37 +20,33 @@ class CurvePoints:
 
 @dataclass(frozen=True)
 class ClosedCurve:
-    """A closed polygon; its last corner joins its first.
-
-    Attributes:
-        points: Corners in order, the first not repeated [m], shape [corner_count, d].
-    """
+    """Describe a closed polygon by its corners in order, the first not repeated [m], shape [corner_count, d]."""
 
     points: np.ndarray
 
     @cached_property
     def lengths(self) -> np.ndarray:
-        """Length of the segment from each corner to the next [m], shape [corner_count]."""
+        """Return the length of the segment from each corner to the next [m], shape [corner_count]."""
         return np.asarray(np.linalg.norm(self.ends - self.points, axis=1))
 
     @cached_property
     def length(self) -> float:
-        """Length of the whole curve [m]."""
+        """Return the length of the whole curve [m]."""
         return float(self.lengths.sum())
 
     @cached_property
     def arc(self) -> np.ndarray:
-        """Arc length up to each corner and back to the first [m], from 0, shape [corner_count + 1]."""
+        """Return the arc length up to each corner and back to the first [m], from 0, shape [corner_count + 1]."""
         return np.concatenate([[0.0], np.cumsum(self.lengths)])
 
     @cached_property
     def ends(self) -> np.ndarray:
-        """The corner after each [m], shape [corner_count, d]."""
+        """Return the corner after each [m], shape [corner_count, d]."""
         return np.roll(self.points, -1, axis=0)
 
     @cached_property
     def tangents(self) -> np.ndarray:
-        """Unit vector along each segment, 0 for one without length, shape [corner_count, d]."""
+        """Return the unit vector along each segment, 0 for one without length, shape [corner_count, d]."""
         side = self.ends - self.points
         return np.asarray(side / np.maximum(self.lengths, 1e-9)[:, None])
 
@@ -64,7 +55,7 @@ class ClosedCurve:
         return self._at(np.arange(count) * (self.arc[-1] / count), self.arc)
 
     def at_shares(self, share: np.ndarray) -> np.ndarray:
-        """Return the points at shares of the arc length, whole turns left out [m]; a coordinate axis is appended."""
+        """Return the points at shares of the arc length modulo 1 [m]; a coordinate axis is appended."""
         return self._at(share % 1.0, self.arc / self.arc[-1])
 
     def locate(self, at: np.ndarray) -> CurvePoints:
@@ -81,7 +72,7 @@ class ClosedCurve:
         return self._points(*closest_segments(np.ascontiguousarray(points, dtype=np.float64), start, end))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Measure how far points are from the curve [m], shape [n]."""
+        """Compute the distances of points from the curve [m], shape [n]."""
         return np.asarray(np.linalg.norm(points - self.closest(points).foot, axis=1))
 
     def _points(self, segment: np.ndarray, along: np.ndarray) -> CurvePoints:
@@ -93,7 +84,7 @@ class ClosedCurve:
 
 
 def polyline_length(line: np.ndarray) -> float:
-    """Measure the length of an open polyline [m], shape [n, d]."""
+    """Compute the length of an open polyline [m], shape [n, d]."""
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
@@ -104,5 +95,5 @@ def resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
 
 
 def interpolate_polyline(wanted: np.ndarray, known: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """Interpolate corners, shape [n, d], that stand at ascending parameters `known`, linearly at `wanted`."""
+    """Interpolate corners, shape [n, d], given at ascending parameters `known`, linearly at `wanted`."""
     return np.stack([np.interp(wanted, known, line[:, k]) for k in range(line.shape[1])], axis=-1)

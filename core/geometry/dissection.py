@@ -8,18 +8,16 @@ import numpy as np
 from numba import njit
 
 MAX_LEAF_NODE_COUNT = 24
-"""Largest number of nodes, of three rows each, that are not cut any further: fronts of 72 rows, from which on dense
-algebra is faster."""
+"""Largest number of nodes of a part that is not cut further: from 72 rows, three a node, dense algebra is faster."""
 
 PERIPHERAL_NODE_COUNT = 6
 """Number of pseudo-peripheral (far) nodes whose bisectors are tried as separators. Level sets around one node (George
-1973) cost 13 to 24 % more arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more than 6, and 8 as
-much."""
+1973) cost 13 to 24 % more arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more than 6 and 8."""
 
 
 @dataclass(frozen=True)
 class Supernode:
-    """A set of nodes that are eliminated together, and what their elimination touches.
+    """Describe a set of nodes that are eliminated together, and the rows that their elimination updates.
 
     Attributes:
         nodes: Their old numbers, in order, shape [own_count].
@@ -41,7 +39,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = MAX_LEAF_NODE_C
     parents: list[int] = []
     mark = np.zeros(count, dtype=np.int64)
     level = np.full(count, -1, dtype=np.int64)
-    # a stack of (nodes, index of the parent group); groups are made parents first and turned round at the end
+    # a stack of (nodes, index of the parent group); groups are created parents first and reversed at the end
     stack = [(np.arange(count), -1)]
     token = 0
     while stack:
@@ -52,7 +50,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = MAX_LEAF_NODE_C
         groups.append(pieces[0])
         parents.append(above)
         here = len(groups) - 1
-        if not len(pieces[0]):  # several components without a separator: hang them on the parent above
+        if not len(pieces[0]):  # several components without a separator: attach to the parent above
             groups.pop()
             parents.pop()
             here = above
@@ -65,7 +63,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = MAX_LEAF_NODE_C
 def _bisect(
     indptr: np.ndarray, indices: np.ndarray, nodes: np.ndarray, mark: np.ndarray, token: int, level: np.ndarray
 ) -> list[np.ndarray]:
-    """Find [separator, one side, other side]; [nodes] where no cut helps; [nothing, component, rest] where apart."""
+    """Return [separator, side, other side]; [nodes] where no cut helps; [empty, component, rest] if not connected."""
     queue = np.zeros(len(nodes), dtype=np.int64)
     start = nodes[0]
     distances = np.zeros((PERIPHERAL_NODE_COUNT, len(nodes)), dtype=np.int64)
@@ -109,11 +107,9 @@ def _spread_levels(indptr, indices, start, mark, token, level, queue):  # type: 
 
 @njit(cache=True)
 def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # type: ignore[no-untyped-def]
-    """Find the pair of far nodes, the distance to one less that to the other, between whose levels a cut is cheapest.
-
-    The separator of a level m are the nodes up to m with a neighbour above m; it costs its size by the product of those
-    of the two sides (ratio cut, Wei and Cheng 1989). The pair is twice the same where no level leaves two sides.
-    """
+    """Find the pair of far nodes with the cheapest cut between two levels of the difference of distances to them. The
+    separator of a level m are the nodes up to m with a neighbour above m; its cost is its size over the product of the
+    sizes of both sides (ratio cut, Wei and Cheng 1989). Both are the same node where no level has two sides."""
     first, beside = _links_within(indptr, indices, nodes, mark, token, place)
     costs = np.full((len(distances), len(distances)), np.inf)
     levels = np.zeros(costs.shape, np.int64)
@@ -175,7 +171,7 @@ def _cheapest_level(starts, below, count):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _touches(indptr, indices, nodes, mark, token, place, field):  # type: ignore[no-untyped-def]
-    """Find which nodes of levels up to 0 have a neighbour above 0 in the marked set."""
+    """Find the nodes of levels up to 0 with a neighbour above 0 in the marked set."""
     found = np.zeros(len(nodes), dtype=np.bool_)
     for n in range(len(nodes)):
         if field[n] <= 0:
@@ -203,7 +199,7 @@ def _build_supernodes(
         near = np.concatenate([indices[indptr[n] : indptr[n + 1]] for n in nodes] + [nodes[:0]])
         reach = np.unique(np.concatenate([new[near], *passed[g]]))
         boundary = reach[reach >= firsts[g] + sizes[g]]
-        # the update goes to the part that eliminates its first node; that is the parent or one further up
+        # the update goes to the part that eliminates its first row: the parent or one further up
         parent = int(owner[boundary[0]]) if len(boundary) else -1
         if parent >= 0:
             passed[parent].append(boundary)

@@ -1,4 +1,4 @@
-"""Faces of a mesh that pass through another face of it, where they meet, and steps that would make them do so."""
+"""Find faces of a mesh that intersect each other, and undo the steps that make them intersect."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import numpy as np
 from numba import njit
 
 MAX_UNDO_ITERATIONS = 12
-"""Largest number of iterations in which steps that cross are undone: an undone node may cross a neighbour that moved
-on."""
+"""Largest number of iterations that undo crossing steps; an undone node may cross a neighbour that moved on."""
 
 HALVING_ITERATIONS = 3
-"""Number of the first iterations, in which steps that cross are halved, and of the last ones, in which they are undone
-altogether."""
+"""Number of first iterations that halve crossing steps, and of last ones that undo them altogether."""
 
 
 def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -47,10 +45,8 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def face_boxes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lowest and the highest coordinates of faces [m], shape [face_count, 3] each.
-
-    Corner by corner, which takes a fifth of the time of a reduction over an axis of three.
-    """
+    """Return the lowest and the highest coordinates of faces [m], shape [face_count, 3] each. Computed corner by
+    corner, in a fifth of the time of a reduction over an axis of three."""
     first, second, third = (vertices[faces[:, k]] for k in range(3))
     return np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
 
@@ -60,15 +56,15 @@ def undo_crossings(
 ) -> np.ndarray:
     """Shorten, in place, the moves of the nodes of faces that have crossed in a step; return the faces that cross.
 
-    They are halved, and where that is not enough, cut to the room that each node has: then what was apart stays so,
-    and a bundle of layers still moves, if slowly. Undone altogether, a bundle that jams once would jam for good.
+    They are halved, and where that is not enough, clamped to each node's free distance: what was apart remains so, and
+    a bundle of layers still moves slowly. With steps undone altogether it would never move again.
 
     Args:
         nodes: Positions after the step [m], shape [node_count, 3].
         before: Positions before it.
         faces: Shape [face_count, 3].
         crossed: Faces that crossed before.
-        room: Distance that each node may move and cross nothing [m], shape [node_count]; zero where None.
+        room: Distance that each node may move without a crossing [m], shape [node_count]; None: 0.
     """
     found = self_intersections(nodes, faces)
     for turn in range(MAX_UNDO_ITERATIONS):
@@ -92,7 +88,7 @@ def undo_crossings(
 
 @njit(cache=True)
 def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Test every pair of overlapping boxes, which come in ascending order of `low[:, 0]`."""
+    """Test every pair of overlapping boxes, in ascending order of `low[:, 0]`."""
     pairs = np.zeros((64, 2), np.int64)
     count = 0
     for i in range(low.shape[0]):
@@ -118,7 +114,7 @@ def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.nda
 
 @njit(cache=True)
 def _adjacent(first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether two faces share a vertex."""
+    """Check whether two faces share a vertex."""
     for p in first:
         for q in second:
             if p == q:
@@ -128,7 +124,7 @@ def _adjacent(first: np.ndarray, second: np.ndarray) -> bool:
 
 @njit(cache=True)
 def _crosses(first: np.ndarray, second: np.ndarray) -> bool:
-    """Return whether an edge of the first triangle passes through the inside of the second."""
+    """Check whether an edge of the first triangle passes through the inside of the second."""
     for k in range(3):
         start = first[k]
         end = first[(k + 1) % 3]

@@ -1,4 +1,4 @@
-"""The one place where sparse matrices are factored: Cholesky where they are positive definite, else LU."""
+"""The only place where sparse matrices are factored: Cholesky where they are positive definite, else LU."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class NotPositiveDefinite(np.linalg.LinAlgError):
-    """The matrix is not positive definite: something in the system is held by nothing, or pulled apart."""
+    """The matrix is not positive definite: a part of the system is not constrained, or is unstable."""
 
 
 class Factor(Protocol):
@@ -28,11 +28,7 @@ class Factor(Protocol):
 
 
 class Solver(Factor, Protocol):
-    """Factor and solve one symmetric matrix after another, all with the same pattern.
-
-    Attributes:
-        single: In single precision.
-    """
+    """Factor and solve symmetric matrices that share a pattern; `single` is True in single precision."""
 
     single: bool
 
@@ -41,12 +37,12 @@ class Solver(Factor, Protocol):
 
 
 class SuperLU:
-    """Factor with scipy's SuperLU: minimum degree of A^T + A, pivots on the diagonal; also indefinite matrices."""
+    """Factor with scipy's SuperLU, also indefinite matrices: minimum degree of A^T + A, pivots on the diagonal."""
 
     single = False
 
     def __init__(self, indptr: np.ndarray, indices: np.ndarray) -> None:
-        """Take the full symmetric pattern, columns ascending; SuperLU orders it anew in each factorisation."""
+        """Take the full symmetric pattern, columns ascending; SuperLU computes its order in each factorisation."""
         self._indptr, self._indices = indptr, indices
         self._factor = None
 
@@ -68,7 +64,7 @@ class SuperLU:
         return np.asarray(self._factor.solve(right))
 
     def is_positive_definite(self) -> bool:
-        """Judge by Sylvester's law: without row swaps U's diagonal is D of L D L^T, and its signs are the inertia."""
+        """Check by Sylvester's law: without row swaps U's diagonal is D of L D L^T, and its signs are the inertia."""
         lu = self._factor
         if lu is None or not np.array_equal(lu.perm_r, lu.perm_c):
             return False
@@ -76,10 +72,8 @@ class SuperLU:
 
 
 def analyse_pattern(edges: HalfEdges, rings: int = 1) -> Cholesky:
-    """Analyse the pattern of matrices that couple each vertex of a mesh with so many rings around it.
-
-    One ring holds a Laplacian, two hold its square; a face's and an edge's rows are within one.
-    """
+    """Analyse the pattern of matrices that couple each vertex of a mesh with the given number of rings around it. One
+    ring is the pattern of a Laplacian, two that of its square; a face's and an edge's rows are within one."""
     from .multifrontal import Cholesky
 
     near = edges.adjacency + sparse.identity(edges.vertex_count)
@@ -93,16 +87,15 @@ def analyse_pattern(edges: HalfEdges, rings: int = 1) -> Cholesky:
 def factor_symmetric(matrix: sparse.spmatrix, analysed: Cholesky | None = None) -> Factor:
     """Factor a symmetric positive definite matrix.
 
-    A matrix that is alone with its pattern goes to SuperLU: the analysis for our own Cholesky takes 4 to 5 of its
-    factorisations. With the pattern analysed our own is 3 to 5 times quicker.
+    A matrix whose pattern occurs once is factored by SuperLU: the analysis for our own Cholesky takes as long as 4 to 5
+    of its factorisations. With the pattern analysed our own is 3 to 5 times faster.
 
     Args:
         matrix: The matrix, both triangles.
-        analysed: What `analyse_pattern` found; it keeps the factor until its next one. A matrix with an entry outside
-            its pattern is factored as one that is alone.
+        analysed: Result of `analyse_pattern`; it keeps the factor until its next one. With entries outside: SuperLU.
 
     Raises:
-        NotDefinite: where the matrix is not positive definite.
+        NotPositiveDefinite: where the matrix is not positive definite.
     """
     data = None if analysed is None else analysed.place(sparse.csr_matrix(matrix))
     found: Factor
@@ -120,7 +113,7 @@ def factor_general(matrix: sparse.spmatrix) -> Factor:
     """Factor a symmetric matrix that may be indefinite.
 
     Raises:
-        NotDefinite: where the matrix is singular.
+        NotPositiveDefinite: where the matrix is singular.
     """
     columns = sparse.csc_matrix(matrix)
     columns.sort_indices()

@@ -1,4 +1,4 @@
-"""Move a mesh towards given places as far as it does not pass through itself."""
+"""Move a mesh towards given places as far as it does not intersect itself."""
 
 from __future__ import annotations
 
@@ -7,33 +7,32 @@ import numpy as np
 from .intersections import self_intersections
 
 MAX_MOVE_STEP_LENGTH = 5e-4
-"""Largest motion of a vertex in one iteration [m]: layers that meet end less than twice that apart."""
+"""Largest motion of a vertex in one iteration [m]; the distance of layers that meet is then less than twice this."""
 
 CROSSING_LOOKAHEAD_RATIO = 1.25
-"""Multiple of an iteration's motion at which nothing may cross either: layers that meet keep a tenth of a millimetre
-between them, which the single precision of files does not take away."""
+"""Multiple of an iteration's motion at which nothing may cross either: layers that meet keep 0.1 mm between them, which
+the single precision of files preserves."""
 
 MOVE_CONVERGENCE_TOLERANCE = 1e-5
-"""Longest motion that is left to vertices which may still move, below which the iterations end [m]."""
+"""Longest remaining motion of vertices that may still move at which the iterations end [m]."""
 
 MAX_MOVE_ITERATIONS = 120
-"""Largest number of iterations: a motion of 6 cm, as `untangle` has."""
+"""Largest number of iterations: a motion of 6 cm, as in `untangle`."""
 
 
 def move_towards(vertices: np.ndarray, goal: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Move a mesh that does not cross itself towards a goal that may, and return its vertices [m], [vertex_count, 3].
+    """Move a mesh without intersections towards a goal that may have some; return its vertices [m], [vertex_count, 3].
 
-    In each round every vertex goes straight towards its goal by at most `MAX_MOVE_STEP_LENGTH`; the vertices of faces
-    that would cross stay where they are for good. So a mesh that was taken out of itself lies where it was, but for
-    where its layers meet. (To halve their way instead took twenty times as long and came no nearer on trousers and
-    shorts.)
+    In each iteration every vertex moves straight towards its goal by at most `MAX_MOVE_STEP_LENGTH`; the vertices of
+    faces that would cross stop for good. So an untangled mesh returns to where it was except where its layers meet.
+    (Halving their moves instead took twenty times as long and came no nearer on trousers and shorts.)
 
-    What crosses is asked where a round ends. A layer that lies within `MAX_MOVE_STEP_LENGTH` of another all over and is
-    held nowhere would change sides unseen.
+    Crossings are tested at the end of an iteration. A layer within `MAX_MOVE_STEP_LENGTH` of another everywhere, and
+    without a stopped vertex, would change sides undetected.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
-        goal: Where they are to go [m], shape [vertex_count, 3].
+        goal: Positions to reach [m], shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
     """
     moved, free = vertices.copy(), np.ones(len(vertices), dtype=bool)

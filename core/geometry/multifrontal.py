@@ -16,16 +16,13 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 MAX_LEAF_ROW_COUNT = 3 * MAX_LEAF_NODE_COUNT
-"""Largest number of rows of a front that is not cut any further: three for each of `MAX_LEAF_NODE_COUNT` nodes."""
+"""Largest number of rows of a front that is not cut further: three for each of `MAX_LEAF_NODE_COUNT` nodes."""
 
 
 class Cholesky:
     """Factor symmetric positive definite matrices that share a pattern, A = L L^T, by fronts over a nested dissection.
-
     Each part of the dissection is a front [F11 .; F21 F22]: own rows and boundary rows. F11 = L11 L11^T, L21 = F21
-    L11^-T, and F22 - L21 L21^T is added to the parent's front. BLAS does the work, the pattern is analysed once. A
-    matrix that is not positive definite is refused.
-    """
+    L11^-T, and F22 - L21 L21^T is added to the parent's front, by BLAS. The pattern is analysed once."""
 
     def __init__(self, indptr: np.ndarray, indices: np.ndarray, block: int = 1, single: bool = False) -> None:
         """Order the nodes, lay out the fronts and map every entry of the matrix to its place in them.
@@ -120,7 +117,7 @@ class Cholesky:
         return True
 
     def place(self, matrix: csr_matrix) -> np.ndarray | None:
-        """Return a matrix's entries in the order of the pattern, zeros where it has none; None where one is outside."""
+        """Return a matrix's entries in the order of the pattern, 0 where it has none; None if one is outside."""
         matrix.sum_duplicates()
         data = np.zeros(len(self._pattern[1]))
         return data if _scatter_entries(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data) else None
@@ -136,7 +133,7 @@ class Cholesky:
         return result
 
     def is_positive_definite(self) -> bool:
-        """Return whether the last matrix factored was positive definite."""
+        """Return whether the last factored matrix was positive definite."""
         return self._definite
 
 
@@ -148,10 +145,8 @@ def _neighbours(indptr: np.ndarray, indices: np.ndarray, block: int) -> np.ndarr
 
 
 def _plan_storage(parents: list[int], sizes: np.ndarray) -> np.ndarray:
-    """Place updates of these sizes in one store, each kept until its parent has taken it: the first gap that is wide.
-
-    Memory that is asked for anew at every factorisation costs more, page by page, than what is computed in it.
-    """
+    """Place updates of these sizes in one store by first fit, each until its parent has received it. Allocating memory
+    at every factorisation costs more than the arithmetic in it."""
     places = np.zeros(len(parents), dtype=np.int64)
     kept: list[int] = []
     for p, size in enumerate(sizes):
@@ -181,7 +176,7 @@ def _scatter_entries(indptr, indices, values, pattern_indptr, pattern_indices, d
 
 @njit(cache=True)
 def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
-    """Add what a child's update gives to the columns that its parent eliminates; `link` ascends."""
+    """Add a child's update to the columns that its parent eliminates; `link` ascends."""
     n1, count = own.shape[0], len(link)
     inner = np.searchsorted(link, n1)
     for c in range(inner):
@@ -194,7 +189,7 @@ def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _add_rest(update, link, n1, rest):  # type: ignore[no-untyped-def]
-    """Add what a child's update gives to the update that its parent passes on; `link` ascends."""
+    """Add a child's update to the update of its parent; `link` ascends."""
     count = len(link)
     for c in range(np.searchsorted(link, n1), count):
         column = link[c] - n1

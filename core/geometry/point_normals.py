@@ -1,4 +1,4 @@
-"""Normals of points without faces: found from neighbours, turned outward, averaged; and points thinned evenly."""
+"""Normals of points without faces: estimated from neighbours, oriented outward, averaged; and points thinned evenly."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 NORMAL_NEIGHBOUR_COUNT = 24
-"""Number of points that a plane is fitted to: with 2 mm of noise at 5 mm of spacing the normal is within some 10
-degrees."""
+"""Number of points to which a plane is fitted: with 2 mm of noise at 5 mm of spacing the error is about 10 degrees."""
 MAX_NORMAL_POINT_COUNT = 200_000
-"""Largest number of points that planes are fitted at; of a denser cloud the others take the nearest one's normal."""
+"""Largest number of points at which planes are fitted; in a denser cloud the others have the nearest one's normal."""
 NORMAL_BATCH_POINT_COUNT = 50_000
 """Number of points in a batch, so that their neighbours take 30 MB."""
 MIN_NORMAL_AGREEMENT_SHARE = 0.8
-"""Least share of neighbours' normals that point the same way where a cloud is oriented; random ones reach 0.5."""
+"""Smallest share of agreeing neighbours' normals in an oriented cloud; random ones reach 0.5."""
 
 
 def estimate_normals(
@@ -27,12 +26,11 @@ def estimate_normals(
 ) -> np.ndarray:
     """Estimate unit normals from the plane through each point's neighbours, shape [m, 3]; of either sign.
 
-    The normal is the direction in which the neighbours spread least (H. Hoppe et al., Surface Reconstruction from
-    Unorganized Points, 1992).
+    It is the direction of least variance (H. Hoppe et al., Surface Reconstruction from Unorganized Points, 1992).
 
     Args:
         points: Positions [m], shape [n, 3].
-        drawn: Indices of the points that are asked for, shape [m], or None: all.
+        drawn: Indices of the points in question, shape [m], or None: all.
         count: Neighbours, itself included.
     """
     tree, asked = _make_tree(points), points if drawn is None else points[drawn]
@@ -45,8 +43,7 @@ def estimate_normals(
 
 
 def find_normals(points: np.ndarray) -> np.ndarray:
-    """Find unit normals of either sign, shape [n, 3]; beyond `MAX_NORMAL_POINT_COUNT` points from some of them, for the
-    others too."""
+    """Estimate unit normals of either sign, shape [n, 3], beyond `MAX_NORMAL_POINT_COUNT` points from a subset."""
     if len(points) <= MAX_NORMAL_POINT_COUNT:
         return estimate_normals(points)
     subset = points[thin_points(points, MAX_NORMAL_POINT_COUNT)]
@@ -62,13 +59,12 @@ def find_normals(points: np.ndarray) -> np.ndarray:
 def smooth_normals(points: np.ndarray, normals: np.ndarray, drawn: np.ndarray, count: int = 12) -> np.ndarray:
     """Average the normals around drawn points, shape [drawn, 3], of length 1.
 
-    A vertex's own normal says little where 5 mm of noise lie on edges of 7 mm: one in five points inward then, and a
-    body fitted below cloth shrinks from it.
+    With 5 mm of noise on edges of 7 mm, one vertex normal in five points inward, and bodies fitted below are too thin.
 
     Args:
         points: Positions [m], shape [n, 3].
-        normals: Normals, weighed by their length, shape [n, 3].
-        drawn: Indices of the points that are asked for.
+        normals: Normals, weighted by their length, shape [n, 3].
+        drawn: Indices of the points in question.
         count: Neighbours, itself included: a disk of 2.5 cm radius at 12 mm spacing.
     """
     _, index = _make_tree(points).query(points[drawn], k=min(count, len(points)))
@@ -83,14 +79,14 @@ def orient_normals(
     inner_normals: np.ndarray,
     rounds: int = 10,
 ) -> np.ndarray:
-    """Turn normals outward by those of a known surface below, then by their neighbours where those are across.
+    """Orient normals outward by those of a known surface below, and by their neighbours where those are perpendicular.
 
     Args:
         positions: Positions [m], shape [n, 3].
         normals: Unit normals of either sign, shape [n, 3].
         inner_points: Points of the surface below [m], shape [k, 3].
         inner_normals: Their outward unit normals, shape [k, 3].
-        rounds: How often each point asks its neighbours; a fold's flank is within a few of them.
+        rounds: Number of iterations over the neighbours; a fold's flank is within a few of them.
     """
     _, near = _make_tree(inner_points).query(positions)
     trust = np.einsum("na,na->n", normals, inner_normals[near])
@@ -147,6 +143,6 @@ def thin_points(points: np.ndarray, count: int) -> np.ndarray:
 
 
 def _make_tree(points: np.ndarray) -> cKDTree:
-    from scipy.spatial import cKDTree  # on first use: the API imports this module and asks for no normals
+    from scipy.spatial import cKDTree  # on first use: the API imports this module without using it
 
     return cKDTree(points)

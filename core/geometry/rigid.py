@@ -1,4 +1,4 @@
-"""The motion that brings points best onto their counterparts."""
+"""The rigid or similarity motion that fits points to their counterparts."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """x -> s R (x - a) + b.
-
-    Attributes:
-        rotation: R, orthogonal, shape [d, d].
-        scale: s; 1 for a rigid motion.
-        source_centre: a [m], shape [d].
-        target_centre: b [m], shape [d].
-    """
+    """Describe x -> s R (x - a) + b: `rotation` R, orthogonal, shape [d, d], `scale` s (1 for a rigid motion),
+    `source_centre` a [m] and `target_centre` b [m], shape [d] each."""
 
     rotation: np.ndarray
     scale: float
@@ -29,12 +23,12 @@ class RigidMotion:
 
     @property
     def translation(self) -> np.ndarray:
-        """t of x -> s R x + t [m], shape [d]."""
+        """Return t of x -> s R x + t [m], shape [d]."""
         return np.asarray(self.target_centre - self.scale * self.rotation @ self.source_centre)
 
 
 def plane_rotation(angle: float) -> np.ndarray:
-    """Return the matrix that turns left by an angle [rad], shape [2, 2]."""
+    """Return the matrix of a left turn by an angle [rad], shape [2, 2]."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
@@ -49,7 +43,7 @@ def fit_rigid(source: np.ndarray, target: np.ndarray, *, scaled: bool = False, m
         source: Points [m], shape [n, d].
         target: The counterpart of each [m], shape [n, d].
         scaled: Fit a scale too (a similarity).
-        mirrored: Fit the best motion that mirrors; else it never does.
+        mirrored: Fit the best reflection; else there is none.
     """
     a, b = source.mean(axis=0), target.mean(axis=0)
     left, values, right = np.linalg.svd((target - b).T @ (source - a))

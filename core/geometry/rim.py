@@ -1,4 +1,4 @@
-"""The part of a surface's border beyond which another surface may go on."""
+"""The part of a surface's border beyond which another surface may continue."""
 
 from __future__ import annotations
 
@@ -10,22 +10,21 @@ from .connectivity import HalfEdges
 from .surface import ClosestPoints, TriangleSurface
 
 RIM_STRIP_WIDTH = 0.01
-"""Width of the strip along a rim that counts as the rim for points farther away than it is wide [m]: a scan curls and
-frays where another surface lies over it, and a point ahead of the rim is then nearest to a place just inside."""
+"""Width of the strip along a rim that counts as the rim for points further away than it is wide [m]: a scan curls and
+frays below another surface, and the point nearest to one ahead of the rim is then just inside."""
 RIM_STRIP_SHARE = 0.5
-"""Width of the strip along a rim as a share of a point's distance, where that is more than `RIM_STRIP_WIDTH`: cloth
-that bends away to the hem of what lies over it, welded to that by a coarse scan, is 2 cm wide; what is hidden 12 cm
-above is nearest to any place of it."""
+"""Width of that strip as a share of a point's distance, where that is more: cloth that a coarse scan welds to the hem
+over it is 2 cm wide, and any of its points may be nearest to what is hidden 12 cm above."""
 
 
 @dataclass(frozen=True)
 class Rim:
-    """Edges and vertices of a surface's border at which a closest point means that the surface ends.
+    """Describe edges and vertices of a surface's border at which a closest point means that the surface ends.
 
     Attributes:
         faces: The surface's faces, shape [face_count, 3].
-        edges: True where the edge opposite each corner lies on the rim, shape [face_count, 3].
-        vertices: True for the vertices on it, shape [vertex_count].
+        edges: Whether the edge opposite each corner is on the rim, shape [face_count, 3].
+        vertices: Whether each vertex is on it, shape [vertex_count].
     """
 
     faces: np.ndarray
@@ -39,7 +38,7 @@ class Rim:
         vertices[half_edges.tail[chosen]] = vertices[half_edges.head[chosen]] = True
         edges = np.zeros(3 * len(faces), dtype=bool)
         edges[chosen] = True
-        # the half-edge opposite corner k is the one after that which leaves it
+        # the half-edge opposite corner k follows the one that starts there
         return cls(faces, np.roll(edges.reshape(-1, 3), -1, axis=1), vertices)
 
     @classmethod
@@ -50,21 +49,21 @@ class Rim:
         return cls.of(half_edges, faces, border[marked[half_edges.tail[border]] & marked[half_edges.head[border]]])
 
     def holds(self, points: ClosestPoints) -> np.ndarray:
-        """Check which closest points lie on the rim, bool, shape [point_count]."""
+        """Check which closest points are on the rim, bool, shape [point_count]."""
         near = points.barycentric < 1e-6
         on_edge = (near & self.edges[points.face]).any(axis=1)
         corner = self.faces[points.face, np.argmax(points.barycentric, axis=1)]
         return np.asarray(on_edge | ((near.sum(axis=1) == 2) & self.vertices[corner]))
 
     def lies_ahead(self, surface: TriangleSurface, points: ClosestPoints) -> np.ndarray:
-        """Check which points the surface ends before, bool, shape [point_count].
+        """Check which points are ahead of the surface's end, bool, shape [point_count].
 
-        Those whose closest point is on the rim; and of those farther away than `RIM_STRIP_WIDTH`, whose closest point
-        is as near to it, or within `RIM_STRIP_SHARE` of how far away they are.
+        Their closest point is on the rim; or they are further than `RIM_STRIP_WIDTH` away, and it is within that of the
+        rim or within `RIM_STRIP_SHARE` of their distance.
 
         Args:
             surface: The rim's surface.
-            points: Its points that are closest to those.
+            points: The surface's closest points to them.
         """
         from scipy.spatial import cKDTree
 

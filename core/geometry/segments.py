@@ -8,9 +8,7 @@ from numba import njit
 
 @njit(cache=True)
 def closest_segments(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the segment from start[j] to end[j] closest to each point, and the parameter 0 to 1 along it.
-
-    Of segments equally close the first counts. Any dimension.
+    """Find the segment from start[j] to end[j] closest to each point, the first of equal ones, and the parameter on it.
 
     Args:
         points: Positions [m], shape [n, d].

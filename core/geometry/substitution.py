@@ -1,4 +1,4 @@
-"""Solve with the fronts of a Cholesky factor: four columns at a time, for the time goes into fetching them."""
+"""Solve with the fronts of a Cholesky factor, four columns at a time because memory bandwidth is the limit."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from numba import njit
 
 @njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
 def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
-    """Replace x by (L L^T)^-1 x, front by front down and up again.
-
-    `layout` [front_count, 5]: start in `store`, own rows, boundary rows, first row, start in `joined`, which holds the
-    boundaries' rows. Each front is L11 by columns, then L21 by columns. `zero` is of the factor's precision.
-    """
+    """Replace x by (L L^T)^-1 x, front by front forward and backward. `layout` [front_count, 5]: start in `store`, own
+    rows, boundary rows, first row, start in `joined`, which has the boundaries' rows. Each front is L11 by columns,
+    then L21 by columns. `zero` has the factor's precision."""
     work = np.zeros(max(1, layout[:, 2].max()), x.dtype)
     for p in range(len(layout)):
         start, n1, n2, first, at = layout[p]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ClosestPoints:
-    """Points of a triangle surface, each the closest one to a query point.
+    """Describe the closest points of a triangle surface to query points.
 
     Attributes:
         foot: The points [m], shape [n, 3].
@@ -46,12 +46,8 @@ class ClosestPoints:
 
 
 class TriangleSurface:
-    """A triangle mesh that answers queries; search tree, normals and areas are computed when first asked for.
-
-    Attributes:
-        vertices: Positions [m], contiguous float64, shape [vertex_count, 3].
-        faces: Vertex indices, contiguous int64, shape [face_count, 3].
-    """
+    """Answer queries to a triangle mesh of vertices [m], shape [vertex_count, 3], and faces, shape [face_count, 3];
+    search tree, normals and areas are computed on first use."""
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
@@ -59,32 +55,32 @@ class TriangleSurface:
 
     @cached_property
     def half_edges(self) -> HalfEdges:
-        """How the faces join."""
+        """Return the connectivity of the faces."""
         return HalfEdges.of(self.faces, len(self.vertices))
 
     @cached_property
     def face_normals(self) -> np.ndarray:
-        """Unit face normals, 0 for a face without area, shape [face_count, 3]."""
+        """Return unit face normals, 0 for a face without area, shape [face_count, 3]."""
         return unit(area_vectors(self.vertices, self.faces))
 
     @cached_property
     def face_areas(self) -> np.ndarray:
-        """Face areas [m2], shape [face_count]."""
+        """Return face areas [m2], shape [face_count]."""
         return face_areas(self.vertices, self.faces)
 
     @cached_property
     def vertex_normals(self) -> np.ndarray:
-        """Unit area-weighted vertex normals, shape [vertex_count, 3]."""
+        """Return unit area-weighted vertex normals, shape [vertex_count, 3]."""
         return vertex_normals(self.vertices, self.faces)
 
     @cached_property
     def vertex_areas(self) -> np.ndarray:
-        """A third of the area of the faces around each vertex [m2], shape [vertex_count]."""
+        """Return a third of the area of the faces around each vertex [m2], shape [vertex_count]."""
         return lump(self.face_areas, self.faces, len(self.vertices))
 
     @cached_property
     def border_faces(self) -> np.ndarray:
-        """True for faces with two corners or more on the border, shape [face_count]."""
+        """Mark faces with two corners or more on the border, shape [face_count]."""
         return np.asarray(self.half_edges.border_vertices[self.faces].sum(axis=1) > 1)
 
     def closest(self, points: np.ndarray) -> ClosestPoints:
@@ -94,17 +90,15 @@ class TriangleSurface:
         return ClosestPoints(foot, face, coordinates, np.sqrt(np.maximum(squared, 0.0)))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Measure how far points [m], shape [n, 3], are from the surface, not signed [m], shape [n]."""
+        """Compute the unsigned distances [m], shape [n], of points [m], shape [n, 3], from the surface."""
         return np.asarray(np.sqrt(np.maximum(self._search(points)[0], 0.0)))
 
     def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-        """Draw points uniformly by area.
-
-        One random number for each equal slice of the area: as uniform as independent draws, with less scatter.
+        """Draw points uniformly by area: one in each equal slice of the area, with less scatter than independent draws.
 
         Args:
             count: Number of points.
-            rng: The same state of it draws the same points.
+            rng: The same state draws the same points.
 
         Returns:
             The points [m], shape [count, 3], and the face of each, shape [count].

@@ -1,4 +1,4 @@
-"""Take a mesh that passes through itself out of itself, by the contours along which it does."""
+"""Untangle a mesh that intersects itself, by contracting the intersection contours."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ MAX_CONTOUR_GRADIENT = 3.0
 """Largest length of a contour's gradient at one vertex: regular ones have 1 to 2, edges that graze a face 20."""
 
 UNTANGLING_STEP_LENGTH = 5e-4
-"""Motion of a vertex on which a contour pulls evenly, in one iteration [m]: with 1 mm detail meshes of shorts and
-trousers, of which 35 and 43 faces crossed, end 0.01 mm further from the scan, with 0.2 mm 0.02 mm nearer."""
+"""Motion of a vertex with a uniform contour gradient in one iteration [m]: with 1 mm, detail meshes of shorts and
+trousers with 35 and 43 crossed faces are 0.01 mm further from the scan, with 0.2 mm 0.02 mm nearer."""
 
 UNTANGLING_SMOOTHING_LENGTH = 0.01
-"""Length over which an iteration's moves fade into the mesh around [m]: less than an edge, so that what fits stays.
-Twice as wide costs another 0.04 mm of the distance from the scan."""
+"""Length over which an iteration's moves decay in the surrounding mesh [m]: less than an edge, to preserve the fit.
+Twice the length costs another 0.04 mm of the distance from the scan."""
 
 MAX_UNTANGLING_ITERATIONS = 120
 """Largest number of iterations: a motion of 6 cm."""
@@ -30,15 +30,13 @@ for a contour may be as long as a patch before it breaks."""
 
 
 MAX_CRUMPLE_SMOOTHING_ITERATIONS = 12
-"""Largest number of iterations that smooth crumpled faces: the corner of trousers' waist that untangling left crossed
-takes two."""
+"""Largest number of iterations that smooth crumpled faces; a corner of trousers' waist took two."""
 
 
 def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """Return how each vertex is to be moved so that the contours of intersection get shorter, shape [vertex_count, 3].
+    """Compute the move of each vertex that shortens the intersection contours, shape [vertex_count, 3].
 
-    It is the negative gradient of their length, at most `MAX_CONTOUR_GRADIENT` a vertex, and for each patch its sum
-    over the patch.
+    It is the negative gradient of their length, at most `MAX_CONTOUR_GRADIENT` a vertex, plus its sum over each patch.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -52,20 +50,19 @@ def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray
 
 
 def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_STEP_LENGTH) -> np.ndarray:
-    """Move a mesh out of itself where it passes through itself, and return its vertices [m], shape [vertex_count, 3].
+    """Untangle a mesh that intersects itself; return its vertices [m], shape [vertex_count, 3].
 
-    Each round moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w
+    Each iteration moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w
     `UNTANGLING_SMOOTHING_LENGTH` and L the uniform Laplacian by area: contours contract and vanish, and the mesh around
-    them comes along. What then still crosses is crumpled by about an edge, so that its contour is as short as it gets:
-    it is smoothed with the faces around.
+    them follows. What still crosses then is crumpled within an edge; it is smoothed with the faces around.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
-        step: Way of a vertex on which a contour pulls evenly, in one round [m]; layers end as far apart at most.
+        step: Motion of a vertex with a uniform contour gradient in one iteration [m]; layers end at most as far apart.
 
     Returns:
-        The round's vertices of which fewest faces cross; the given ones, the same array, where none did or none less.
+        The vertices of the iteration with the fewest crossed faces; the same array where none crossed or none fewer.
     """
     best, fewest, since = vertices, np.inf, 0
     moved, smooth = vertices, None
@@ -83,10 +80,8 @@ def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_S
 
 
 def _smooth(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Move what crosses half of the way to its neighbours' mean, round by round, and the vertices around by a quarter.
-
-    Returns the round's vertices [m], shape [vertex_count, 3], of which fewest faces cross; the given ones where none.
-    """
+    """Move vertices of crossed faces by half of the way to their neighbours' mean in each iteration, and those around
+    by a quarter. Return the vertices [m], shape [vertex_count, 3], of the iteration with the fewest crossed faces."""
     adjacent = sparse.csr_matrix(HalfEdges.of(faces, len(vertices)).adjacency, dtype=np.float64)
     degree = np.maximum(adjacent.sum(axis=1).A1, 1.0)
     best, fewest, moved = vertices, np.inf, vertices
@@ -115,18 +110,16 @@ def _factor(vertices: np.ndarray, faces: np.ndarray) -> Factor:
 
 
 def _clamp_gradient(gradient: np.ndarray) -> np.ndarray:
-    """Shorten each row of a gradient to `MAX_CONTOUR_GRADIENT`."""
+    """Clamp each row of a gradient to the length `MAX_CONTOUR_GRADIENT`."""
     size = np.sqrt((gradient**2).sum(1, keepdims=True))
     return np.asarray(gradient * np.minimum(1.0, MAX_CONTOUR_GRADIENT / np.maximum(size, MAX_CONTOUR_GRADIENT)))
 
 
 def _patch_directions(faces: np.ndarray, nodes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """Return how each patch of faces that cross others is to be moved as a whole, shape [node_count, 3], 1 at most.
-
-    Two layers that have gone through each other along a lens meet along a long narrow contour, whose own gradient
-    shortens it from both tips alone. Its sum over one layer is how the contour's length follows that layer's motion as
-    a whole: out of the other one, across the lens. Contours of a patch with itself have no such sum.
-    """
+    """Compute the move of each patch of crossed faces as a whole, shape [node_count, 3], length 1 at most. Two layers
+    that intersect in a lens have a long narrow contour, whose gradient shortens it only at both tips. Its sum over one
+    layer is the derivative of the length by that layer's rigid motion: out of the other one, across the lens. Contours
+    of a patch with itself have no such sum."""
     corners = faces[np.unique(pairs)]
     _, patch = find_components(len(nodes), corners.ravel(), np.roll(corners, 1, axis=1).ravel())
     between = patch[faces[pairs[:, 0], 0]] != patch[faces[pairs[:, 1], 0]]

@@ -1,4 +1,4 @@
-"""The published vertex metrics, Chamfer and normal similarity, each with the floor that meshing alone puts under it."""
+"""The published vertex metrics, Chamfer and normal similarity, each with the floor due to meshing alone."""
 
 from __future__ import annotations
 
@@ -11,51 +11,45 @@ from scipy.spatial import cKDTree
 from ..geometry.surface import TriangleSurface
 
 SAMPLES_PER_SITE = 40
-"""Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a
-perfect hexagonal lattice, as even triangulations do; 16 gave 17 %, 64 give 9 % and take twice the time."""
+"""Surface samples per mesh vertex that imitate a triangulation: the floor is 10 % above that of a perfect hexagonal
+lattice, as for even triangulations; 16 samples gave 17 %, 64 give 9 % and take twice the time."""
 
 LLOYD_ITERATIONS = 8
-"""Sweeps that spread the imitated vertices: from then on the floor changes by less than 1 % a sweep."""
+"""Lloyd iterations that spread the imitated vertices; later ones change the floor by less than 1 % each."""
 
 
 MAX_QUERY_VERTEX_COUNT = 200_000
-"""Largest number of a mesh's vertices for which the nearest vertex of the other mesh is searched. Of a denser mesh
-every second, third, ... vertex is taken. The mean of a squared distance that varies by twice its size then scatters by
-0.5 %."""
+"""Largest number of a mesh's vertices whose nearest vertex of the other mesh is searched; of a denser mesh every
+second, third, ... is used. The mean of a squared distance with a spread of twice its size then scatters by 0.5 %."""
 
 
 @dataclass(frozen=True)
 class VertexCloud:
-    """Vertices of a mesh, and a tree in which the nearest of them is found; of a million that takes seconds.
-
-    Attributes:
-        points: Positions [m], shape [n, 3].
-        normals: Unit normals, shape [n, 3].
-    """
+    """Describe vertices of a mesh [m] and their unit normals, shape [n, 3] each, with a search tree for the nearest
+    vertex; for a million it takes seconds."""
 
     points: np.ndarray
     normals: np.ndarray
 
     @cached_property
     def tree(self) -> cKDTree:
-        """Search tree, built when first asked for."""
+        """Return the search tree, built on first use."""
         return cKDTree(self.points)
 
     @property
     def askers(self) -> slice:
-        """Which vertices ask for their nearest on another mesh."""
+        """Return which vertices search their nearest on another mesh."""
         return slice(None, None, -(-len(self.points) // MAX_QUERY_VERTEX_COUNT) or 1)
 
 
 def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float, float]:
     """Measure Chamfer distance and normal similarity between two sets of vertices.
 
-    Equations: Chamfer = mean_s min_t |s - t|^2 + mean_t min_s |t - s|^2 (thesis eq. 3.8);
-    normals = mean_s (1 - <n_s, n_t>) + mean_t (1 - <n_t, n_s>), each with its closest vertex (thesis eq. 4.3).
+    Equations: Chamfer = mean_s min_t |s - t|^2 + mean_t min_s |t - s|^2 (thesis eq. 3.8); normals = mean_s (1 - <n_s,
+    n_t>) + mean_t (1 - <n_t, n_s>), each with its closest vertex (thesis eq. 4.3).
 
-    **Deviation**: whether the two meshes face the same way is settled once, by vote over all vertices, since a mesh
-    wound inside out has the same shape; and the means over more than `MAX_QUERY_VERTEX_COUNT` vertices are over some of
-    them, evenly through their order.
+    **Deviation**: whether the two meshes face the same way is decided once, by vote over all vertices, since a mesh
+    wound inside out has the same shape; and of more than `MAX_QUERY_VERTEX_COUNT` vertices an even subset is averaged.
 
     Args:
         source: Our vertices.
@@ -77,21 +71,21 @@ def _match_nearest(source: VertexCloud, other: VertexCloud) -> tuple[np.ndarray,
 
 
 def orientation(cosines: np.ndarray) -> float:
-    """Settle by vote whether two surfaces are wound alike (1.0) or inside out (-1.0)."""
+    """Decide by vote whether two surfaces are wound alike (1.0) or inside out (-1.0)."""
     return -1.0 if np.sum(cosines < 0.0) > np.sum(cosines > 0.0) else 1.0
 
 
 def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.random.Generator) -> tuple[float, float]:
-    """Measure what two even triangulations of one surface score against each other.
+    """Measure the scores of two even triangulations of one surface against each other.
 
-    No registration can be told from a perfect one below this value: on a plane with edges of length h it is
-    2 (5 / 36) h^2. Each triangulation is imitated by centroidal points; its normals are the averages over the
-    triangles around a vertex, taken as the samples that have the vertex among their three nearest.
+    No registration can be distinguished from a perfect one below this value: on a plane with edges of length h it is 2
+    (5 / 36) h^2. Each triangulation is imitated by centroidal points; its normals are the averages over the triangles
+    around a vertex, approximated by the samples that have the vertex among their three nearest.
 
     Args:
         surface: The surface.
         vertex_count: Vertices of each triangulation.
-        generator: The source of chance.
+        generator: The random number generator.
 
     Returns:
         Floor of the Chamfer distance [m2] and of the normal similarity.
@@ -102,7 +96,7 @@ def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.ran
 
 
 def _sample_evenly(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
-    """Spread points evenly over a surface by Lloyd's sweeps; give them with their normals."""
+    """Spread points evenly over a surface by Lloyd's iteration; return them with their normals."""
     samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]
     for _ in range(LLOYD_ITERATIONS):

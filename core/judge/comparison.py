@@ -1,4 +1,4 @@
-"""Compare two patterns panel by panel (the thesis' matcher): how unlike each pair is, and which panels have none."""
+"""Compare two patterns panel by panel (the thesis' matcher): the differences of each pair, and the unpaired panels."""
 
 from __future__ import annotations
 
@@ -21,14 +21,13 @@ from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
 COMPARED_CURVE_SEGMENT_COUNT = 24
-"""Number of segments of each curve that is compared: the chord error on a 50 cm curve is 0.1 mm."""
+"""Number of segments of each compared curve: the chord error on a 50 cm curve is 0.1 mm."""
 
 DRAWN_SEGMENTS = 12
-"""Segments of each curve that is drawn: its chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
+"""Segments of each drawn curve: the chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
 
 TURNING_DISTANCE_TOLERANCE = 1e-6
-"""Difference below which two turning distances are equal [rad]: a panel that is its own mirror image is not turned
-over."""
+"""Difference below which two turning distances are equal [rad]; a mirror-symmetric panel is then not turned over."""
 
 
 class Pairing(StrEnum):
@@ -53,11 +52,11 @@ class PanelDifference:
         first, second: Their names.
         paired_by: Why they are compared.
         turning: Turning distance [rad], 0 for similar shapes (Arkin et al. 1991).
-        area_percent: How much larger the first is than the second [%].
+        area_percent: Excess of the first's area over the second's [%].
         outline_mm: RMS distance of the outlines after the best rigid fit [mm], the first turned over where that helps.
         turned_over: Whether the first is turned over: x becomes -x, before it is moved.
-        angle: How far the best fit turns the first, counter-clockwise about the origin [rad].
-        shift: Where it brings the origin then [m].
+        angle: Rotation of the first in the best fit, counter-clockwise about the origin [rad].
+        shift: Translation after that [m].
     """
 
     first: str
@@ -73,12 +72,8 @@ class PanelDifference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Describe how two patterns differ.
-
-    Attributes:
-        pairs: Each pair of panels, in the order of the second pattern.
-        only_first, only_second: Names of panels without a counterpart.
-    """
+    """Describe how two patterns differ: the pairs of panels, in the order of the second pattern, and the names of
+    panels without a counterpart."""
 
     pairs: tuple[PanelDifference, ...]
     only_first: tuple[str, ...]
@@ -93,8 +88,8 @@ def compare_patterns(
     Args:
         first: One pattern.
         second: The other.
-        given: Names of the second's panels by the first's, for panels that stand for each other whatever their names
-            and shapes. The others are paired by name, then by shape (`match_panels`).
+        given: Names of the second's panels by the first's, for panels that are paired in any case. The others are
+            paired by name, then by shape (`match_panels`).
         only_given: Pair no others.
 
     Raises:
@@ -123,11 +118,11 @@ def compare_files(
 
     Args:
         first, second: The files.
-        given, only_given: As `compare_patterns` has them.
+        given, only_given: As in `compare_patterns`.
         outlines: Add each pattern's outlines, as `first_outlines` and `second_outlines`.
 
     Raises:
-        BadInput: where one is none, or a given pair is bad.
+        BadInput: where one is not a pattern, or a given pair is bad.
     """
     patterns = [load_pattern(Path(first)), load_pattern(Path(second))]
     found = asdict(compare_patterns(patterns[0], patterns[1], given, only_given))
@@ -138,7 +133,7 @@ def compare_files(
 
 
 def draw_outline(panel: Panel) -> list[list[float]]:
-    """Return a panel's outline as points [m], to a thousandth of a millimetre."""
+    """Return a panel's outline as points [m], rounded to 0.001 mm."""
     return [[round(x, 6), round(y, 6)] for x, y in panel_outline(panel, DRAWN_SEGMENTS).tolist()]
 
 
@@ -155,14 +150,14 @@ def _check_pairs(first: Pattern, second: Pattern, given: Mapping[str, str]) -> N
 
 
 def _to_true_pattern(panels: Iterable[Panel]) -> TruePattern:
-    """Return panels as those of a pattern that others are compared with."""
+    """Return panels as a pattern with which others are compared."""
     return TruePattern(
         tuple(TruePanel(panel.name, panel_outline(panel, COMPARED_CURVE_SEGMENT_COUNT)) for panel in panels)
     )
 
 
 def _describe(first: Panel, second: Panel, why: Pairing) -> PanelDifference:
-    """Compare two panels by their outlines, the first turned over where it then turns more alike."""
+    """Compare two panels by their outlines, the first turned over where its turning function then fits better."""
     ours, theirs = (
         panel_outline(first, COMPARED_CURVE_SEGMENT_COUNT),
         panel_outline(second, COMPARED_CURVE_SEGMENT_COUNT),

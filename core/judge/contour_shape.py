@@ -1,4 +1,4 @@
-"""Compare the shape of a drape's open contours with the scan's: a wrong part shows in it."""
+"""Compare the shape of a drape's open contours with the scan's, which shows wrong parts of a cut."""
 
 from __future__ import annotations
 
@@ -24,43 +24,44 @@ CORNER_SPAN = 0.012
 coarse mesh. A round neckline of 7 cm radius turns by 20 degrees there."""
 
 MAX_CORNER_LATERAL_OFFSET = 0.015
-"""Largest distance from the middle plane at which a pattern's corner is searched [m]. A drape hangs aside by as much as
-an edge of a coarse mesh. The corners of a square neckline are further away."""
+"""Largest distance from the median plane at which a pattern's corner is sought [m]: the lateral error of a drape, an
+edge of a coarse mesh. The corners of a square neckline are further away."""
 
 NECKLINE_SEGMENT_COUNT = 400
-"""Number of parts of half a neckline between which distances are taken: less than 1 mm each."""
+"""Number of segments of half a neckline between which distances are measured: less than 1 mm each."""
 
 LIMB_DIRECTION_COUNT = 72
-"""Number of directions around a limb in which an edge's position along the limb is read."""
+"""Number of directions around a limb in which an edge's position along the limb is measured."""
 
 EDGE_AVERAGING_ANGLE = np.radians(60.0)
-"""Width of the window over which such positions are averaged [rad]. It is wider than the folds of a hem, which fall
-elsewhere in each drape, and narrower than a dip of front, back or side."""
+"""Width of the window over which such positions are averaged [rad]: wider than the folds of a hem, which differ between
+drapes, and narrower than a dip of front, back or side."""
 
 CORNER_SEARCH_RADIUS = 0.04
-"""Distance from a corner of the scan's edge within which the drape's corner is searched [m]. A drape hangs aside by as
-much, and corners of one edge are twice as far apart."""
+"""Distance from a corner of the scan's edge within which the drape's corner is sought [m]: the lateral error of a
+drape. Corners of one edge are twice as far apart."""
 
 
 def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
-    """Measure how unlike a drape's open contours are to the scan's, each unrolled into the plane.
+    """Measure the differences between a drape's open contours and the scan's, each unrolled into the plane.
 
     Args:
         garment: The recovered pattern, meshed and sewn; gives the contours, not the nodes.
         nodes: Its drape [m], shape [node_count, 3].
-        target: The scan's surface; of its contours those count that can be trusted.
+        target: The scan's surface; only its trusted contours count.
         body: The wearer.
 
     Returns:
-        `shape.neck_corner_deg`: difference of the corners in the middle of the pattern's neckline and of the scan's, in
-        front or behind, whichever is more. The pattern's is measured in the flat cloth, so that no drape bends it; the
-        scan's is that of the straight V of its width and depth where its line is nearest to a V, for worn cloth bows
-        what was cut straight, and none where it is nearest to another neckline. `shape.neck_mm`: the largest distance
-        of the two lines of the neck, unrolled. `shape.NAME_mm` of any other contour: the largest distance along the
-        limb or trunk that it goes round. `shape.edge_corner_deg`: of the corners that the scan's other edges have in
-        their cloth, by how much the pattern's edge turns less within `CORNER_SEARCH_RADIUS` of it, the most; 0 where
-        they have none. Edges that turn elsewhere, too, as cut and noisy ones do, say nothing.
-        What either has not is left out.
+        `shape.neck_corner_deg`: difference of the corners in the middle of the pattern's neckline and of the scan's,
+            the larger of front and back. The pattern's is measured in the flat cloth, independent of the drape. The
+            scan's is that of the straight V of its width and depth where its line is nearest to a V, since worn cloth
+            bows what was cut straight, and 0 where it is nearest to another neckline.
+        `shape.neck_mm`: largest distance of the two unrolled neck lines. `shape.NAME_mm` of any other contour: the
+            largest distance along its limb or trunk.
+        `shape.edge_corner_deg`: largest lack of turning of the pattern's edge within `CORNER_SEARCH_RADIUS` of a corner
+            of the scan's other edges, in their cloth; 0 where these have no corners. Edges that also turn elsewhere, as
+            cut and noisy ones do, are not evaluated.
+        Contours that either lacks are left out.
     """
     found: dict[str, float | None] = {}
     missed: list[float] = []
@@ -92,7 +93,7 @@ def _compare_necks(mine: np.ndarray, theirs: np.ndarray, body: Body) -> dict[str
 
 
 def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
-    """Return by how much the corners in the middle of a pattern's neckline and of a scan's differ."""
+    """Return the difference between the corners in the middle of a pattern's neckline and of a scan's."""
     fits = fit_necklines(target, body)
     if fits is None:
         return {}
@@ -116,15 +117,14 @@ def _corner_angle(fit: NecklineFit) -> float:
 
 
 def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
-    """Return by how much an open edge turns in the flat cloth within `CORNER_SPAN` of one of its nodes [rad], >= 0.
+    """Return the turning angle of an open edge in the flat cloth within `CORNER_SPAN` of one of its nodes [rad], >= 0.
 
-    At a node of a border the edge turns by pi less the sum of the angles of the flat triangles there: also where a
-    seam ends, whatever the panels' places.
+    At a node the edge turns by pi less the sum of the flat triangles' angles, also at a seam's end and in any layout.
 
     Args:
         garment: The pattern, meshed and sewn.
         loop: Nodes along the edge, closed.
-        middle: Which of them.
+        middle: Index of the node in `loop`.
     """
     order = np.roll(loop, -middle)
     arc = ClosedCurve(garment.nodes[order]).arc
@@ -133,16 +133,14 @@ def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
 
 
 def _flat_turns(garment: Garment, loop: np.ndarray) -> np.ndarray:
-    """Return by how much an open edge turns in the flat cloth at each of its nodes [rad], shape [n]."""
+    """Return the turning angle of an open edge in the flat cloth at each of its nodes [rad], shape [n]."""
     flat = np.c_[garment.uv, np.zeros(len(garment.uv))]
     return rim_turns(flat[garment.uv_faces], garment.faces, loop)
 
 
 def _missed_corners(garment: Garment, nodes: np.ndarray, target: Target, contour: Contour) -> list[float]:
-    """Return by how much a pattern's edge turns less than a scan's [rad], at each corner of that, and 0.
-
-    Nothing where the scan's edge is too rough to have corners.
-    """
+    """Return the lack of turning of a pattern's edge at each corner of a scan's [rad], and 0; empty if the scan is
+    rough."""
     seen = EdgeTurn.of_target(contour, target)
     corners = seen.corners()
     if not seen.is_clear(corners):
@@ -163,7 +161,7 @@ def _largest_gap(line: np.ndarray, other: np.ndarray) -> float:
 
 
 def _axis(contour: Contour, body: Body) -> np.ndarray:
-    """Return the unit direction of the limb that a contour goes round; upwards for trunk, waist and hem."""
+    """Return the unit direction of the limb around which a contour runs; upwards for trunk, waist and hem."""
     side = contour.name.partition(".")[2]
     bones = [bone for bone in contour.bones if side and bone.startswith(side)]
     if not bones:
@@ -174,14 +172,14 @@ def _axis(contour: Contour, body: Body) -> np.ndarray:
 
 
 def _compare_edges(mine: np.ndarray, theirs: np.ndarray, axis: np.ndarray) -> float:
-    """Return the largest distance of two closed edges along an axis, folds averaged away [m]."""
+    """Return the largest distance of two closed edges along an axis, with folds averaged [m]."""
     seen = smooth_loop(theirs)
     places = [_axial_positions(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mine), seen)]
     return float(np.abs(places[0] - places[1]).max())
 
 
 def _axial_positions(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Return a closed line's places along an axis [m] in directions around it, shape [LIMB_DIRECTION_COUNT]."""
+    """Return a closed line's positions along an axis [m] in directions around it, shape [LIMB_DIRECTION_COUNT]."""
     off = loop - origin
     across = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     across /= np.linalg.norm(across)

@@ -12,7 +12,7 @@ from ..scan.contours.loop import find_loops
 from ..scan.contours.target import Contour
 
 CONTOUR_SAMPLES = 500
-"""Points along each loop: 2 mm apart on a wide hem, far below what a contour error is judged by."""
+"""Points along each loop: 2 mm apart on a wide hem, far less than the errors that matter."""
 
 
 def loop_rms(first: np.ndarray, second: np.ndarray) -> float:
@@ -38,12 +38,12 @@ def contour_rms(
 def transfer_contours(
     contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
 ) -> tuple[Contour, ...]:
-    """Find named contours on another mesh of the same surface: each goes to the boundary loop nearest to it.
+    """Transfer named contours to another mesh of the same surface: each to the nearest boundary loop.
 
     Args:
         contours: Named contours, indices into `positions`.
-        positions: Vertices of the mesh that has the names [m], shape [n, 3].
-        vertices: Vertices of the mesh that gets them [m], shape [m, 3].
+        positions: Vertices of the mesh with the names [m], shape [n, 3].
+        vertices: Vertices of the other mesh [m], shape [m, 3].
         faces: Its faces, shape [face_count, 3].
 
     Returns:

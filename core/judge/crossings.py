@@ -1,4 +1,4 @@
-"""Count where cloth passes through itself, apart from where the given body leaves it no room."""
+"""Count where cloth crosses itself, separately where the given body leaves it no room."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from ..body.exposed import ExposedSurface
 from ..geometry.intersections import self_intersections
 
 MAX_PINCH_DISTANCE = 5e-3
-"""Largest distance from skin that lies inside another part of the body at which cloth counts as pinched there [m]: two
-sheets with their clearances from the skin and from each other need as much."""
+"""Largest distance from skin inside another part of the body at which cloth counts as pinched [m]: the room that two
+sheets need with their clearances from the skin and from each other."""
 
 
 def count_crossings(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> dict[str, float | None]:
-    """Count faces that pass through others, and those of them that parts of the body that run into each other pinch.
+    """Count faces that cross others, and those of them that intersecting parts of the body pinch.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -21,7 +21,7 @@ def count_crossings(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface |
         skin: The wearer's exposed skin, or None.
 
     Returns:
-        `self_intersecting_faces`: all of them; `crossing_faces`: those that nothing pinches; `pinched_faces`: the rest.
+        `self_intersecting_faces`: all of them; `crossing_faces`: those not pinched; `pinched_faces`: the rest.
     """
     crossed = self_intersections(nodes, faces)
     pinched = 0

@@ -11,15 +11,13 @@ from ..garment.fairness import NO_PROVED_CORNERS, SmoothJoin, interior_angles, u
 from ..garment.pattern import Panel, Pattern
 
 FAIRNESS_SEGMENT_COUNT = 64
-"""Number of parts of each curve: a corner then shows as one angle, and a bend as many small ones."""
+"""Number of segments of each curve: a corner is then one angle, and a bend many small ones."""
 
 MIN_BEND_ANGLE = np.radians(2.0)
-"""Smallest total turn of a stretch that counts as a bend [rad]. A stretch that turns by less as a whole counts as
-straight."""
+"""Smallest total turn of a stretch that counts as a bend [rad]; a stretch that turns by less counts as straight."""
 
 MIN_NARROWING_ANGLE = np.radians(20.0)
-"""Smallest angle by which a corner narrower than the base pattern's is the recovery's own [rad]: collars, darts and
-gores are cut to a point."""
+"""Smallest narrowing of a corner that is due to the recovery [rad]; collars, darts and gores are pointed by design."""
 
 
 def measure_fairness(
@@ -27,17 +25,16 @@ def measure_fairness(
 ) -> dict[str, float | None]:
     """Measure corners and waves of a recovered pattern that its base pattern does not have.
 
-    `pattern.corner_deg` is the largest corner of a boundary where the base pattern is smooth, within a panel or across
-    the end of a seam; None where it is smooth nowhere. Where the scan proves a corner it is the difference from that.
-    `pattern.proved_corner_deg` is the largest of those; None where there is none. `pattern.waves` counts how many more
-    often than the base pattern's the outlines change between turning left and right. `pattern.pointed_corner_deg` is by
-    how much the narrowest corner of a panel is below a right angle, of those that are narrower than the base pattern's
-    by `MIN_NARROWING_ANGLE`; 0 where there is none.
+    `pattern.corner_deg`: the largest corner of a boundary where the base pattern is smooth, within a panel or across
+    the end of a seam; the difference from it where the scan proves a corner; None where the base is smooth nowhere.
+    `pattern.proved_corner_deg`: the largest proved corner, or None. `pattern.waves`: how many more often than the base
+    pattern's the outlines change between turning left and right. `pattern.pointed_corner_deg`: how far the narrowest
+    corner of a panel is below a right angle, of those narrower than the base pattern's by `MIN_NARROWING_ANGLE`, or 0.
 
     Args:
         pattern: The recovered pattern.
         base: The base pattern, with the same panels.
-        proved: Corners that the scan proves, by how far the boundary turns there [rad].
+        proved: Turning angle of each corner that the scan proves [rad].
     """
     corners = np.degrees(np.abs(unplanned_corners(pattern, base, proved)))
     pairs = tuple(zip(pattern.panels, base.panels, strict=True))
@@ -61,7 +58,7 @@ def count_waves(panel: Panel) -> int:
     after = np.roll(step, -1, axis=0)
     turn = np.arctan2(step[:, 0] * after[:, 1] - step[:, 1] * after[:, 0], (step * after).sum(axis=1))
     sign = np.sign(turn)
-    first = int(np.argmax(np.abs(turn)))  # a corner: no stretch goes on across it unless it turns the same way
+    first = int(np.argmax(np.abs(turn)))  # a corner: a stretch continues across it only with the same sign
     turn, sign = np.roll(turn, -first), np.roll(sign, -first)
     stretch = np.cumsum(np.r_[True, sign[1:] != sign[:-1]]) - 1
     total = np.bincount(stretch, turn)

@@ -29,17 +29,17 @@ SURFACE_SAMPLES = 50_000
 
 @dataclass(frozen=True)
 class Reference:
-    """What recovered meshes are measured against.
+    """Describe the reference for the measurement of recovered meshes.
 
     Attributes:
         vertices: The truth's own vertices, not repaired [m], shape [n, 3].
         faces: The truth's faces, shape [m, 3].
         contours: Named contours, indices into `vertices`; only trusted ones are measured.
         skin: The wearer's exposed skin, which must not be penetrated, or None.
-        seed: Seeds the samples and the floor.
+        seed: Seed of the samples and the floor.
         samples: Surface samples per direction.
-        hidden: True at the vertices of the truth's border beyond which the garment may go on, bool, shape [n]; what of
-            ours lies there is not measured against the truth. None: nowhere.
+        hidden: Whether each vertex of the truth's border is hidden, bool, shape [n]: the garment may continue beyond
+            it, and is not measured there. None: no vertex is.
     """
 
     vertices: np.ndarray
@@ -52,31 +52,29 @@ class Reference:
 
     @cached_property
     def surface(self) -> TriangleSurface:
-        """The truth's surface; its search tree, which takes seconds for a million faces, is built once."""
+        """Return the truth's surface; its search tree, which takes seconds for a million faces, is built once."""
         return TriangleSurface(self.vertices, self.faces)
 
     @cached_property
     def rim(self) -> Rim | None:
-        """The border beyond which the garment may go on, or None."""
+        """Return the border beyond which the garment may continue, or None."""
         return None if self.hidden is None else Rim.between(self.surface.faces, self.hidden)
 
     def has_counterpart(self, points: ClosestPoints) -> np.ndarray:
-        """Find which points the truth can be held against, by its points that are closest to them, shape [n]."""
+        """Find the points that can be measured against the truth, given its points closest to them, shape [n]."""
         if self.rim is None:
             return np.ones(len(points.face), bool)
         return ~self.rim.lies_ahead(self.surface, points)
 
     @cached_property
     def middles(self) -> np.ndarray:
-        """The middles of the truth's faces [m], shape [face_count, 3]."""
+        """Return the centres of the truth's faces [m], shape [face_count, 3]."""
         return np.asarray(self.surface.vertices[self.surface.faces].mean(axis=1))
 
     def crossing_distance(self, points: np.ndarray, reach: float) -> np.ndarray:
-        """Return how far points are from the truth's nearest face that crosses another [m]; more than reach beyond it.
-
-        A face that crosses one whose middle lies within reach has its own no further off than reach and both radii, so
-        of a fine scan no others are looked at.
-        """
+        """Return the distances of points from the truth's nearest face that crosses another [m]; above `reach`, any
+        value above it. Only faces that may cross one with its centre within reach are tested (reach plus both
+        radii)."""
         if not len(points):
             return np.zeros(0)
         away = cKDTree(points).query(self.middles, distance_upper_bound=2.0 * reach)[0]
@@ -91,13 +89,13 @@ class Reference:
 
     @cached_property
     def cloud(self) -> VertexCloud:
-        """The truth's vertices with their normals and search tree."""
+        """Return the truth's vertices with their normals and search tree."""
         used = _used_vertices(self.surface)
         return VertexCloud(self.vertices[used], self.surface.vertex_normals[used])
 
 
 def _used_vertices(surface: TriangleSurface) -> np.ndarray:
-    """Return the vertices that faces use: no others are part of a surface, neither ours nor the truth's."""
+    """Return the vertices that faces use; others are not part of a surface."""
     return np.flatnonzero(np.bincount(surface.faces.ravel(), minlength=len(surface.vertices)))
 
 
@@ -107,7 +105,7 @@ def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str,
     Args:
         garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours, not nodes.
         meshes: Its nodes.
-        truth: What to measure against.
+        truth: The reference.
 
     Returns:
         Flat dotted names to numbers, units in the name; None where a metric does not apply.
@@ -136,10 +134,8 @@ def measure_distance(
     seed: int = 0,
     samples: int = SURFACE_SAMPLES,
 ) -> dict[str, float | None]:
-    """Measure the distance between two surfaces, both ways, from area-uniform samples to the exact other surface.
-
-    s2t is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s.
-    """
+    """Measure the distance between two surfaces, both ways, from area-uniform samples to the exact other surface. s2t
+    is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s."""
     truth = Reference(truth_vertices, truth_faces, seed=seed, samples=samples)
     return _measure_distance(TriangleSurface(vertices, faces), truth)
 
@@ -149,7 +145,7 @@ def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, floa
     mine, theirs = (surface.sample(truth.samples, generator)[0] for surface in (ours, truth.surface))
     near = truth.surface.closest(mine)
     there = truth.has_counterpart(near)
-    if not there.any():  # nothing of ours lies where the truth is known
+    if not there.any():  # no point of ours is where the truth is known
         there[:] = True
     distances = {"s2t": near.distance[there], "t2s": ours.distance(theirs)}
     found: dict[str, float | None] = {}
@@ -163,7 +159,7 @@ def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, floa
 
 
 def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
-    """Return every metric of one mesh that has the garment's topology."""
+    """Return every metric of one mesh with the garment's topology."""
     faces = garment.faces
     ours = TriangleSurface(nodes, faces)
     used = _used_vertices(ours)
@@ -183,7 +179,7 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
 
 
 def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
-    """Return how far surface and contours are from the truth's."""
+    """Return the distances of surface and contours from the truth's."""
     ours = TriangleSurface(nodes, garment.faces)
     found = _measure_distance(ours, truth)
     contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
@@ -191,12 +187,9 @@ def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dic
 
 
 def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> int:
-    """Count faces whose normal points against the truth's at the point closest to their centre.
-
-    Which way the truth as a whole is wound is settled by vote first. Faces within an edge of where the truth passes
-    through itself, as scans of cloth between the thighs do, are left out: a mesh that does not cross has to lie on the
-    other side of one of its layers there.
-    """
+    """Count faces whose normal is opposite to the truth's at the point closest to their centre. The truth's orientation
+    as a whole is decided by vote first. Faces within an edge of where the truth crosses itself, as scans of cloth
+    between the thighs do, are left out: there a mesh without crossings must be on the other side of a layer."""
     ours, centres = TriangleSurface(vertices, faces), vertices[faces].mean(axis=1)
     closest = truth.surface.closest(centres)
     cosines = np.einsum("ij,ij->i", ours.face_normals, truth.surface.face_normals[closest.face])

@@ -1,4 +1,4 @@
-"""What a fit knows of cloth and pattern, as flat numbers that a database finds."""
+"""The estimates of a fit and their uncertainty, as flat numbers for a database."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from ..run.units import MM_PER_M
 def summarise_estimates(
     estimates: Sequence[FabricEstimate], point_std: np.ndarray | None = None
 ) -> dict[str, float | None]:
-    """Return what is known of each parameter of the cloth, and how well the control points are.
+    """Return the estimates of each fabric parameter, and the uncertainty of the control points.
 
     Args:
-        estimates: What the fit found; empty where the method fits none.
+        estimates: Of the fit; empty where the method fits none.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
 
     Returns:
-        `fabric.NAME` in N/m, N m or kg/m2, None where it is not identifiable: then it is no finding;
-        `fabric.NAME.std`, of the natural logarithm; `fabric.NAME.identifiable`, 1 or 0;
-        `pattern.point_std_mm.mean` and `.max`.
+        `fabric.NAME` in N/m, N m or kg/m2, None where it is not identifiable; `fabric.NAME.std`, of the natural
+        logarithm; `fabric.NAME.identifiable`, 1 or 0; `pattern.point_std_mm.mean` and `.max`.
     """
     found: dict[str, float | None] = {}
     for each in estimates:

@@ -1,4 +1,4 @@
-"""Find which panel of a recovered pattern stands for which of a true one: by name, else by shape."""
+"""Match the panels of a recovered pattern to those of a true one: by name, else by shape."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
 MAX_BAND_WIDTH = 0.12
-"""Width below which a panel is a band [m]: a tight band's length cannot be told from its stretch (up to 20 %)."""
+"""Width below which a panel is a band [m]: a tight band's length and its stretch (up to 20 %) cannot be separated."""
 
 MAX_PANEL_AREA_RATIO = 2.0
-"""Ratio of areas from which two panels are not the same piece, whatever their shape: base patterns of the same cut
-start up to 47 % wrong, and a piece that one author cuts in halves differs by 2."""
+"""Ratio of areas from which two panels do not match, whatever their shape: base patterns of the same cut start up to 47
+% wrong, and a piece that one author cuts in halves differs by 2."""
 
 MATCHING_POINT_COUNT = 48
-"""Number of points on an outline that is only to be recognised. Unlike shapes differ by ten times what this sampling
-leaves out."""
+"""Number of points on an outline for matching. Different shapes differ by ten times the sampling error."""
 
 PANEL_MIRROR_SIGNS = np.array([-1.0, 1.0])
 """Signs of x and y that mirror a flat panel, shape [2]."""
@@ -31,13 +30,8 @@ PANEL_MIRROR_SIGNS = np.array([-1.0, 1.0])
 
 @dataclass(frozen=True)
 class PanelPair:
-    """Describe two panels that stand for each other.
-
-    Attributes:
-        ours: The recovered panel.
-        truth: The true one.
-        by_name: True where both have one name, and so their edges correspond; False where only their shapes agree.
-    """
+    """Describe two matched panels. `by_name` is True where both have one name, and so their edges correspond; else only
+    their shapes agree."""
 
     ours: Panel
     truth: TruePanel
@@ -47,10 +41,10 @@ class PanelPair:
 def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
     """Pair the panels of both patterns: those of one name, then the others by shape.
 
-    By shape means the assignment of least total cost (Hungarian method), a pair costs its turning distance [rad] plus
+    By shape means the assignment of least total cost (Hungarian method); a pair costs its turning distance [rad] plus
     |ln(area / true area)|: unrelated outlines differ by 0.4 to 0.8 rad, as much as areas by a factor of 1.5 to 2.2.
-    Either may be turned over, since some authors draw a back panel from the inside. Pairs whose areas differ by a
-    factor of `MAX_PANEL_AREA_RATIO` or more are none.
+    Either may be turned over, since some authors draw a back panel from the inside. Pairs with areas that differ by a
+    factor of `MAX_PANEL_AREA_RATIO` or more are excluded.
 
     Returns:
         The pairs in the order of the true panels.
@@ -69,12 +63,12 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
 
 
 def is_wide(outline: np.ndarray) -> bool:
-    """Distinguish a panel from a band by its outline [m], shape [n, 2]."""
+    """Check by its outline [m], shape [n, 2], whether a panel is wider than a band."""
     return polygon_width(outline) >= MAX_BAND_WIDTH
 
 
 def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
-    """Return whether the wide panels of both patterns correspond one to one, so that it makes sense to compare them."""
+    """Check whether the wide panels of both patterns correspond one to one, so that they can be compared."""
     pairs = match_panels(pattern, truth)
     matched = {pair.ours.name for pair in pairs} if pairs else set()
     known = {pair.truth.name for pair in pairs}
@@ -83,7 +77,7 @@ def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
 
 
 def orient_counter_clockwise(outline: np.ndarray) -> np.ndarray:
-    """Return an outline [m], shape [n, 2], counter-clockwise; one of the other way is turned over, not renumbered."""
+    """Return an outline [m], shape [n, 2], counter-clockwise; a clockwise one is mirrored, not renumbered."""
     return outline if polygon_area(outline) > 0.0 else outline * PANEL_MIRROR_SIGNS
 
 
@@ -93,7 +87,7 @@ def mirror_outline(outline: np.ndarray) -> np.ndarray:
 
 
 def _dissimilarity(ours: Panel, truth: TruePanel) -> float:
-    """Return what it costs to call two panels the same piece; inf where they cannot be."""
+    """Return the cost of matching two panels; inf where they cannot match."""
     outline, true_outline = orient_counter_clockwise(panel_outline(ours)), orient_counter_clockwise(truth.outline)
     grown = abs(float(np.log(polygon_area(outline) / polygon_area(true_outline))))
     if grown >= np.log(MAX_PANEL_AREA_RATIO):

@@ -14,16 +14,16 @@ EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""
 
 FIT_START_COUNT = 12
-"""Number of starting angles of a fit without corresponding edges. A fit that starts 15 degrees off converges."""
+"""Number of starting angles of a fit without corresponding edges; from 15 degrees off it converges."""
 
 FIT_SWEEPS = 15
-"""Closest-point sweeps from each starting angle; enough to tell which one leads to the best fit."""
+"""Closest-point iterations from each starting angle; enough to find the one with the best fit."""
 
 FINAL_SWEEPS = 300
-"""Sweeps from the best start at most: closest points slide along the outline slowly before they settle."""
+"""Largest number of iterations from the best start: points slide along the outline slowly."""
 
 OUTLINE_FIT_TOLERANCE = 1e-7
-"""Largest movement of a point in a sweep at which the sweep is the last [m]."""
+"""Largest movement of a point at which the iteration ends [m]."""
 
 
 def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
@@ -35,12 +35,8 @@ def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
 
 @dataclass(frozen=True)
 class OutlineFit:
-    """Describe how one closed outline lies best on another.
-
-    Attributes:
-        rms: Symmetric closest-point RMS distance [m].
-        motion: What brings the first there.
-    """
+    """Describe the best fit of one closed outline to another: symmetric closest-point RMS distance [m], and rigid
+    motion."""
 
     rms: float
     motion: RigidMotion
@@ -52,7 +48,7 @@ def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
 
 
 def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
-    """Find the rigid motion that brings a closed outline [m], shape [n, 2], best onto another."""
+    """Fit a closed outline [m], shape [n, 2], to another by a rigid motion."""
     own, other = ClosedCurve(ours), ClosedCurve(truth)
     rough, rough_target = own.resample(100), other.resample(100)
     starts = []
@@ -67,7 +63,7 @@ def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
 
 
 def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
-    """Fit points to the closest points of a closed outline, again and again."""
+    """Fit points to the closest points of a closed outline iteratively."""
     outline = ClosedCurve(target)
     for _ in range(sweeps):
         before, moved = moved, fit_rigid(moved, outline.closest(moved).foot).apply(moved)

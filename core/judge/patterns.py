@@ -15,7 +15,7 @@ from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
 MEASURED_CURVE_SEGMENT_COUNT = 100
-"""Number of segments that stand for a drawn curve: its chord error on a 50 cm curve is then below 0.01 mm."""
+"""Number of segments of a measured curve: its chord error on a 50 cm curve is below 0.01 mm."""
 
 PATTERN_METRICS = (
     "panel_area_error",
@@ -25,7 +25,7 @@ PATTERN_METRICS = (
     "panel_outline_narrow_mm",
     "panel_turning",
 )
-"""What `measure_pattern` finds whatever the pattern; all None where the true pattern is cut another way."""
+"""Metrics that `measure_pattern` returns for every pattern; all None where the true pattern has another cut."""
 
 
 def measure_seams(pattern: Pattern) -> dict[str, float | None]:
@@ -40,14 +40,13 @@ def measure_pattern(pattern: Pattern, truth: TruePattern, same_template: bool = 
     Args:
         pattern: The recovered pattern.
         truth: The true one; panels correspond as `match_panels` finds.
-        same_template: True where both come from one template: edges of panels of one name then correspond, in the
-            author's order. Otherwise outlines are compared by closest points, and gathers not at all.
+        same_template: Whether both come from one template: edges of panels of one name then correspond, in the author's
+            order. Otherwise outlines are compared by closest points, and gathers not at all.
 
     Returns:
         `panel_area_error` (panels at least 12 cm wide), `_narrow` (the others) and `_all`: mean of |dA| / A, an
         unmatched panel counts 1; `panel_outline_mm` and `panel_outline_narrow_mm` likewise; `panel_turning` [rad];
-        `panels_unmatched`; `seam_mismatch_mm`; `gather_ratio_error.SEAM`: |ratio / true ratio - 1| of every gathered
-        seam.
+        `panels_unmatched`; `seam_mismatch_mm`; `gather_ratio_error.SEAM`: |ratio / true ratio - 1| of gathered seams.
     """
     pairs = {pair.truth.name: pair for pair in match_panels(pattern, truth)}
     areas: dict[bool, list[float]] = {True: [], False: []}
@@ -77,7 +76,7 @@ def measure_pattern(pattern: Pattern, truth: TruePattern, same_template: bool = 
 
 
 def measure_panels(pattern: Pattern, truth: TruePattern, same_template: bool = True) -> dict[str, dict[str, float]]:
-    """Measure each panel that has a counterpart, by its true name: `area_error`, `outline_mm` and `turning` [rad]."""
+    """Measure each panel with a counterpart, by its true name: `area_error`, `outline_mm` and `turning` [rad]."""
     found = {}
     for pair in match_panels(pattern, truth):
         area, outline, turning = _compare(pair, same_template)
@@ -86,7 +85,7 @@ def measure_panels(pattern: Pattern, truth: TruePattern, same_template: bool = T
 
 
 def unmatched_panels(pattern: Pattern, truth: TruePattern) -> tuple[str, ...]:
-    """List the panels of either pattern that have no counterpart in the other, by name."""
+    """List the panels of either pattern without a counterpart in the other, by name."""
     pairs = match_panels(pattern, truth)
     ours = {panel.name for panel in pattern.panels} - {pair.ours.name for pair in pairs}
     return tuple(sorted(ours | ({panel.name for panel in truth.panels} - {pair.truth.name for pair in pairs})))
@@ -98,7 +97,7 @@ def _compare(pair: PanelPair, same_template: bool) -> tuple[float, float, float]
         return _compare_shapes(pair.ours, pair.truth)
     truth = pair.truth
     edges = _authors_edges(pair.ours, truth)
-    # The same mirror on both sides makes both counter-clockwise, which the turning function asks for.
+    # The same mirror on both sides makes both counter-clockwise, as the turning function requires.
     mirror = np.array([1.0 if polygon_area(truth.outline) > 0.0 else -1.0, 1.0])
     edges, true_edges = [line * mirror for line in edges], [line * mirror for line in truth.edges]
     outline, true_outline = _join(edges), truth.outline * mirror
@@ -108,7 +107,7 @@ def _compare(pair: PanelPair, same_template: bool) -> tuple[float, float, float]
 
 
 def _compare_shapes(ours: Panel, truth: TruePanel) -> tuple[float, float, float]:
-    """Compare panels whose edges do not correspond, ours turned over where it then turns more alike."""
+    """Compare panels whose edges do not correspond, ours turned over where its turning function then fits better."""
     outline, true_outline = orient_counter_clockwise(_join(_edges(ours))), orient_counter_clockwise(truth.outline)
     turnings = [(turning_distance(either, true_outline), either) for either in (outline, mirror_outline(outline))]
     turning, outline = min(turnings, key=lambda found: found[0])
@@ -138,7 +137,7 @@ def _measure_gathers(pattern: Pattern, truth: TruePattern) -> dict[str, float | 
 
 
 def _edges(panel: Panel) -> list[np.ndarray]:
-    """Return each edge of our panel as its author would draw it: mirrored back where it was mirrored on import [m]."""
+    """Return each edge of a panel as its author would draw it [m]: mirrored back where it was mirrored on import."""
     mirror = np.array([-1.0 if panel.mirrored else 1.0, 1.0])
     return [
         edge_points(panel, index, 1 if edge.kind == "line" else MEASURED_CURVE_SEGMENT_COUNT) * mirror
@@ -147,7 +146,7 @@ def _edges(panel: Panel) -> list[np.ndarray]:
 
 
 def _has_opposite_winding(ours: Panel, truth: TruePanel) -> bool:
-    """Return whether our edges run the other way round than the author's, as they do where a panel was turned over."""
+    """Check whether our edges run opposite to the author's, as they do where a panel was turned over."""
     return polygon_area(_join(_edges(ours))) * polygon_area(truth.outline) < 0.0
 
 
@@ -158,7 +157,7 @@ def _authors_edges(ours: Panel, truth: TruePanel) -> list[np.ndarray]:
 
 
 def _authors_edge(pattern: Pattern, ref: EdgeRef, truth: TruePanel) -> tuple[str, int]:
-    """Return panel and index of an edge as the author numbers them."""
+    """Return panel and index of an edge in the author's numbering."""
     panel = pattern.panel(ref.panel)
     return ref.panel, len(panel.edges) - 1 - ref.edge if _has_opposite_winding(panel, truth) else ref.edge
 

@@ -1,4 +1,4 @@
-"""Measure how deep cloth is in the given body, apart from what that leaves no room."""
+"""Measure how deep cloth is in the given body, separately where the body leaves it no room."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..body.exposed import ExposedSurface, pinched_depth
 
 
 def measure_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> dict[str, float | None]:
-    """Measure the depth of a garment in a body, and of what parts of the body that run into each other pinch.
+    """Measure the depth of a garment in a body, and of cloth that intersecting parts of the body pinch.
 
     Args:
         nodes: Positions [m], shape [n, 3].
@@ -16,9 +16,9 @@ def measure_penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurfa
         skin: The wearer's exposed skin, or None.
 
     Returns:
-        `body_penetration_mm`: the greatest way out of what has one; `pinched_mm`: the greatest depth of the rest below
-        the nearer of the parts, which have to yield as much. None where there is no skin, the second also where nothing
-        is pinched.
+        `body_penetration_mm`: the greatest way out, of points not pinched; `pinched_mm`: the greatest depth of the
+            others below the nearer part, which has to yield as much. None without skin, the second also if none is
+            pinched.
     """
     if skin is None:
         return {"body_penetration_mm": None, "pinched_mm": None}

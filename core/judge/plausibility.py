@@ -1,4 +1,4 @@
-"""Measure whether a pattern's openings and lengths can be those of a garment that a human wears."""
+"""Measure whether a pattern's openings and lengths can be those of a garment for a human."""
 
 from __future__ import annotations
 
@@ -15,20 +15,17 @@ CONTOUR_LENGTH_RANGES = {
     "hem": (0.35, 12.0),
     "leg": (0.15, 2.50),
 }
-"""Least and greatest flat length of each kind of open contour [m]: around a baby's neck, arm, wrist, waist and ankle,
-and around the shoulders, the largest waist that shops sell, or a full circle to the floor."""
+"""Smallest and largest flat length of each kind of open contour [m]: around a baby's neck, arm, wrist, waist and ankle;
+around the shoulders, the largest waist in shops, or a full circle to the floor."""
 
 PANEL_LENGTH_RANGE = (0.08, 2.20)
-"""Least and greatest length of a garment's longest panel [m]: a baby's skirt and a gown with a train lie
-within."""
+"""Smallest and largest length of a garment's longest panel [m], from a baby's skirt to a gown with a train."""
 
 
 def measure_plausibility(pattern: Pattern) -> dict[str, float | None]:
-    """Measure by how much a pattern leaves the measures of human wearers.
-
-    `pattern.beyond_human` is the largest ratio by which the flat length of an open contour, or of the longest panel,
-    is below the least or above the greatest there is; up to 1 nothing is.
-    """
+    """Measure how far a pattern exceeds the measures of humans. `pattern.beyond_human` is the largest ratio by which
+    the flat length of an open contour, or of the longest panel, is below its range or above it; up to 1 all are
+    within."""
     longest = max(float(np.ptp(panel.points, axis=0).max()) for panel in pattern.panels)
     sizes = [(longest, PANEL_LENGTH_RANGE)]
     for name, length in flat_contours(pattern).items():

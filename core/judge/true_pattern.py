@@ -1,4 +1,4 @@
-"""What a true pattern is: panels and seams as their author drew them."""
+"""A true pattern: panels and seams as their author drew them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class TruePanel:
-    """Describe one panel of a true pattern as its author drew it.
-
-    Attributes:
-        name: Its name.
-        outline: Closed polygon [m], shape [n, 2], either way round.
-        edges: Polyline [m] of each edge in the author's order, ends included; empty where nobody said.
-    """
+    """Describe one panel of a true pattern as its author drew it: the outline [m], shape [n, 2], of either orientation,
+    and a polyline [m] of each edge in the author's order, ends included; none if unknown."""
 
     name: str
     outline: np.ndarray

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 MIN_VERTEX_TURN_ANGLE = 1e-9
-"""Smallest turn of a vertex that counts as a corner [rad]. A vertex that turns by less is part of a straight side."""
+"""Smallest turn of a vertex that counts as a corner [rad]; others are part of a straight side."""
 
 TURNING_CHUNK_SIZE = 4096
-"""Number of start points that are evaluated at once. It bounds the memory of two outlines of a few hundred corners to
-some 20 MB."""
+"""Number of start points evaluated at once: outlines of a few hundred corners then take 20 MB."""
 
 
 def turning_distance(first: np.ndarray, second: np.ndarray) -> float:
-    """Measure how differently two outlines turn: 0 for similar shapes, unchanged by moving, turning or scaling either.
+    """Compute the turning distance of two outlines: 0 for similar shapes; moving, turning or scaling has no effect.
 
     Equation: d(A, B) = min over t, theta of ( int_0^1 (Theta_A(s + t) - Theta_B(s) + theta)^2 ds )^(1/2), with Theta
     the angle of the tangent against arc length s, the perimeter scaled to 1. The best theta is the mean difference; the

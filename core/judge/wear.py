@@ -1,4 +1,4 @@
-"""Measure what every worn garment has in common, and what is no garment has not."""
+"""Measure properties of every worn garment, which other objects lack."""
 
 from __future__ import annotations
 
@@ -15,12 +15,10 @@ WEAR_SAMPLE_COUNT = 20_000
 """Number of samples of the scan: a quantile of the distances then scatters by less than 1 %."""
 
 UPPER_CLOTH_QUANTILE = 0.75
-"""Share of the cloth that lies below what must bear it: whatever its kind, a garment hangs from its uppermost
-quarter."""
+"""Share of the cloth below the part that must be supported: every garment hangs from its uppermost quarter."""
 
 BEARING_CLOTH_SHARE = 0.25
-"""Share of that quarter whose distance from the body counts: the shoulders bear a shirt, a belt's width a skirt, and
-the rest may stand away."""
+"""Share of that quarter whose distance from the body counts: shoulders support a shirt, a belt's width a skirt."""
 
 
 def measure_wear(
@@ -28,16 +26,15 @@ def measure_wear(
 ) -> dict[str, float | None]:
     """Measure whether a surface is worn as a garment is.
 
-    `wear.rest_gap_mm` is the distance from the body within which a quarter (`BEARING_CLOTH_SHARE`) of the uppermost
-    cloth lies. `wear.layers` is the scan's area over the detail mesh's; the scan is thinned to as many faces first, so
-    that noise adds none.
+    `wear.rest_gap_mm`: distance from the body within which a quarter (`BEARING_CLOTH_SHARE`) of the uppermost cloth is.
+    `wear.layers`: the scan's area over the detail mesh's, reduced to as many faces, so that noise adds none.
 
     Args:
         target: The scan's surface and contours.
         body: The wearer.
         nodes: The detail mesh [m], shape [node_count, 3].
         faces: Its faces, shape [face_count, 3].
-        seed: Seeds the samples.
+        seed: Seed of the samples.
     """
     points, _ = TriangleSurface(target.vertices, target.faces).sample(WEAR_SAMPLE_COUNT, np.random.default_rng(seed))
     upper = points[points[:, 1] >= np.quantile(points[:, 1], UPPER_CLOTH_QUANTILE)]

@@ -1,1 +1,1 @@
-"""A dressed person's raw scan taken apart: the wearer, and the parts of what is seen."""
+"""Label a dressed person's raw scan: find the wearer, and the part of every point."""

@@ -15,28 +15,20 @@ from ..scan.cut import cut_garment
 from ..scan.scan import Scan
 
 LEG_CONTOURS = {"leg.left", "leg.right"}
-"""The openings that a capped hem has: the cap has a hole around each leg."""
+"""Openings of a capped hem: the cap has a hole around each leg."""
 
 CAP_CELL_SIZE = 0.005
-"""Side of the cells whose vertices are averaged before normals are compared [m]: a dense scan then costs no more than a
-coarse one."""
+"""Side of the cells whose vertices are averaged before normals are compared [m], to bound a dense scan's cost."""
 CAP_NORMAL_RADIUS = 0.02
-"""Radius over which normals are averaged [m]: of scans with 4 mm of noise, single faces point in any direction."""
+"""Radius over which normals are averaged [m]: with 4 mm of noise single faces point in any direction."""
 MIN_CAP_NORMAL_COSINE = 0.7
-"""Least cosine between a cap's mean normal and the direction down: 45 degrees. The mean over a disk at a hem's edge,
-half wall and half cap, has just that."""
+"""Least cosine between a cap's mean normal and down: 45 degrees, that of a hem's edge, half wall and half cap."""
 MIN_CAP_DEPTH = 0.13
-"""Least depth of a cap below the joints of the hips [m], 5 cm below the crotch: what lies above is the seat."""
+"""Least depth of a cap below the joints of the hips [m], 5 cm below the crotch: the seat is above."""
 
 
 class CutPart(NamedTuple):
-    """A garment cut out of a person's surface.
-
-    Attributes:
-        garment: Its surface.
-        contours: Its named openings.
-        holes: The loops of its other borders.
-    """
+    """Describe a garment cut out of a person's surface: its surface, named openings, and loops of other borders."""
 
     garment: Scan
     contours: tuple[Contour, ...]
@@ -46,9 +38,9 @@ class CutPart(NamedTuple):
 def cut_part(whole: Scan, own: np.ndarray, body: Body) -> CutPart:
     """Cut a garment out of a person's surface; a hem that is capped between the legs is opened.
 
-    A scanner does not see into a skirt, and a surface that is closed at all costs goes from its hem straight to the
-    legs: two holes are left, as of trousers. Where a garment ends at the legs, what faces down between them is left
-    out, and where it then has one hem, this is the garment. Trousers still have two.
+    A scanner does not see into a skirt, and software that closes every surface joins its hem to the legs, which leaves
+    two holes, as of trousers. Where a garment ends at the legs, what faces down between them is left out; the result is
+    used if it has one hem. Trousers still have two.
 
     Args:
         whole: The person's surface.
@@ -67,7 +59,7 @@ def cut_part(whole: Scan, own: np.ndarray, body: Body) -> CutPart:
 
 
 def find_hem_cap(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
-    """Find what of a garment faces down below the crotch, bool, shape [vertex_count].
+    """Find the part of a garment that faces down below the crotch, bool, shape [vertex_count].
 
     Args:
         whole: The person's surface.

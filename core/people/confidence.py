@@ -1,4 +1,4 @@
-"""From scores to probabilities, and the limits below which nothing is recovered: all numbers of it in one place."""
+"""Convert scores to probabilities, and define the limits below which nothing is recovered."""
 
 from __future__ import annotations
 
@@ -9,38 +9,35 @@ from .part import Part
 from .separation import FoundGarment, Outfit
 
 POSTERIOR_TEMPERATURE = 0.5
-"""Divisor of a point's log-probabilities within a reading of the outfit (temperature scaling). Smoothing lowers the
-networks' confidence: on 94 scans of simulated persons of held-out designs 0.967 of the samples are right where the
-outfit is read rightly. Their mean confidence is 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5. A lower value would give a
+"""Divisor of a point's log-probabilities within a reading of the outfit (temperature scaling), as smoothing lowers the
+networks' confidence. On 94 scans of simulated persons of held-out designs 0.967 of the samples are right where the
+outfit is read rightly. Their mean confidence is 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5; a lower value would give a
 confidence of 0.9 where less than 0.97 are right."""
 
 BORDER_STEP_SCALE = 2e-3
-"""Step at a border that alone makes its evidence 1 [m], as a contrast of `BORDER_CONTRAST_SCALE` does: a thin hem is 1
-to 2 mm thick, and stands off more."""
+"""Step at a border that alone makes its evidence 1 [m]: a thin hem is 1 to 2 mm thick, and stands off more."""
 
 BORDER_CONTRAST_SCALE = 12.0
 """Difference of colour at a border that alone makes its evidence 1 [CIE76 in L*a*b*, the lightness weighted by 0.4]:
-three times what shadows make between neighbouring patches of one cloth."""
+three times that of shadows between neighbouring patches of one cloth."""
 
 MIN_SHOWN_BORDER_SHARE = 0.5
-"""Least share of a border that the scan has to show; where less is shown, the border is inferred."""
+"""Least share of a border that the scan has to show; with less the border is inferred."""
 
 MIN_GARMENT_CONFIDENCE = 0.6
-"""Mean probability of a garment's points below which the labels are refused as unsure, until a person has looked at
-them."""
+"""Mean probability of a garment's points below which the labels are refused as unsure, unless checked by a person."""
 
 GARMENT_WARNING_CONFIDENCE = 0.8
 """Mean probability of a garment's points below which the user is warned."""
 
 CATEGORY_CONTOURS = ("cuff", "armhole", "leg")
-"""Openings that a garment's category hangs on; of a skirt and a dress the hem is one more. A top's may be tucked."""
+"""Openings that determine a garment's category; of a skirt and a dress also the hem. A top's may be tucked."""
 
 MIN_OPENING_CONFIDENCE = 0.4
-"""Confidence below which an inferred opening counts as guessed: that of half of the evidence that shows an opening."""
+"""Confidence below which an inferred opening counts as guessed: that for half of the evidence that shows an opening."""
 
 MIN_OUTFIT_LOG_ODDS = 0.7
-"""Log-odds of the two best readings below which the labels are refused as unsure, until a person has looked at them:
-two to one."""
+"""Log-odds of the two best readings below which the labels are refused as unsure, unless checked: two to one."""
 
 OUTFIT_WARNING_LOG_ODDS = 2.0
 """Log-odds of the two best readings below which the user is warned and both are named."""
@@ -69,31 +66,31 @@ def border_evidence(step: np.ndarray, contrast: np.ndarray) -> np.ndarray:
     """Return the evidence of each place of a border: sqrt((step / STEP)^2 + (contrast / CONTRAST)^2), 1 is enough.
 
     Args:
-        step: By how much the garment stands out over what is beyond [m], shape [n].
+        step: Height of the garment over what is beyond [m], shape [n].
         contrast: Difference of the colours of the two sides, shape [n].
     """
     return np.asarray(np.hypot(np.maximum(step, 0.0) / BORDER_STEP_SCALE, contrast / BORDER_CONTRAST_SCALE))
 
 
 def is_shown(step: np.ndarray, contrast: np.ndarray) -> bool:
-    """Return whether a border is there to see."""
+    """Check whether the scan shows a border."""
     return bool((border_evidence(step, contrast) >= 1.0).mean() >= MIN_SHOWN_BORDER_SHARE)
 
 
 def contour_confidence(step: np.ndarray, contrast: np.ndarray) -> float:
-    """Return the probability that a border lies within 2 cm of where it was found: 1 - exp(-median evidence)."""
+    """Return the probability that a border is within 2 cm of where it was found: 1 - exp(-median evidence)."""
     return float(1.0 - np.exp(-np.median(border_evidence(step, contrast))))
 
 
 def check_confidence(
     garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], told: bool
 ) -> tuple[tuple[str, ...], BadInput | None]:
-    """Return what the user should know, and why nothing should be recovered, or None.
+    """Return the warnings to the user, and the reason why nothing should be recovered, or None.
 
     Args:
         garments: What was found.
         outfits: Readings, the best first.
-        told: Whether the user said what is worn: then he is not asked again.
+        told: Whether the user gave what is worn: then nothing is refused as unsure.
     """
     warnings = []
     if not garments:
@@ -111,7 +108,7 @@ def check_confidence(
 
 
 def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> BadInput | None:
-    """Return why a person should look first, or None."""
+    """Return the reason why a person should look first, or None."""
     weak = [garment.part.word for garment in garments if garment.confidence < MIN_GARMENT_CONFIDENCE]
     if weak:
         return LabelsUnsure(f"What was found of {', '.join(weak)} is unsure. {LabelsUnsure().message}")
@@ -134,7 +131,7 @@ def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...
 
 
 def _is_guessed(garment: FoundGarment) -> bool:
-    """Return whether nothing shows at least half of the openings that a garment's category hangs on."""
+    """Check whether nothing shows at least half of the openings that determine a garment's category."""
     stems = CATEGORY_CONTOURS if garment.part is Part.UPPER else (*CATEGORY_CONTOURS, "hem")
     shaping = [contour for contour in garment.contours if contour.name.partition(".")[0] in stems]
     weak = [contour for contour in shaping if contour.is_inferred and contour.confidence < MIN_OPENING_CONFIDENCE]

@@ -1,4 +1,4 @@
-"""Assign pieces of a part that are too small to be one to what is around them."""
+"""Relabel pieces of a part that are too small by the labels around them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .diffusion import Links
 
 MIN_LABEL_PIECE_AREA = 15e-4
 """Area below which a connected piece of one label is relabelled [m2]: the back of a hand has 80 cm2, a toddler's shoe
-100; a pocket or a knee that looks like something else has less."""
+100; a pocket or a knee that is labelled wrongly has less."""
 
 
 def relabel_small_pieces(column: np.ndarray, points: np.ndarray, area: np.ndarray, links: Links) -> np.ndarray:
@@ -19,8 +19,8 @@ def relabel_small_pieces(column: np.ndarray, points: np.ndarray, area: np.ndarra
     Args:
         column: Label of each point, any integers, shape [n].
         points: Positions [m], shape [n, 3].
-        area: That each point stands for [m2], shape [n].
-        links: Neighbours; pieces hang together by them.
+        area: That each point represents [m2], shape [n].
+        links: Neighbours, which connect pieces.
     """
     column = column.copy()
     for _ in range(len(points)):
@@ -40,7 +40,7 @@ def relabel_small_pieces(column: np.ndarray, points: np.ndarray, area: np.ndarra
 def _relabel_by_neighbours(
     column: np.ndarray, points: np.ndarray, piece: np.ndarray, small: np.ndarray, links: Links
 ) -> np.ndarray:
-    """Return the labels with every small piece's taken from the large pieces that it touches, or else is nearest to."""
+    """Return labels with each small piece's taken from the large pieces that it touches, or else the nearest."""
     inside = small[piece]
     votes = np.zeros((len(small), int(column.max()) + 1))
     for a, b in (links.pairs.T, links.pairs.T[::-1]):

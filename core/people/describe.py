@@ -1,4 +1,4 @@
-"""What was found of a person, as JSON values: the same for the command line, the service and the report."""
+"""Describe a labelled person as JSON values, for the command line, the service and the report."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .separation import FoundGarment, LabelledPerson
 
 
 def describe_person(raw: RawScan, separation: LabelledPerson) -> dict[str, Any]:
-    """Return garments, readings, body and warnings of a person taken apart."""
+    """Return garments, readings, body and warnings of a labelled person."""
     values, counts = np.unique(separation.label[raw.place >= 0], return_counts=True)
     problem = separation.problem
     return {

@@ -1,4 +1,4 @@
-"""Smooth what is believed of points over their neighbours, but not across steps and changes of colour."""
+"""Smooth posteriors over neighbouring points, but not across steps and changes of colour."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ LINK_NEIGHBOUR_COUNT = 8
 """Number of neighbours that each point is linked with: about the ring of a triangulation."""
 
 MAX_LINK_LENGTH = 0.02
-"""Largest length of a link [m]: the samples lie 7 mm apart, and across a hole 2 cm wide the cloth is still the same."""
+"""Largest length of a link [m]: samples are 7 mm apart, and across a hole 2 cm wide the cloth is still the same."""
 
 MIN_LINK_NORMAL_COSINE = 0.3
 """Least cosine between the normals of linked points: an arm beside the trunk and the inside of a sleeve face away."""
 
 DIFFUSION_STRENGTH = 4.0
-"""Weight of the differences between neighbours against the points' own evidence: 40 % wrong points of a patch of 40K
-become 1 % at 4, and the border between two parts is 4 samples, 3 cm, wide before it is sharpened by the labels."""
+"""Weight of differences between neighbours against the points' own evidence: at 4, 40 % wrong points of a patch of 40K
+become 1 %, and a border between two parts is 4 samples, 3 cm, wide before the labels sharpen it."""
 
 
 @dataclass(frozen=True)
 class Links:
-    """Which points are neighbours, and how freely belief passes between them.
+    """Describe which points are neighbours, and the weight of each link.
 
     Attributes:
         pairs: Indices of two points, each pair once, int64, shape [link_count, 2].
         weight: In 0..1, shape [link_count].
         count: Number of points.
-        alike: The same, weakened where colours change; None where there are none.
+        alike: The same, weakened where colours change; None without colours.
     """
 
     pairs: np.ndarray
@@ -43,9 +43,7 @@ class Links:
 
     @cached_property
     def factor(self) -> Factor:
-        """The factors of I + `DIFFUSION_STRENGTH` L: 0.1 s of a person's samples, and a hundredth of it to solve with
-        them.
-        """
+        """Return the factors of I + `DIFFUSION_STRENGTH` L: 0.1 s for a person's samples, solving a hundredth of it."""
         return factor_symmetric((identity(self.count) + DIFFUSION_STRENGTH * self.laplacian()).tocsc())
 
     def laplacian(self) -> coo_matrix:
@@ -56,7 +54,7 @@ class Links:
         return diags(np.asarray(links.sum(axis=1)).ravel()) - links
 
     def weakened(self, values: np.ndarray, scale: float) -> Links:
-        """Return the links weighed by exp(-|difference|^2 / 2 scale^2) of values, shape [count] or [count, k]."""
+        """Return the links weighted by exp(-|difference|^2 / 2 scale^2) of values, shape [count] or [count, k]."""
         step = values[self.pairs[:, 0]] - values[self.pairs[:, 1]]
         square = step**2 if step.ndim == 1 else (step**2).sum(axis=1)
         return Links(self.pairs, self.weight * np.exp(-0.5 * square / scale**2), self.count)
@@ -84,17 +82,16 @@ def link_points(
 
 
 def diffuse(posterior: np.ndarray, links: Links) -> np.ndarray:
-    """Return the posterior smoothed over the links, shape [n, k]: the u with the least
+    """Return the posterior smoothed over the links, shape [n, k]: the u that minimises
 
         sum_i |u_i - p_i|^2 + s sum_ij w_ij |u_i - u_j|^2,  s = `DIFFUSION_STRENGTH`.
 
-    It solves (I + s L) u = p, and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an
-    M-matrix with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.) The matrix is
-    factored once for the same links.
+    It solves (I + s L) u = p and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an M-matrix
+    with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.)
 
     Args:
         posterior: Probability of each part, shape [n, k].
-        links: Neighbours.
+        links: Neighbours; their factors are computed once.
     """
     smooth = np.maximum(links.factor.solve(np.ascontiguousarray(posterior)), 0.0)
     return np.asarray(smooth / smooth.sum(axis=1, keepdims=True))

@@ -1,4 +1,4 @@
-"""Describe every sample of a person by numbers that depend neither on place and heading nor on colour."""
+"""Compute features of every sample of a person that depend neither on place and heading nor on colour."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from .neighbourhood import NEIGHBOURHOOD_RADII, neighbourhood_statistics
 from .points import FittedPerson, PersonPoints
 
 FEATURE_LAYOUT_VERSION = 1
-"""Layout of the features; weights that were trained on another one are refused."""
+"""Version of the features' layout; weights that were trained on another one are refused."""
 
 OFFSET_RANGE = (-0.06, 0.30)
-"""Offsets from the body are clipped to this range [m]: within it lie the fit's errors and a wide skirt."""
+"""Range to which offsets from the body are clamped [m]: it includes the fit's errors and a wide skirt."""
 STATION_BIN = 0.01
-"""Height [m] of the slices of a limb whose offsets are summed up: three samples across."""
+"""Height of the slices of a limb over which offsets are collected [m]: three samples across."""
 SLICE_REACH = 2
-"""Slices on either side that a slice's quantiles take in: 5 cm in all, some hundred samples of an arm."""
+"""Number of slices on either side that a slice's quantiles include: 5 cm in all, some hundred samples of an arm."""
 SLICE_SHARES = (0.2, 0.5, 0.8)
-"""Quantiles of a slice's offsets: its skin where it has some, its middle, its folds."""
+"""Quantiles of a slice's offsets: its skin, if it has some, its middle, its folds."""
 SLICE_STEP = 4
-"""Slices between the middles of a slice's two sides that a step is measured over: 4 cm."""
+"""Number of slices between the two places whose difference is a slice's step: 4 cm."""
 
 FEATURE_NAMES: tuple[str, ...] = (
     "offset", "distance", "normal_agreement",
@@ -35,8 +35,7 @@ FEATURE_NAMES: tuple[str, ...] = (
     *(f"slice_{100 * share:.0f}" for share in SLICE_SHARES), "slice_excess", "slice_step", "slice_both",
     *(f"typical_{name}" for name in FOLDED_BODY_PARTS),
 )  # fmt: skip
-"""What each column is; lengths in units of `FEATURE_LENGTH_SCALE`, directions folded so that left and right are
-alike."""
+"""Names of the columns; lengths in `FEATURE_LENGTH_SCALE`, directions folded so that left and right are alike."""
 
 FEATURE_LENGTH_SCALE = 0.02
 """Length by which offsets and steps are divided [m]: the scale of ease."""
@@ -44,12 +43,12 @@ FEATURE_LENGTH_SCALE = 0.02
 
 @dataclass(frozen=True)
 class Features:
-    """The description of a person's samples.
+    """Describe a person's samples by features.
 
     Attributes:
         values: One row for each sample, float32, shape [n, F].
-        names: What each column is, `FEATURE_NAMES`.
-        place: Where on the body each sample lies.
+        names: Names of the columns, `FEATURE_NAMES`.
+        place: Where on the body each sample is.
         version: `FEATURE_LAYOUT_VERSION`.
     """
 
@@ -64,9 +63,9 @@ class Features:
 
 
 def describe_points(points: PersonPoints, fit: FittedPerson) -> Features:
-    """Describe samples of a person by what the fitted body and their neighbours say of them.
+    """Compute the features of a person's samples from the fitted body and from their neighbours.
 
-    All is relative to the body: a person seen in a mirror has the same features at the mirrored places.
+    All is relative to the body: a mirrored person has the same features at the mirrored places.
 
     Args:
         points: The samples.
@@ -103,14 +102,14 @@ def describe_points(points: PersonPoints, fit: FittedPerson) -> Features:
 
 
 def _handedness(place: BodyPlace) -> np.ndarray:
-    """Return the sign that turns "to the side" the same way in the mirror: towards the middle, of arms downwards."""
+    """Return the sign that makes "to the side" the same on a mirrored person: towards the middle, of arms downwards."""
     sign = np.where(place.rest[:, 0] < 0, -1.0, 1.0)
     # Down x forward is -x, inwards on the left; up x forward (neck and head) is +x; left arm x forward is down.
     return np.where(place.limb == Limb.NECK, -sign, sign)
 
 
 def _scale_statistics(local: np.ndarray) -> np.ndarray:
-    """Bring the neighbourhood's sums to numbers about 1, columns as `neighbourhood_statistics` returns them."""
+    """Scale the neighbourhood's statistics to about 1, columns as `neighbourhood_statistics` returns them."""
     out = local.copy()
     out[:, :3] /= FEATURE_LENGTH_SCALE
     out[:, 3] = np.clip(out[:, 3] * FEATURE_LENGTH_SCALE, -3.0, 3.0)
@@ -118,10 +117,10 @@ def _scale_statistics(local: np.ndarray) -> np.ndarray:
 
 
 def _slice_features(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
-    """Compute what the slice of the limb around each sample looks like [m], shape [n, 6].
+    """Compute features of the slice of the limb around each sample [m], shape [n, 6].
 
-    Quantiles of its offsets; the sample's offset beyond the middle one; how much higher the middle one is 2 cm further
-    out than 2 cm further in; and the middle one of both limbs of a pair.
+    Quantiles of its offsets; the sample's less the median; the median 2 cm further out less that 2 cm further in; and
+    the median of both limbs of a pair.
     """
     out = np.zeros((len(offset), len(SLICE_SHARES) + 3))
     tables = {limb: _slice_table(place, offset, (limb,)) for limb in Limb}
@@ -146,14 +145,14 @@ def _slice_features(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
 def _typical_offsets(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
     """Compute the median offset of each part of the body [m], shape [11]; 0 where a part was not seen.
 
-    They are the same for all samples: whether the shins are bare says what hangs on the hips.
+    It is the same for all samples: whether the shins are bare shows what hangs on the hips.
     """
     mine = place.parts > 0.5
     return np.array([np.median(offset[column]) if column.any() else 0.0 for column in mine.T])
 
 
 def _slice_table(place: BodyPlace, offset: np.ndarray, limbs: tuple[Limb, ...]) -> tuple[int, np.ndarray]:
-    """Compute the quantiles of offsets of each slice of limbs: number of the first slice, and a row for each."""
+    """Return the number of the first slice of limbs, and a row of quantiles of offsets for each slice."""
     mine = np.flatnonzero(np.isin(place.limb, limbs))
     if not len(mine):
         return 0, np.zeros((1, len(SLICE_SHARES)))

@@ -1,4 +1,4 @@
-"""Cut each garment out of a person's scan that was taken apart: what a recovery starts from."""
+"""Cut each garment out of a labelled person's scan, for its recovery."""
 
 from __future__ import annotations
 
@@ -32,30 +32,29 @@ MIN_GARMENT_AREA = 0.02
 
 
 MAX_CLOUD_FACE_COUNT = 300_000
-"""Largest number of triangles, two a point, of the surface that is made of a cloud: 4 mm of a person. There the noise
-of the points that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
+"""Largest number of triangles, two a point, of the surface made of a cloud: 4 mm of a person. The noise of the points
+left is averaged as well as with more of them, at a tenth of a million points' cost."""
 
 EXCLUDED_CONTOURS = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"}}
 """Openings that a top and a bottom do not have."""
 
 MAX_COVERED_BORDER_DISTANCE = 0.015
-"""Largest median distance between a border and the points of another garment at which that garment covers it [m]: two
-samples."""
+"""Largest median distance from a border to the points of another garment that covers it [m]: two samples."""
 
 
 class PartNotWorn(BadInput):
-    """The person does not wear that; name one of the garments that were found, or correct the labels file."""
+    """The person does not wear this garment; name one of those that were found, or correct the labels file."""
 
     code = "segment.part_unknown"
 
 
 @dataclass(frozen=True)
 class PersonSurface:
-    """A person's surface, from which every garment is cut.
+    """Describe a person's surface, from which every garment is cut.
 
     Attributes:
-        scan: The surface; of a cloud it was made.
-        origin: The point of the scan's file that each vertex is, or lies nearest to, shape [vertex_count].
+        scan: The surface; reconstructed if the scan is a cloud.
+        origin: Index in the file of the point that each vertex is, or is nearest to, shape [vertex_count].
     """
 
     scan: Scan
@@ -65,19 +64,19 @@ class PersonSurface:
 def extract_garment(
     person: PersonSurface, separation: LabelledPerson, part: Part, hooks: Hooks = SILENT_HOOKS
 ) -> Reading:
-    """Cut one garment out of a person's surface along a smooth line, without what is seen of its inner side.
+    """Cut one garment out of a person's surface along a smooth line, without the seen part of its inner side.
 
     Args:
-        person: The person.
-        separation: The same taken apart.
+        person: The person's surface.
+        separation: The same person's labels.
         part: Which garment.
         hooks: Cancellation.
 
     Returns:
-        What `recover` starts from: the garment, and the body that wears it.
+        The input of `recover`: the garment, and the body that wears it.
 
     Raises:
-        PartNotWorn: where nothing of the scan is that.
+        PartNotWorn: where no point has that label.
     """
     whole, label = person.scan, separation.label[person.origin]
     found = [garment for garment in separation.garments if garment.part == part]
@@ -94,7 +93,7 @@ def extract_garment(
 
 
 def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:
-    """Find what each garment is: its category by its openings, and what shows them.
+    """Find each garment's confidence, category and openings.
 
     Args:
         raw: The person.
@@ -120,10 +119,10 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
 
 
 def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Scan, body: Body) -> str:
-    """Choose the category of a garment of which it is known whether it is a top, a bottom or one piece.
+    """Choose the category of a garment that is known to be a top, a bottom or one piece.
 
-    A top that is long enough for a dress is a long top, since something else is worn below it. What is taken for a top
-    and ends at the legs has swallowed a bottom, and the other way round: it has no category, so that it is doubted.
+    A top as long as a dress is a long top, since something is worn below it. A top that ends at the legs, or a bottom
+    at the neck or arms, is labelled wrongly: it has no category, so that it is doubted.
     """
     stems = {contour.name.partition(".")[0] for contour in contours}
     if not contours or stems & EXCLUDED_CONTOURS.get(part, set()):
@@ -136,10 +135,7 @@ def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Sca
 
 
 def mark_covered_borders(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarray) -> np.ndarray:
-    """Mark the vertices of borders without a name along which another garment lies, bool, shape [vertex_count].
-
-    So the two tubes of trousers below a long top end above.
-    """
+    """Mark unnamed borders that another garment covers (trousers' tubes below a top), bool, shape [vertex_count]."""
     covered = np.zeros(len(garment.vertices), bool)
     tree = cKDTree(others) if len(others) else None
     for hole in holes:
@@ -149,11 +145,11 @@ def mark_covered_borders(garment: Scan, holes: tuple[np.ndarray, ...], others: n
 
 
 def build_person_surface(raw: RawScan, body: Body) -> PersonSurface:
-    """Find a person's surface: a mesh has one, of a cloud it is made.
+    """Return a person's surface: a mesh's own, or the reconstructed one of a cloud.
 
     Args:
         raw: The person.
-        body: The wearer: its normals say which side of a cloud is outside where the file does not.
+        body: The wearer, whose normals orient those of a cloud where the file's are not oriented.
     """
     raw = thin_raw_scan(raw, MAX_CLOUD_FACE_COUNT) if raw.is_cloud else raw
     points, faces, colours, origin = raw.points, raw.faces, raw.colours, raw.origin

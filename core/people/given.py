@@ -1,4 +1,4 @@
-"""The files of a dressed person, and how a limited process hands over what it read of them: as plain arrays."""
+"""Read the files of a dressed person, and pass their content from a limited process as plain arrays."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from ..scan.scan import Scan
 from .labels import read_parts
 
 MAX_LISTED_NOTES = 20
-"""Number of a scan's notes that a description lists at most."""
+"""Largest number of a scan's notes that a description lists."""
 
 
 @dataclass(frozen=True)
 class PersonFiles:
-    """Name the files of one person.
+    """Describe the files of one person.
 
     Attributes:
         scan: The raw scan.
         labels: A label file with `names`, or None.
         body: The wearer's file, or None.
-        patterns: Pattern files, by the word of the garment; under the empty word that of the only one.
+        patterns: Pattern files by the word of the garment; by the empty word that of the only one.
         units: A name of `UNITS`, of scan and body, or None to find it.
         up: `y` or `z` of both, or None to find it.
     """
@@ -49,14 +49,14 @@ class PersonFiles:
 
 @dataclass(frozen=True)
 class PersonInput:
-    """What the files of a person hold.
+    """Describe the content of a person's files.
 
     Attributes:
         raw: The scan.
         label: A `Part` for each point of the file where labels were given, uint8, shape [file_count], or None.
         wearer: The wearer's mesh, or None.
-        body: The wearer, where its file is of SMPL's format, or None.
-        patterns: Base patterns as `PersonFiles.patterns`.
+        body: The wearer, if its file is of SMPL's format, or None.
+        patterns: Base patterns, as `PersonFiles.patterns`.
     """
 
     raw: RawScan
@@ -90,7 +90,7 @@ def read_person_input(files: PersonFiles, limits: Limits | None = None) -> Perso
 
 
 def describe_person_input(given: PersonInput) -> dict[str, Any]:
-    """Return what was understood of the files, as JSON values."""
+    """Describe the content of the files as JSON values."""
     raw = given.raw
     low, high = raw.points.min(axis=0), raw.points.max(axis=0)
     found: dict[str, Any] = {
@@ -111,12 +111,12 @@ def describe_person_input(given: PersonInput) -> dict[str, Any]:
 
 
 def save_person_input(given: PersonInput, path: Path) -> None:
-    """Write what was read as plain arrays."""
+    """Write the content of the files as plain arrays."""
     write_record(given, path)
 
 
 def load_person_input(path: Path) -> PersonInput:
-    """Read what `save_person_input` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+    """Read what `save_person_input` wrote in a limited process; it is untrusted: no pickle, nothing compressed.
 
     Raises:
         ReaderCrashed: where it is something else.
@@ -130,11 +130,7 @@ def load_person_input(path: Path) -> PersonInput:
 
 
 def _check_scan_arrays(raw: RawScan) -> None:
-    """Check that the arrays of a scan fit each other.
-
-    Raises:
-        ValueError: where they do not.
-    """
+    """Check that the arrays of a scan fit each other; raise ValueError where they do not."""
     count, files = len(raw.points), len(raw.place)
     rows: dict[str, tuple[np.ndarray, tuple[int, ...]]] = {
         "points": (raw.points, (count, 3)), "faces": (raw.faces, (len(raw.faces), 3)), "place": (raw.place, (files,))

@@ -1,4 +1,4 @@
-"""What the user says of a person's scan that the software would otherwise find."""
+"""Parse what the user gives of a person's scan that would otherwise be found."""
 
 from __future__ import annotations
 
@@ -19,12 +19,7 @@ class HintBad(BadInput):
 
 @dataclass(frozen=True)
 class Mark:
-    """Name the part that is at a place.
-
-    Attributes:
-        part: Which.
-        place: In the file's own coordinates, shape [3].
-    """
+    """Describe the part at a place in the file's own coordinates, shape [3]."""
 
     part: Part
     place: np.ndarray
@@ -32,7 +27,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Hints:
-    """What the user says.
+    """Describe what the user gave.
 
     Attributes:
         label: A `Part` for each point of the file, shape [file_count], or None to find them.
@@ -48,10 +43,10 @@ class Hints:
 
 
 def parse_wearing(text: str) -> tuple[Part, ...]:
-    """Read `upper,lower`: the garments that are worn, in the order of `GARMENTS`.
+    """Parse `upper,lower`: the garments that are worn, in the order of `GARMENTS`.
 
     Raises:
-        HintBad: where a word is none.
+        HintBad: where a word is no garment's.
     """
     words = {part.word: part for part in GARMENTS}
     given = [word.strip() for word in text.split(",") if word.strip()]
@@ -62,7 +57,7 @@ def parse_wearing(text: str) -> tuple[Part, ...]:
 
 
 def parse_mark(text: str) -> Mark:
-    """Read `upper=0.1,1.2,0.05`: a part, and a place in the file's own coordinates.
+    """Parse `upper=0.1,1.2,0.05`: a part, and a place in the file's own coordinates.
 
     Raises:
         HintBad: where it is not of that form.

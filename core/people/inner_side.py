@@ -1,4 +1,4 @@
-"""The inner side of cloth that a scanner sees through cuffs and under hems: no part of a garment's surface."""
+"""Find the inner side of cloth, seen through cuffs and under hems, which is no part of a garment's surface."""
 
 from __future__ import annotations
 
@@ -12,40 +12,36 @@ from ..geometry.surface import TriangleSurface
 from ..scan.scan import Scan
 
 MAX_SCANNED_CLOTH_THICKNESS = 0.015
-"""Largest distance between the two sides of one cloth in a scan [m]: three cells of 4 mm of a fused surface, and
-noise."""
+"""Largest distance between both sides of one cloth in a scan [m]: three cells of 4 mm of a fused surface, and noise."""
 
 MIN_BACKED_SHARE = 0.3
-"""Least share of an inward-facing piece behind which the outer side must be found: with less, the piece is a fold, or
-noise."""
+"""Least share of an inward-facing piece with the outer side behind it: with less, the piece is a fold, or noise."""
 
 MAX_MEAN_NORMAL_LENGTH = 2.0 / np.pi
-"""Largest length of the mean of an inner side's unit normals: that of half a tube. An inner side goes around a limb or
-the trunk. The back of a pleat, which faces the skin with the pleat's front behind it, faces one way."""
+"""Largest length of the mean of an inner side's unit normals: that of half a tube, since it goes around a limb or the
+trunk. The back of a pleat, which has the pleat's front behind it, faces one way."""
 
 INNER_SIDE_QUERY_COUNT = 20_000
-"""Number of vertices, about, at which an outer side is searched: every n-th of a dense scan is enough to know the share
-of a piece."""
+"""Approximate number of vertices at which an outer side is searched: every n-th of a dense scan."""
 
 MIN_INNER_SIDE_COSINE = 0.3
-"""Least cosine between a normal and the direction to the skin, and between one side's normal and the other side's,
-reversed: 73 degrees. Of a person whose insides have a label of their own 86 % are found so, and 0.3 % of the outer
-side."""
+"""Least cosine between a normal and the direction to the skin, and between both sides' normals, one reversed: 73
+degrees. This finds 86 % of a person's insides that have a label of their own, and 0.3 % of the outer side."""
 
 
 def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray | None = None) -> np.ndarray:
     """Find the inner side of a garment's cloth, as far as it is seen through an opening, bool, shape [vertex_count].
 
     A piece that faces the skin is an inner side where it goes around the wearer, and the outer side of the same cloth
-    lies within `MAX_SCANNED_CLOTH_THICKNESS`, farther from the skin, for more than `MIN_BACKED_SHARE` of it. A recovery
-    is of one sheet: with both, the sheet turns inward at the hem, and its contours lie up inside the garment. Of an
-    inner side in another colour a part may pass for nothing that is known, so a piece goes on there.
+    is within `MAX_SCANNED_CLOTH_THICKNESS`, farther from the skin, for more than `MIN_BACKED_SHARE` of it. A recovery
+    fits one sheet: with both, the sheet would turn inward at the hem, and its contours would be inside the garment.
+    Part of an inner side in another colour may be labelled OTHER, so pieces extend over `other`.
 
     Args:
         whole: The person's surface.
         own: The garment's vertices, bool, shape [vertex_count].
         body: The wearer.
-        other: Vertices of nothing that is known, bool, shape [vertex_count], or None.
+        other: Vertices labelled OTHER, bool, shape [vertex_count], or None.
     """
     normals = vertex_normals(whole.vertices, whole.faces)
     edges = HalfEdges.of(whole.faces, len(whole.vertices))

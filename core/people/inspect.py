@@ -1,4 +1,4 @@
-"""What a file is taken for before anything is run: a whole person, or a garment alone."""
+"""Find what a file holds before a job runs: a whole person, or a garment alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .separate import check_single_person
 from .whole import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
 
 PERSON, GARMENT = "person", "garment"
-"""What a file can be taken for."""
+"""What a file can hold."""
 
 
 def inspect_person(path: Path, units: str | None = None, up: str | None = None) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def inspect_order(
     up: str | None = None,
     is_quick: bool = False,
 ) -> dict[str, Any]:
-    """Return what is understood of an uploaded scan before a job is asked for; runs in a limited process.
+    """Describe an uploaded scan before a job is requested; runs in a limited process.
 
     Args:
         source: The file.
@@ -58,11 +58,11 @@ def inspect_order(
         body: The description of a built-in body, or None.
         units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
-        is_quick: Read the file alone; what it is taken for is then told by its height where nobody said it.
+        is_quick: Read the file alone; where `given_as` is None its height decides what it is.
 
     Returns:
-        JSON values: `as`, `is_sure` (nothing but the job will see that otherwise), `scan`, `body` (the wearer that was
-        found), `category` and `contours_m` of a garment on a body, `remarks` of what speaks against that body, and
+        JSON values: `as`, `is_sure` (false if only the job can find that it is otherwise), `scan`, `body` (the wearer
+        that was found), `category` and `contours_m` of a garment on a body, `remarks` (warnings about that body), and
         `needs`, the code and the message of what is missing for a job; any of these may be None.
 
     Raises:
@@ -91,11 +91,7 @@ def inspect_order(
 
 
 def _read_person(path: Path, given_as: str | None, units: str | None, up: str | None) -> RawScan | None:
-    """Read a raw scan; None where it is a garment, or where only a garment has so few points.
-
-    Raises:
-        BadInput: where it cannot be used.
-    """
+    """Read a raw scan; None where it is given as a garment, or may be one since it has too few points of a person."""
     if given_as == GARMENT:
         return None
     try:
@@ -107,7 +103,7 @@ def _read_person(path: Path, given_as: str | None, units: str | None, up: str | 
 
 
 def _describe_garment(scan: Scan) -> dict[str, Any]:
-    """Return what is known of a garment's mesh under the names that a person's scan has."""
+    """Describe a garment's mesh under the names that a person's scan has."""
     known = describe_scan(scan)
     shared = ("name", "units", "up", "extent_m", "vertex_count", "face_count", "has_colours", "has_labels")
     return {name: known[name] for name in shared} | {
@@ -116,11 +112,7 @@ def _describe_garment(scan: Scan) -> dict[str, Any]:
 
 
 def _find_wearer(raw: RawScan, may_be_garment: bool) -> dict[str, Any]:
-    """Describe the wearer, or say why a scan that may be a garment's is no person.
-
-    Raises:
-        BadInput: where it shows no person, or more than one.
-    """
+    """Describe the wearer; where the scan may be a garment's, a refusal names what that needs."""
     try:
         return _describe_wearer(raw)
     except BadInput as error:
@@ -130,11 +122,7 @@ def _find_wearer(raw: RawScan, may_be_garment: bool) -> dict[str, Any]:
 
 
 def _describe_wearer(raw: RawScan) -> dict[str, Any]:
-    """Find the wearer of a raw scan, and describe it.
-
-    Raises:
-        BadInput: where it shows no person, or more than one.
-    """
+    """Find the wearer of a raw scan, and describe it; raise `BadInput` where it shows no person, or more than one."""
     check_single_person(raw)
     fit = fit_person(raw.points, raw.normals, raw.is_oriented)
     return {
@@ -147,7 +135,7 @@ def _describe_wearer(raw: RawScan) -> dict[str, Any]:
 def classify_file(
     path: Path, body: Wearer, units: str | None = None, up: str | None = None, limits: Limits | None = None
 ) -> str:
-    """Return what a file that came with a body is taken for, as a job does: who shows head, hands or feet is a person.
+    """Return `PERSON` or `GARMENT` for a file that came with a body, as a job does: a person shows face, hands or feet.
 
     Args:
         path: The file.
@@ -170,10 +158,10 @@ def classify_file(
 
 
 def is_garment_refusal(error: BadInput) -> bool:
-    """Return whether a refusal may be of a garment that was scanned alone."""
+    """Check whether a refusal may be due to a garment that was scanned alone."""
     return error.code in (NotHuman.code, ScanPartial.code)
 
 
 def explain_missing_body(error: BadInput) -> str:
-    """Return why a file that came without a body is no person, and what it needs where it is a garment."""
+    """Return why a file without a body is no person, and what it needs if it is a garment."""
     return f"{error.message} A garment that was scanned alone needs its wearer: --body."

@@ -1,4 +1,4 @@
-"""What was understood of a garment's file, before anything is run."""
+"""Describe the content of a garment's file before a job runs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .wearer import FoundWearer, fit_wearer
 
 @dataclass(frozen=True)
 class Inspection:
-    """Return what was understood of a garment's file and of the body that came with it.
+    """Describe what was understood of a garment's file and of the body that came with it.
 
     Attributes:
         name: The file's stem.
@@ -35,7 +35,7 @@ class Inspection:
         vertex_count: Vertices after repair.
         face_count: Faces after repair.
         area_m2: Area of the surface [m2].
-        repairs: What was mended, one sentence each.
+        repairs: What was repaired, one sentence each.
         has_colours: Whether the vertices have colours.
         has_labels: Whether the vertices have labels.
         boundaries_m: Smoothed length of every open boundary [m], longest first.
@@ -44,7 +44,7 @@ class Inspection:
         holes_m: Smoothed length of each hole [m]; None where no body was given.
         category: The category that would be chosen; None where no body was given.
         body: What the body is and how well its skeleton fits; None where no body was given.
-        remarks: What speaks against the body that was given, one sentence each.
+        remarks: Warnings about the body that was given, one sentence each.
     """
 
     name: str
@@ -86,10 +86,9 @@ def inspect_file(
     selection: Selection | None = None,
     limits: Limits | None = None,
 ) -> Inspection:
-    """Read a garment's file, and with a body name its contours and category.
+    """Read a garment's file; with a body name its contours, and choose its category.
 
-    Of a dressed person's scan the garment that the selection says is cut out, and the body is found below the clothes
-    where none is given.
+    Of a dressed person's scan the selected garment is cut out, and if no body is given it is fitted below the clothes.
 
     Args:
         path: The garment's mesh file.
@@ -144,7 +143,7 @@ def find_body(body: Body | Wearer | None, pieces: ScanInput) -> Body | None:
 
 
 def find_wearer(body: Body | Wearer | None, pieces: ScanInput) -> FoundWearer | None:
-    """Return who came with a garment, or the wearer of a scan that it was cut out of; None without either."""
+    """Return the body given with a garment, or the wearer of the scan that it was cut out of; None without either."""
     if isinstance(body, Body):
         return FoundWearer(body)
     if isinstance(body, BuiltinWearer):

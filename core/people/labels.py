@@ -1,4 +1,4 @@
-"""The labels file: for each point of a scan's file which part of the person it is, and what the numbers are called."""
+"""Read and write the labels file: the part of each point of a scan's file, and the names of the parts."""
 
 from __future__ import annotations
 
@@ -28,11 +28,9 @@ def write_labels(
     Args:
         label: A `Part` for each point of the file, shape [file_count].
         confidence: Probability of each label, shape [file_count].
-        path: Where to.
-        place: For each point of the file the point of the cleaned scan that stands for it, or -1, shape [file_count];
-            None: not written.
-        origin: For each point of the cleaned scan the point of the file that it came from, shape [point_count]; None:
-            not written.
+        path: Destination.
+        place: Index in the cleaned scan of each point of the file, or -1, shape [file_count]; None: not written.
+        origin: Index in the file of each point of the cleaned scan, shape [point_count]; None: not written.
     """
     names = np.full(LABEL_NAME_COUNT, "", dtype="<U16")
     for part in Part:
@@ -48,7 +46,7 @@ def write_labels(
 
 
 def has_names(path: Path) -> bool:
-    """Return whether a label file names the parts of a person: an `.npz` with an array `names`."""
+    """Check whether a label file names the parts of a person: an `.npz` with an array `names`."""
     if path.suffix.lower() != ".npz" or not path.is_file():
         return False
     try:
@@ -66,7 +64,7 @@ def read_parts(path: Path, limits: Limits | None = None) -> np.ndarray:
         limits: What reading may cost.
 
     Raises:
-        LabelsUnreadable: where it is none, or a name is none of the parts'.
+        LabelsUnreadable: where it is no label file, or a name is no part's.
     """
     label, names = read_labels(path, "label", limits), read_labels(path, "names", limits)
     words = {part.word: part for part in Part}

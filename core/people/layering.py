@@ -1,4 +1,4 @@
-"""Which garment of a person lies over which, by what was found of their openings."""
+"""Order a person's garments by layer, from what was found of their openings."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Any
 from .part import Part
 
 LAYER_ORDER = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
-"""The garments from the innermost to the outermost where nothing says otherwise."""
+"""Garments from the innermost to the outermost by default."""
 
 
 def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
     """Return a person's garments by their words, from the innermost to the outermost.
 
     A top hangs over a bottom, unless the bottom covers the top's hem and its own waist is seen: then it is tucked in.
-    An outer layer lies over all.
+    An outer layer is over all.
 
     Args:
-        person: What was found, as `describe_person` says it.
+        person: A result of `describe_person`.
     """
     found = {str(garment["part"]): garment for garment in person["garments"]}
     words = [part.word for part in LAYER_ORDER if part.word in found]
@@ -30,7 +30,7 @@ def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def is_tucked(upper: Mapping[str, Any], lower: Mapping[str, Any]) -> bool:
-    """Return whether a top's hem is hidden and the waist of the bottom is seen."""
+    """Check whether a top's hem is hidden and the waist of the bottom is seen."""
     hems = [contour["is_inferred"] for contour in upper["contours"] if contour["name"] == "hem"]
     waists = [contour["is_inferred"] for contour in lower["contours"] if contour["name"] == "waist"]
     return bool((all(hems) or not hems) and waists and not any(waists))

@@ -1,10 +1,9 @@
-"""Tell skin, hair, shoes, garments and other things apart by small trained networks, in numpy.
+"""Predict skin, hair, shoes, garments and other things by small trained networks, in numpy.
 
-Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
-the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
-side and with the whole person, and handed back to the samples. Which garment it is stays with the rules
-(`tell_by_rules`): the persons that the networks were trained on do not wear all that is worn. `training/` makes the
-weights.
+A perceptron reads every sample's features and the rules' posterior; its output is pooled over the cells of the unrolled
+limbs (stations of 2 cm, four sectors around), filtered along them, joined with the opposite limb and the whole person,
+and returned to the samples. Which garment it is follows from the rules (`tell_by_rules`), as the persons of the
+training do not wear all that is worn. `training/` makes the weights.
 """
 
 from __future__ import annotations
@@ -25,58 +24,56 @@ from .points import FittedPerson, PersonPoints
 from .rules import tell_by_rules
 
 NETWORK_FILE = Path(__file__).parent / "kinds.npz"
-"""The networks that ship, with `kinds.json` beside them: hash, seeds, generator and figures."""
+"""The shipped networks; `kinds.json` beside them has hash, seeds, generator and figures."""
 LIMB_CELL_LENGTH = 0.02
 """Length of a cell along a limb [m]: three samples, and half a hem's step."""
 FIRST_CELL_STATION = -0.12
-"""Station at which the first cell of a limb begins [m]: armpits and crotch lie before their limb's joint."""
+"""Station at which the first cell of a limb begins [m]: armpits and crotch are before their limb's joint."""
 LIMB_STATION_COUNT = 62
 """Number of cells along a limb: to 1.12 m, a leg of a person of 2.10 m."""
 LIMB_SECTOR_COUNT = 4
 """Number of sectors around a limb: front, back, and the two sides."""
 OPPOSITE_LIMBS = (Limb.TRUNK, Limb.NECK, Limb.RIGHT_ARM, Limb.LEFT_ARM, Limb.RIGHT_LEG, Limb.LEFT_LEG)
-"""The limb on the other side, of each of `Limb`."""
+"""The limb on the other side of each of `Limb`."""
 LIMB_GROUPS = ((Limb.TRUNK,), (Limb.NECK,), (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG))
-"""Limbs that are summed up together for the whole person."""
+"""Limbs that are averaged together for the whole person."""
 EXCHANGE_ROUND_COUNT = 2
 """Number of rounds in which samples, cells and the whole person exchange features."""
 FILTER_DILATIONS = (1, 3)
 """Distances between the five taps of the two filters along a limb [cells]: they reach 4 and 12 cm to either side."""
 MAX_FEATURE_DEVIATION = 8.0
-"""Number of standard deviations at which features are clipped: an unusual scan must not leave the range that was
-trained."""
+"""Number of standard deviations at which features are clamped, so that an unusual scan stays in the trained range."""
 MIN_RULE_PROBABILITY = 1.0e-3
 """Lower bound of the rules' probabilities in the networks' input, before their logarithm is taken."""
 RECTIFIER_SLOPE = 0.1
 """Slope of the leaky rectifier below zero."""
 TRAINING_HEADS = ("tightness", "border", "present")
-"""Heads that training has and nothing reads at run time."""
+"""Heads that only training uses."""
 KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
-"""What a network of kinds tells apart: any garment is one kind."""
+"""Classes of a network of kinds: any garment is one kind."""
 KIND_OF_COLUMN = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
-"""Place in `KINDS` of each column of a posterior."""
+"""Index in `KINDS` of each column of a posterior."""
 GARMENT_KIND = int(KIND_OF_COLUMN[PARTS.index(Part.UPPER)])
-"""Place of garments in `KINDS`."""
+"""Index of garments in `KINDS`."""
 BARE_KINDS = [int(KIND_OF_COLUMN[PARTS.index(part)]) for part in (Part.SKIN, Part.SHOES)]
-"""Places of what lies beyond the ends of garments."""
+"""Indices of the kinds beyond the ends of garments."""
 MAX_LOG_ODDS_CHANGE = float(np.log(50.0))
-"""Largest change by the networks of the log-odds of skin, or shoes, to garments: like colour, the networks count
-against garments by 1 : 50 at most. They took a smooth sheet 12 mm over the legs for skin and boots, however sure of it
-the rules were: none of the persons that they were trained on wears anything so close. Of hair and other things rules
-know less."""
+"""Largest change by the networks of the log-odds of skin, or shoes, to garments: like colour, they count against
+garments by 1 : 50 at most. They took a smooth sheet 12 mm over the legs for skin and boots, however sure the rules
+were, as no person of the training wears anything so close. The rules are less sure of hair and other things."""
 MIN_KIND_PROBABILITY = 1e-12
 """Lower bound of a kind's probability before its logarithm is taken."""
 
 
 @dataclass(frozen=True)
 class LimbCells:
-    """Describe in which cell of the unrolled limbs each sample lies.
+    """Describe the cell of the unrolled limbs that each sample is in.
 
     Attributes:
         index: The cell, int64, shape [n].
         low: The cell before the sample's station, shape [n].
         high: The cell after it, shape [n].
-        share: Share of `high` when what cells know is handed back, shape [n].
+        share: Weight of `high` when values of cells are interpolated, shape [n].
     """
 
     index: np.ndarray
@@ -106,7 +103,7 @@ def find_limb_cells(features: Features) -> LimbCells:
 
 
 def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
-    """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, k]."""
+    """Return a network's input: features, shape [n, F], and logarithms of the rules' posterior, shape [n, k]."""
     return np.hstack([values, np.log(np.maximum(rules, MIN_RULE_PROBABILITY))]).astype(np.float32)
 
 
@@ -120,34 +117,34 @@ def kinds_to_parts(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
 
     Args:
         kinds: Rows sum to 1.
-        share: Which garment each sample is if it is one, as `RulesTold.share`, shape [n, 8].
+        share: Probability of each garment if the sample is one, as `RulesTold.share`, shape [n, 8].
     """
     return np.asarray(kinds[:, KIND_OF_COLUMN] * np.where(KIND_OF_COLUMN == GARMENT_KIND, share, 1.0))
 
 
 @dataclass(frozen=True)
 class Network:
-    """Trained weights.
+    """Describe a trained network.
 
     Attributes:
         weights: Arrays by name: `mean` and `spread` of the features, matrices and biases of the layers.
-        temperature: What the logits are divided by so that probabilities are true.
+        temperature: Divisor of the logits that makes probabilities true.
     """
 
     weights: dict[str, np.ndarray]
     temperature: float
 
     def logits(self, values: np.ndarray, cells: LimbCells) -> np.ndarray:
-        """Compute what the network says of each sample, divided by the temperature, shape [n, heads].
+        """Compute the logits of each sample, divided by the temperature, shape [n, heads].
 
         Args:
-            values: What it reads (`network_inputs`), shape [n, inputs].
-            cells: Where the samples lie.
+            values: The input (`network_inputs`), shape [n, inputs].
+            cells: Where the samples are.
         """
         return np.asarray(self._apply("part", self.embed(values, cells)) / self.temperature)
 
     def embed(self, values: np.ndarray, cells: LimbCells) -> np.ndarray:
-        """Compute what the heads read, shape [n, width]."""
+        """Compute the input of the heads, shape [n, width]."""
         w = self.weights
         hidden: np.ndarray = np.clip((values - w["mean"]) / w["spread"], -MAX_FEATURE_DEVIATION, MAX_FEATURE_DEVIATION)
         hidden = _leaky_relu(self._apply("second", _leaky_relu(self._apply("first", hidden))))
@@ -157,7 +154,7 @@ class Network:
         return hidden
 
     def _exchange(self, name: str, hidden: np.ndarray, cells: LimbCells, pooling: _Pooling) -> np.ndarray:
-        """Pool samples to cells, filter along limbs, join with the other side and the whole, and hand back."""
+        """Pool samples to cells, filter along limbs, join with opposite limb and whole, and return to samples."""
         width = hidden.shape[1]
         cell = _leaky_relu(self._apply(f"{name}.pool", pooling.pool(hidden)))
         cell = cell.reshape(len(Limb), LIMB_SECTOR_COUNT, LIMB_STATION_COUNT, width)
@@ -180,7 +177,7 @@ class Network:
         return np.asarray(values @ self.weights[f"{name}.weight"].T + self.weights[f"{name}.bias"])
 
     def _filter(self, name: str, cell: np.ndarray, dilation: int) -> np.ndarray:
-        """Filter along the stations with five taps, nothing beyond the ends; weight of shape [out, in, 5]."""
+        """Filter along the stations with five taps, zero beyond the ends; weight of shape [out, in, 5]."""
         taps, bias = self.weights[f"{name}.weight"], self.weights[f"{name}.bias"]
         reach = dilation * (taps.shape[2] // 2)
         padded = np.pad(cell, ((0, 0), (0, 0), (reach, reach), (0, 0)))
@@ -193,11 +190,7 @@ class Network:
 
 @dataclass(frozen=True)
 class NetworkEnsemble:
-    """Networks of kinds that were trained alike but for the seed.
-
-    Attributes:
-        networks: The members.
-    """
+    """Describe networks of kinds, the members, that were trained alike but for the seed."""
 
     networks: tuple[Network, ...]
 
@@ -205,34 +198,33 @@ class NetworkEnsemble:
         """Compute the posterior of `KINDS`, rows sum to 1, shape [n, 5].
 
         Args:
-            features: The samples' description.
+            features: The samples' features.
             rules: The posterior by rules, shape [n, 8].
         """
         kinds = parts_to_kinds(rules)
         return self.tell(network_inputs(features.values, kinds), kinds, find_limb_cells(features))
 
     def tell(self, values: np.ndarray, kinds: np.ndarray, cells: LimbCells) -> np.ndarray:
-        """Compute the geometric mean of the members' posteriors; each is the rules' times what it learnt.
+        """Compute the geometric mean of the members' posteriors; each is the rules' times a learnt factor.
 
         Args:
-            values: What a network reads, shape [n, inputs].
+            values: A network's input, shape [n, inputs].
             kinds: The rules' posterior of `KINDS`, shape [n, 5].
-            cells: Where the samples lie.
+            cells: Where the samples are.
         """
         told = [np.log(kinds) / each.temperature + each.logits(values, cells) for each in self.networks]
         return limit_log_odds_change(softmax(np.mean(told, axis=0)), kinds)
 
 
 def limit_log_odds_change(posterior: np.ndarray, rules: np.ndarray) -> np.ndarray:
-    """Return a posterior no more than `MAX_LOG_ODDS_CHANGE` further from the rules' in the log-odds of skin, and shoes,
-    to garments.
+    """Clamp a posterior's log-odds of skin, and shoes, to garments within `MAX_LOG_ODDS_CHANGE` of the rules'.
 
     Args:
         posterior: Of `KINDS`, shape [n, 5].
         rules: The rules', shape [n, 5].
     """
     log = np.log(np.maximum(posterior, MIN_KIND_PROBABILITY))
-    # What is told too little is raised, not what is told too much lowered: else what is neither would gain.
+    # The lower probability is raised instead of lowering the higher one: else the other kinds would gain.
     change = (log - np.log(rules))[:, BARE_KINDS] - (log - np.log(rules))[:, [GARMENT_KIND]]
     raised = np.maximum(change.max(axis=1) - MAX_LOG_ODDS_CHANGE, 0.0)
     log[:, GARMENT_KIND] += raised
@@ -242,7 +234,7 @@ def limit_log_odds_change(posterior: np.ndarray, rules: np.ndarray) -> np.ndarra
 
 @dataclass(frozen=True)
 class _Pooling:
-    """How samples are summed up in cells: their order by cell, where each cell begins, and which there are."""
+    """Describe how samples are pooled: order by cell, begin, index and count of filled cells, and which are full."""
 
     order: np.ndarray
     begin: np.ndarray
@@ -260,7 +252,7 @@ class _Pooling:
         return cls(order, begin, cell, count, full)
 
     def pool(self, hidden: np.ndarray) -> np.ndarray:
-        """Compute mean and maximum in each cell, 0 in empty ones, and which are not, shape [cells, 2 * width + 1]."""
+        """Compute mean and maximum in each cell, 0 in empty ones, and which are full, shape [cells, 2 * width + 1]."""
         sorted_ = hidden[self.order]
         mean = np.zeros((TOTAL_CELL_COUNT, hidden.shape[1]), hidden.dtype)
         highest = np.zeros_like(mean)
@@ -287,7 +279,7 @@ class WrongWeights(GarmentqError):
 
 
 def load_network(path: Path) -> Network | None:
-    """Read a network that a training wrote; None where there is none, or where it reads another layout of features."""
+    """Read a network that a training wrote; None where there is none, or it reads another layout of features."""
     if not path.exists():
         return None
     with np.load(path) as kept:
@@ -298,7 +290,7 @@ def load_network(path: Path) -> Network | None:
 
 
 def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
-    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, only what is run."""
+    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, without training heads."""
     arrays: dict[str, np.ndarray] = {"version": np.array(FEATURE_LAYOUT_VERSION)}
     for i, network in enumerate(committee.networks):
         arrays[f"{i}.temperature"] = np.array(network.temperature)
@@ -310,7 +302,7 @@ def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
 
 @cache
 def load_ensemble(path: Path = NETWORK_FILE) -> NetworkEnsemble:
-    """Read the networks that ship.
+    """Read the shipped networks.
 
     Raises:
         WrongWeights: where the file is not that of `kinds.json`, or was trained on another layout of features.
@@ -336,8 +328,8 @@ def predict_by_networks(
 
     Args:
         points: The samples.
-        features: Their description.
-        fit: The body fitted to them below their clothes; the networks know no other fits.
+        features: Their features.
+        fit: The body fitted below the clothes; the networks were trained on such fits alone.
         tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
         committee: The networks.
 

@@ -1,4 +1,4 @@
-"""Unroll the limbs: where a place on the body lies along and around an arm, a leg, the trunk and the neck."""
+"""Find where points of the body are along and around an unrolled arm, leg, trunk or neck."""
 
 from __future__ import annotations
 
@@ -32,19 +32,18 @@ FOLDED_BODY_PARTS = {
     "upper_arm": ("left_shoulder", "right_shoulder"), "forearm": ("left_elbow", "right_elbow"),
     "hand": ("left_wrist", "right_wrist", "left_hand", "right_hand"),
 }  # fmt: skip
-"""Parts of the body by the joints whose skinning weights they add up, left and right folded."""
+"""Parts of the body by the joints whose skinning weights they sum, left and right folded."""
 
 BODY_MATCH_NORMAL_LENGTH = 0.06
-"""Length that a unit of difference in normals counts as when a scanned point is matched to the body [m]: an arm that
-hangs 6 cm from the trunk is told from it by its normal alone, and the flank of a fold still finds its own limb."""
+"""Length that a unit of difference in normals counts as when a scanned point is matched to the body [m]: the normal
+alone separates an arm that hangs 6 cm from the trunk, and the flank of a fold is still matched to its own limb."""
 CANDIDATE_TRIANGLE_COUNT = 12
-"""Number of the body's triangles whose nearest point is computed for each sample: those around two neighbouring
-vertices."""
+"""Number of the body's triangles examined for each sample's nearest point: those around two adjacent vertices."""
 
 
 @dataclass(frozen=True)
 class BodyPlace:
-    """Describe where on the fitted body each point lies.
+    """Describe the place of each point on the fitted body.
 
     Attributes:
         foot: The body's point below it [m], shape [n, 3].
@@ -54,9 +53,9 @@ class BodyPlace:
         rest: The body's point in the T-pose [m], feet at y = 0, shape [n, 3].
         parts: Share of each part of `FOLDED_BODY_PARTS`, rows sum to 1, shape [n, 11].
         weights: Skinning weights of the body's point, shape [n, 24].
-        limb: A `Limb` for each point: the one it belongs to, int8, shape [n].
+        limb: The `Limb` of each point, int8, shape [n].
         along: Unit vector along the limb, away from the body's middle, in the pose, shape [n, 3].
-        front: Unit vector around the limb towards the T-pose's front, made square to `along`, shape [n, 3].
+        front: Unit vector around the limb towards the T-pose's front, orthogonal to `along`, shape [n, 3].
         station: Length along the limb [m]: of arms from the shoulder joint, of legs from the hip joint, of the trunk
             below the neck joint, of neck and head over it; shape [n].
     """
@@ -77,7 +76,7 @@ class BodyPlace:
 def place_on_body(points: PersonPoints, body: Body) -> BodyPlace:
     """Find each sample's place on the fitted body: its nearest point by position and normal.
 
-    The T-pose's model answers, as it stands in the pose: of a body that came as a mesh that is the fitted model too.
+    The T-pose's model is used, moved to the pose; of a body given as a mesh that is the fitted model too.
     """
     posed = body.vertices
     if len(posed) != len(body.rest_vertices):
@@ -123,7 +122,7 @@ def place_on_body(points: PersonPoints, body: Body) -> BodyPlace:
 
 
 def fold_parts(weights: np.ndarray) -> np.ndarray:
-    """Add skinning weights, shape [n, 24], up to the parts of `FOLDED_BODY_PARTS`, shape [n, 11]."""
+    """Sum skinning weights, shape [n, 24], to the parts of `FOLDED_BODY_PARTS`, shape [n, 11]."""
     return np.stack(
         [weights[:, [JOINTS.index(j) for j in joints]].sum(axis=1) for joints in FOLDED_BODY_PARTS.values()], axis=1
     )
@@ -162,9 +161,7 @@ def _limb_frame(
 
 
 def closest_in_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Compute barycentric coordinates of the nearest points in triangles.
-
-    The plane's foot where it lies within; else the nearest of the three edges' nearest points.
+    """Compute barycentric coordinates of triangles' nearest points: the plane's foot if inside, else an edge's nearest.
 
     Args:
         points: Positions [m], shape [n, t, 3] or broadcastable.
@@ -192,7 +189,7 @@ def closest_in_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _plane_barycentric(arm: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Compute coordinates (1 - s - t, s, t) of arm = s u + t v + rest across, by the normal equations."""
+    """Compute coordinates (1 - s - t, s, t) of arm = s u + t v + normal part, by the normal equations."""
     uu, uv, vv = ((x * y).sum(axis=-1) for x, y in ((u, u), (u, v), (v, v)))
     au, av = (arm * u).sum(axis=-1), (arm * v).sum(axis=-1)
     det = np.maximum(uu * vv - uv**2, 1e-30)

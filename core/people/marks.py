@@ -1,4 +1,4 @@
-"""Parts that the user names at single places."""
+"""Apply the parts that the user names at single places."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ from .part import GARMENTS, PARTS, Part
 from .points import PersonPoints
 
 MAX_MARK_DISTANCE = 0.1
-"""Largest distance between a mark and the scan [m]: a place read off a picture is that good."""
+"""Largest distance between a mark and the scan [m]: the accuracy of a place that is read off a picture."""
 
 MARK_SKIN_RADIUS = 0.15
-"""Radius around a mark within which skin is relabelled [m]: skin is connected from head to foot, so that a mark cannot
-mean all of it."""
+"""Radius around a mark within which skin is relabelled [m]: all skin is connected, and a mark cannot mean all of it."""
 
 
 def list_marked_garments(marks: Sequence[Mark]) -> tuple[Part, ...]:
@@ -35,18 +34,17 @@ def apply_marks(
 ) -> np.ndarray:
     """Return the columns with the piece at each mark changed to the part that the mark names.
 
-    A piece is what hangs together and was taken for one part; of skin only what lies within `MARK_SKIN_RADIUS` of the
-    mark.
+    A piece is a connected set of samples of one part; of skin only what is within `MARK_SKIN_RADIUS` of the mark.
 
     Args:
         column: Of each sample's part, shape [n].
         marks: In the file's own coordinates.
-        raw: The scan: says unit and axis of the file.
+        raw: The scan, which has unit and axis of the file.
         points: The samples.
         links: Neighbours.
 
     Raises:
-        HintBad: where a mark lies far from the scan.
+        HintBad: where a mark is far from the scan.
     """
     column = column.copy()
     tree = cKDTree(points.positions)

@@ -1,4 +1,4 @@
-"""Put labels that were mended by hand on the cleaned scan into a labels file for the scan's own file."""
+"""Write labels that were corrected by hand on the cleaned scan into a labels file for the scan's own file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_CORRECTED_LABEL_COUNT = 50_000_000
 
 
 class LabelsOld(BadInput):
-    """These labels were stored by an earlier version, or handed in; take the scan apart anew, then mend that."""
+    """These labels were stored by an earlier version, or handed in; label the scan anew, then correct those labels."""
 
     code = "labels.old"
 
@@ -27,7 +27,7 @@ def read_corrected_labels(path: Path) -> np.ndarray:
     """Read an untrusted `.npy` file with a `Part` for each point of the cleaned scan, uint8, shape [point_count].
 
     Raises:
-        LabelsUnreadable: where it is none, or has a number that is no part's.
+        LabelsUnreadable: where it has no labels, or a number of no part.
     """
 
     def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
@@ -46,17 +46,17 @@ def read_corrected_labels(path: Path) -> np.ndarray:
 
 
 def apply_corrected_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
-    """Write a labels file as it was stored, with mended labels where the cleaned scan has points.
+    """Write a labels file as it was stored, with corrected labels where the cleaned scan has points.
 
-    Copies of a vertex that was split are one point of the file; a label that is changed at any of them is its label.
+    Copies of a split vertex are one point of the file; a label that is changed at any of them is its label.
 
     Args:
         stored: The `labels.npz` of a person's result.
         mended: A `Part` for each point of its `segmented.ply`, uint8, shape [point_count].
-        path: Where to.
+        path: Destination.
 
     Raises:
-        LabelsOld: where the stored file does not say which point of the file is which of the cleaned scan.
+        LabelsOld: where the stored file does not map the points of the file to the cleaned scan.
         LabelsMismatch: where there are more or fewer labels than points.
     """
     try:

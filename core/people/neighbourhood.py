@@ -1,4 +1,4 @@
-"""Sum up the neighbourhood of every sample at several radii in one pass."""
+"""Compute statistics of the neighbourhood of every sample at several radii in one pass."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ NEIGHBOURHOOD_RADII = (0.012, 0.02, 0.04, 0.06)
 """Radii of the neighbourhoods [m]: a hem's edge, its step, a fold, a slice of a limb."""
 
 STEP_SHARE = 0.25
-"""Neighbours nearer than this share of the radius along the limb belong to neither side of a step."""
+"""Share of the radius along the limb within which neighbours belong to neither side of a step."""
 
 
 def neighbourhood_statistics(
     positions: np.ndarray, normals: np.ndarray, offset: np.ndarray, along: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Sum up the neighbours on a sample's own side of the cloth, those whose normal is within 90 degrees.
+    """Compute statistics of a sample's neighbours on its own side of the cloth, whose normals are within 90 degrees.
 
     With q the neighbours of p within r, n the normal of p, o the offsets and t = (q - p) . along:
     mean and spread of o; step = mean of o where t > r / 4 less mean of o where t < -r / 4 (0 where a side is empty);
     mean curvature -2 sum (q - p) . n / sum |q - p|^2 [1/m], 1 / R on a ball of radius R from outside;
-    spread of normals 1 - |mean of normals|; and crowding, the neighbours over those of an even plane.
+    spread of normals 1 - |mean of normals|; crowding log2((1 + count) / (1 + median count)).
 
     Args:
         positions: Positions [m], shape [n, 3].
@@ -52,7 +52,7 @@ def neighbourhood_statistics(
 
 @njit(cache=True)
 def _sum_neighbours(positions, normals, offset, along, key, cell, shape, squares):  # type: ignore[no-untyped-def]
-    """Walk the 27 cells around each point; everything is sorted by cell."""
+    """Sum over the 27 cells around each point; everything is sorted by cell."""
     count, scales = len(positions), len(squares)
     out = np.zeros((scales, count, 6))
     for i in range(count):
@@ -62,7 +62,7 @@ def _sum_neighbours(positions, normals, offset, along, key, cell, shape, squares
         mean = np.zeros((scales, 3))
         for x in range(max(cell[i, 0] - 1, 0), min(cell[i, 0] + 2, shape[0])):
             for y in range(max(cell[i, 1] - 1, 0), min(cell[i, 1] + 2, shape[1])):
-                # The three cells along z are neighbours in the order, too.
+                # The three cells along z follow each other in the order.
                 first = (x * shape[1] + y) * shape[2] + max(cell[i, 2] - 1, 0)
                 last = (x * shape[1] + y) * shape[2] + min(cell[i, 2] + 1, shape[2] - 1)
                 for j in range(np.searchsorted(key, first), np.searchsorted(key, last, side="right")):

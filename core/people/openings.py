@@ -1,4 +1,4 @@
-"""The openings of a garment that was found: what in the scan shows each of them, and which are only inferred."""
+"""Find what in the scan shows each opening of a garment, and which are only inferred."""
 
 from __future__ import annotations
 
@@ -18,32 +18,30 @@ from .part import GARMENTS, Part
 from .separation import FoundContour
 
 BORDER_SIDE_DISTANCE = 0.012
-"""Distance from a border at which its two sides are compared [m]: beyond the cut's own softness of 8 mm, and less than
-half of the narrowest strap."""
+"""Distance of the compared places from a border [m]: beyond the cut's smoothing (8 mm), below half a narrow strap."""
 
 BORDER_AVERAGING_RADIUS = 0.012
-"""Radius over which height and colour of each side are averaged [m]: some ten points, and a fold is wider."""
+"""Radius over which height and colour of each side are averaged [m]: some ten points, and less than a fold."""
 
 TANGENT_VERTEX_COUNT = 3
-"""Number of vertices on either side of a border's vertex that its tangent is computed from: a centimetre."""
+"""Number of vertices on either side from which a border's tangent is computed: a centimetre."""
 
 MAX_FREE_EDGE_DISTANCE = 0.2
 """Largest distance between a free edge and the nearest other surface [m]: a wide skirt's hem hangs that far from the
 legs. Where nothing else was scanned within it, the scan ends there and not the garment."""
 
 MIN_LAYER_STEP = 2e-3
-"""Step at a border from which on it shows which side lies on the other [m]: the thickness of cloth and a scan's
-noise."""
+"""Least step at a border that shows which side is on the other [m]: the thickness of cloth and a scan's noise."""
 
 WAISTBAND_HEIGHT_LOGISTIC = (0.04, 0.03)
 """Centre and scale of a logistic function of the height over the hip joints [m]: from the centre on, a border of two
-garments is more likely a waistband than a hem. Waistbands that are seen sit 8 to 20 cm above the joints, tops that hang
+garments is more likely a waistband than a hem. Waistbands that are seen are 8 to 20 cm above the joints, tops that hang
 over end below; and a tucked top blouses over the band, so that by the step alone it would seem to hang over."""
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A person's scan with what each point is, to look at both sides of a border.
+    """Describe a labelled scan, to compare both sides of a border.
 
     Attributes:
         points: Positions [m], shape [n, 3].
@@ -61,7 +59,7 @@ class Surroundings:
 
     @classmethod
     def of(cls, whole: Scan, label: np.ndarray, body: Body) -> Surroundings:
-        """Look at a labelled scan on its body."""
+        """Compute colours of a labelled scan and its heights over the body."""
         surface = TriangleSurface(body.vertices, body.faces)
         found = surface.closest(whole.vertices)
         normals = found.interpolate(vertex_normals(body.vertices, body.faces), body.faces)
@@ -73,10 +71,10 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _BorderSides:
-    """What lies beyond a border, place by place.
+    """Describe what is beyond a border, place by place.
 
     Attributes:
-        step: By how much the garment stands out over it [m], shape [n].
+        step: Height of the garment over it [m], shape [n].
         contrast: Difference of the two sides' colours, shape [n].
         beyond: A `Part`, shape [n]; -1 where the garment's edge is free, -2 where nothing was seen.
         level: Height of the border over the hip joints [m].
@@ -91,11 +89,10 @@ class _BorderSides:
 def find_openings(
     garment: Scan, contours: tuple[Contour, ...], part: Part, around: Surroundings
 ) -> tuple[FoundContour, ...]:
-    """Judge each opening of a garment by what lies on its two sides.
+    """Classify each opening of a garment by what is on its two sides.
 
     An opening is shown by a step down from the garment to what is beyond, by a change of colour, or by a free edge with
-    the wearer further in. One that lies below another garment is inferred: that garment's hem is seen, and this one
-    goes on below it. So is one beyond which nothing was scanned.
+    the wearer further in. It is inferred where another garment covers it, or where nothing was scanned beyond.
 
     Args:
         garment: As it was cut out of the scan.
@@ -139,7 +136,7 @@ def _compare_sides(
 def _classify_opening(name: str, part: Part, sides: _BorderSides) -> FoundContour:
     worn = np.isin(sides.beyond, GARMENTS)
     covered = worn.mean() > 0.5 and _lies_below(part, sides.beyond[worn], sides.step[worn], sides.level)
-    # hair lies over clothes; of what else is none, that over which a garment stands out may be its own inside
+    # hair is over clothes; OTHER below the garment may be its own inside
     over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < MIN_LAYER_STEP))
     covered |= bool(over.mean() > 0.5)
     step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
@@ -148,9 +145,9 @@ def _classify_opening(name: str, part: Part, sides: _BorderSides) -> FoundContou
 
 
 def _lies_below(part: Part, beyond: np.ndarray, step: np.ndarray, height: float) -> bool:
-    """Return whether the garment beyond a border lies on this one.
+    """Check whether the garment beyond a border is over this one.
 
-    The step tells, and where it is none the border's height: below the waist the upper garment hangs over the lower.
+    The step decides, and if it is small the border's height: below the waist the upper garment hangs over the lower.
     """
     other = Part(int(np.bincount(beyond).argmax()))
     below = -float(np.median(step)) / MIN_LAYER_STEP

@@ -1,4 +1,4 @@
-"""Which garments are worn: the likely readings of one scan, and the posterior as each of them reads it."""
+"""Rank the likely outfits of one scan, and compute the posterior under each."""
 
 from __future__ import annotations
 
@@ -19,58 +19,54 @@ OUTFIT_READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
     ((Part.UPPER,), -3.0),
     ((Part.LOWER,), -3.0),
 )
-"""What people wear below an outer layer, each with its log-probability before anything is seen, up to a constant: a top
-or a bottom alone is one person in twenty. How much oftener two pieces are than one is in the posterior already
-(`rules.two_piece_probability`)."""
+"""Garments below an outer layer, each with its prior log-probability up to a constant: a top or a bottom alone is one
+person in twenty. The ratio of two pieces to one is in the posterior already (`rules.two_piece_probability`)."""
 
 WAIST_LINE_HEIGHT = 0.10
-"""Height of the waist line over the hip joints on the T-pose [m]: where a dress would be cut in two."""
+"""Height of the waist line, where a dress would be cut in two, over the hip joints on the T-pose [m]."""
 
 INDEPENDENT_OBSERVATION_COUNT = 12.0
 """Number of independent observations that all points of a scan count as: errors are alike over a limb or a side of the
-trunk, so that thousands of points hold little more information than a dozen."""
+trunk, so that thousands of points have little more information than a dozen."""
 
 OUTER_LAYER_SHARE = 0.7
-"""Share of what looks like a top that is given to an outer layer where one is worn: the layer hides the top but for an
-open front."""
+"""Share of a top's probability for an outer layer where one is worn: it hides the top but for an open front."""
 
 MIN_OUTFIT_PROBABILITY = 1e-3
-"""Least probability of one piece and of two, and of a garment on a bare chest: what a waist shows can be a belt, or be
-hidden."""
+"""Least probability of one piece, of two, and of a garment on a bare chest: a waist may show a belt, or be hidden."""
 
 WAIST_LINE_PRIOR_WEIGHT = 0.05
-"""Probability that the waist line has as a prior where a one-piece garment is split into upper and lower: up to that
-probability of both together the line decides, beyond it they do."""
+"""Probability that the waist line has as a prior where a one-piece garment is split into upper and lower: up to this
+sum of both probabilities the line decides, beyond it they do."""
 
 CHEST_GARMENTS = (Part.UPPER, Part.ONE_PIECE, Part.OUTER)
-"""Garments that are worn on the chest."""
+"""Garments on the chest."""
 
 MIN_CHEST_GARMENT_SHARE = 0.02
-"""Least share of the samples that lie above the waist and are labelled as one of `CHEST_GARMENTS`; with less the chest
-counts as bare, where a few samples are labelled wrongly."""
+"""Least share of samples above the waist labelled as one of `CHEST_GARMENTS`; with less the chest counts as bare."""
 
 MIN_POINT_PROBABILITY = 0.01
 """Least probability of a point under a reading: a bag or a bad spot then counts against all readings alike."""
 
 UNKNOWN_COAT = Coat()
-"""What is known of an outer layer before anything is seen."""
+"""An outer layer of which nothing is known."""
 
 PART_COLUMN = {part: k for k, part in enumerate(PARTS)}
-"""The column of each part in a posterior."""
+"""Column of each part in a posterior."""
 
 
 def condition_on_outfit(
     posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray, over: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return the posterior where just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
+    """Return the posterior if just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
 
-    What looked like a dress is the top above the waist and the skirt below it, and the other way round; other garments
-    are not there, and what they had is lost: that is what speaks against the reading.
+    The probability of one piece is split at the waist into top and bottom, or theirs is added to one piece's. That of
+    other garments is dropped, which counts against the reading.
 
     Args:
         posterior: Shape [n, part_count].
         outfit: The garments.
-        above: Probability that a point lies above the waist line, shape [n].
+        above: Probability that a point is above the waist line, shape [n].
         over: Probability of each point's cloth to be the outer layer's where one is worn, shape [n], or None.
     """
     upper, lower, whole = (PART_COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
@@ -89,7 +85,7 @@ def condition_on_outfit(
 
 
 def _assign_outer_layer(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """Return the posterior, shape [n, part_count], with a share of each garment given to the outer layer."""
+    """Return the posterior, shape [n, part_count], with the share `over` of each garment given to the outer layer."""
     laid, inner = posterior.copy(), [PART_COLUMN[part] for part in GARMENTS if part is not Part.OUTER]
     laid[:, PART_COLUMN[Part.OUTER]] += over * posterior[:, inner].sum(axis=1)
     laid[:, inner] *= (1.0 - over)[:, None]
@@ -97,7 +93,7 @@ def _assign_outer_layer(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
 
 
 def above_waist_probability(place: BodyPlace, body: Body) -> np.ndarray:
-    """Return the probability that each point lies above the waist line, shape [n]."""
+    """Return the probability that each point is above the waist line, shape [n]."""
     hips = 0.5 * (body.rest_joints[JOINTS.index("left_hip"), 1] + body.rest_joints[JOINTS.index("right_hip"), 1])
     return np.asarray(1.0 / (1.0 + np.exp(-np.clip((place.rest[:, 1] - hips - WAIST_LINE_HEIGHT) / 0.02, -30.0, 30.0))))
 
@@ -111,16 +107,14 @@ def rank_outfits(
 ) -> tuple[Outfit, ...]:
     """Return the readings, the likeliest first.
 
-    score(H) = log p(H) + log p(outer layer or none) + log p(one piece or several)
-    + `INDEPENDENT_OBSERVATION_COUNT` mean_i log sum_k p(k | i, H), with p(k | i, H) as `condition_on_outfit`: what H
-    has no place for speaks against it. Whether there is an outer layer is one fact of the whole person, and so is
-    whether there is one piece or several, the mean over what is garment at all: they count once, however many points
-    repeat them. The difference of two scores is therefore the log-odds of the readings. On a bare chest nothing that is
-    worn there is likely (`MIN_OUTFIT_PROBABILITY`).
+    score(H) = log p(H) + log p(outer layer or none) + log p(one piece or several) + `INDEPENDENT_OBSERVATION_COUNT`
+    mean_i log sum_k p(k | i, H), with p(k | i, H) as `condition_on_outfit`. An outer layer, and one piece or several
+    (the mean over all garments), are facts of the person and count once. The difference of two scores is the log-odds
+    of the readings. Garments of a bare chest have `MIN_OUTFIT_PROBABILITY`.
 
     Args:
         posterior: Of the samples, which are even, shape [n, part_count].
-        above: Probability that a point lies above the waist line, shape [n].
+        above: Probability that a point is above the waist line, shape [n].
         wearing: The garments where they are known: then the only reading.
         marked: Garments that every reading must have.
         coat: What is known of an outer layer.
@@ -149,13 +143,13 @@ def rank_outfits(
 
 
 def _is_chest_bare(posterior: np.ndarray, above: np.ndarray) -> bool:
-    """Return whether nothing that is worn on the chest shows above the waist."""
+    """Check whether no garment of the chest shows above the waist."""
     worn = np.isin(posterior.argmax(axis=1), [PART_COLUMN[part] for part in CHEST_GARMENTS])
     return bool((worn & (above > 0.5)).mean() < MIN_CHEST_GARMENT_SHARE)
 
 
 def several_pieces_probability(posterior: np.ndarray) -> float:
-    """Return the probability that what is worn below an outer layer is several garments and not one piece.
+    """Return the probability that several garments, and not one piece, are worn below an outer layer.
 
     Args:
         posterior: Of the samples, shape [n, part_count].
@@ -168,7 +162,7 @@ def several_pieces_probability(posterior: np.ndarray) -> float:
 
 
 def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
-    """Return the probability of each reading: exp(score), to a sum of 1, shape [outfit_count]."""
+    """Return the probability of each reading: exp(score), normalised to a sum of 1, shape [outfit_count]."""
     scores = np.array([outfit.score for outfit in outfits])
     likely = np.exp(scores - scores.max())
     return np.asarray(likely / likely.sum())
@@ -179,9 +173,9 @@ def marginalise_outfits(
 ) -> np.ndarray:
     """Return the posterior over all readings, sum_H p(H) p(k | i, H), rows sum to 1, shape [n, part_count].
 
-    Each reading's is tempered, and not the sum: smoothing blurs the parts, but not what is known of the outfit.
-    A label that only the best reading gives is no likelier than that reading. Where nothing tells an outer layer from a
-    top and one is worn, `OUTER_LAYER_SHARE` of what looks like a top, or like one piece above the waist, is it.
+    The temperature is applied to each reading and not to the sum: smoothing blurs the parts, but not the outfit. A
+    label that only the best reading gives is no likelier than that reading. Where nothing separates a worn outer layer
+    from a top, it gets `OUTER_LAYER_SHARE` of the top's probability, and of one piece's above the waist.
     """
     upper, whole, outer = (PART_COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
     total = np.zeros_like(posterior)

@@ -1,4 +1,4 @@
-"""The parts of a dressed person."""
+"""Define the parts of a dressed person."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Part(IntEnum):
 
     @property
     def word(self) -> str:
-        """Return its name for people, options and folders: `one-piece`."""
+        """Return its name in texts, options and folders: `one-piece`."""
         return self.name.lower().replace("_", "-")
 
 
@@ -27,7 +27,7 @@ PARTS = tuple(Part)
 """The columns of a posterior, in their order."""
 
 GARMENTS = (Part.UPPER, Part.LOWER, Part.ONE_PIECE, Part.OUTER)
-"""The parts that are recovered, each as a job of its own."""
+"""Parts that are recovered, each by a job of its own."""
 
 CLOTH = (*GARMENTS, Part.OTHER)
-"""The parts that hide the body and say nothing of where its skin is."""
+"""Parts that hide the body; its skin is somewhere below."""

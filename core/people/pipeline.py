@@ -1,4 +1,4 @@
-"""The stages from a person's raw scan to one reading per garment, in their order."""
+"""Run the stages from a person's raw scan to one reading per garment."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from .separate import label_person
 from .separation import LabelledPerson
 
 STAGES = ("body", "separate", "garments")
-"""The stages beside the reading of the files; progress and seconds are reported by these names."""
+"""Stages after the reading of the files; progress and seconds are reported by these names."""
 
 
 @dataclass(frozen=True)
 class UnparsedHints:
-    """What the user says of a person beyond the files.
+    """Describe what the user gave beside a person's files.
 
     Attributes:
         wearing: Exactly these garments, `upper,lower`, or None.
         marks: What is at single places, `upper=0.1,1.2,0.05` each.
-        body: A built-in body, or None: the files tell, or the scan.
+        body: A built-in body; None: from the files, or fitted to the scan.
     """
 
     wearing: str | None = None
@@ -43,12 +43,12 @@ class UnparsedHints:
 
 @dataclass(frozen=True)
 class SegmentedPerson:
-    """A person taken apart, and what each garment's recovery starts from.
+    """Describe a segmented person: the labels, and the input of each garment's recovery.
 
     Attributes:
         raw: The scan.
-        separation: What each point is.
-        readings: By the garments' words; empty where the separation has a problem.
+        separation: The labels.
+        readings: By the garments' words; empty where the labels have a problem.
         report: Warnings and cost.
     """
 
@@ -59,11 +59,11 @@ class SegmentedPerson:
 
 
 def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SILENT_HOOKS) -> SegmentedPerson:
-    """Find the wearer, tell the parts apart, and cut out each garment.
+    """Find the wearer, label the parts, and cut out each garment.
 
     Args:
-        given: What the files hold.
-        wanted: What the user says.
+        given: The content of the files.
+        wanted: What the user gave beside them.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
@@ -78,7 +78,7 @@ def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SIL
         marks=tuple(parse_mark(text) for text in wanted.marks),
         body=body,
     )
-    with clock.stage("separate", "telling skin, hair, shoes and garments apart") as stage:
+    with clock.stage("separate", "labelling skin, hair, shoes and garments") as stage:
         separation = label_person(raw, hints, stage)
     readings: dict[str, Reading] = {}
     with clock.stage("garments", "cutting out the garments") as stage:
@@ -90,7 +90,7 @@ def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SIL
 
 
 def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dict[str, Reading]:
-    """Cut every garment out of the person's surface, which is made once where the scan is a cloud."""
+    """Cut every garment out of the person's surface, which is computed once."""
     surface = build_person_surface(raw, separation.body)
     readings: dict[str, Reading] = {}
     for garment in separation.garments:
@@ -100,10 +100,10 @@ def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dic
 
 
 def register_given_body(given: PersonInput, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
-    """Return the wearer that the user gave, in the scan's place; None where he is to be found under the clothes.
+    """Return the wearer that the user gave, in the scan's place; None where it has to be fitted under the clothes.
 
     Raises:
-        BodyApart: where the scan does not lie on it.
+        BodyApart: where the scan is not on it.
     """
     body = given.body
     if builtin is not None:

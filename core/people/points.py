@@ -1,4 +1,4 @@
-"""Sample a person's raw scan evenly: the points that are told apart, alike for meshes and clouds."""
+"""Sample a person's raw scan evenly, meshes and clouds alike; the samples are what is labelled."""
 
 from __future__ import annotations
 
@@ -16,17 +16,16 @@ from ..geometry.surface import TriangleSurface, barycentric_coordinates
 from ..scan.raw import RawScan
 
 MIN_SAMPLE_SPACING = 0.007
-"""Least distance between two samples [m]: a cuff's hem of 2 cm still spans three, and a person has about 25,000."""
+"""Least distance between two samples [m]: a cuff's hem of 2 cm still has three, and a person about 25,000."""
 MAX_SAMPLE_COUNT = 30_000
-"""Largest number of samples: beyond it the spacing grows, so that time does not depend on what is scanned."""
+"""Largest number of samples: beyond it the spacing grows, so that time does not depend on the scan."""
 CANDIDATES_PER_SAMPLE = 6
-"""Number of candidates for each sample: their mean position lowers the scanner's noise of one point by more than
-half."""
+"""Number of candidates for each sample: their mean more than halves the scanner's noise of one point."""
 MAX_CANDIDATE_COUNT = 400_000
 """Largest number of a cloud's points that become candidates: 16 for each sample."""
 SAMPLE_MATCH_NORMAL_LENGTH = 0.008
 """Length that a unit of difference in normals counts as when samples are matched to the scan's points [m]: two layers
-whose faces are turned away from each other are then never nearer than 16 mm."""
+that face away from each other are then never nearer than 16 mm."""
 MAX_GRID_CELL_COUNT = 8_000_000
 """Largest number of cells of the search grid, 32 MB: an outlier far away makes the cells larger, not the memory."""
 INTERPOLATION_SAMPLE_COUNT = 3
@@ -34,7 +33,7 @@ INTERPOLATION_SAMPLE_COUNT = 3
 
 
 class FittedPerson(Protocol):
-    """A body fitted to a person: all that samples and features need of it."""
+    """Describe a body fitted to a person: all that samples and features need of it."""
 
     @property
     def body(self) -> Body:
@@ -44,7 +43,7 @@ class FittedPerson(Protocol):
 
 @dataclass(frozen=True)
 class PersonPoints:
-    """Even samples of a raw scan, and how values at them are carried back.
+    """Describe even samples of a raw scan, and how values at them are interpolated.
 
     Attributes:
         positions: Positions [m], shape [n, 3].
@@ -52,7 +51,7 @@ class PersonPoints:
         colours: RGB in 0..1, shape [n, 3], or None.
         spacing: Least distance of two samples [m].
         border: Distance to the scan's border, of holes too [m], at most `MAX_SAMPLE_BORDER_DISTANCE`, shape [n].
-        nearest: Samples that each point of the raw scan lies between, int32, shape [m, 3].
+        nearest: Samples between which each point of the raw scan is, int32, shape [m, 3].
         weights: Their weights, rows sum to 1, float32, shape [m, 3].
     """
 
@@ -65,7 +64,7 @@ class PersonPoints:
     weights: np.ndarray
 
     def carry(self, values: np.ndarray) -> np.ndarray:
-        """Interpolate values at the samples, shape [n, k], at the raw scan's points, shape [m, k]."""
+        """Interpolate values at the samples, shape [n, k], to the raw scan's points, shape [m, k]."""
         weights = self.weights.astype(values.dtype)
         return np.asarray(
             sum(weights[:, k, None] * values[self.nearest[:, k]] for k in range(INTERPOLATION_SAMPLE_COUNT))
@@ -73,10 +72,10 @@ class PersonPoints:
 
 
 MAX_SAMPLE_BORDER_DISTANCE = 0.1
-"""Distance at which the distance to the border is cut off [m]: farther away the border says nothing about a point."""
+"""Upper bound of the distance to the border [m]: farther away the border has no influence on a point."""
 BORDER_GAP_ANGLE = np.radians(120)
-"""Angle around a sample without neighbours beyond which it lies on the border [rad]: 180 degrees along a straight
-border, and below 90 degrees inside an even sampling."""
+"""Angle around a sample without neighbours beyond which it is on the border [rad]: 180 degrees along a straight border,
+and below 90 degrees inside an even sampling."""
 
 
 def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoints:
@@ -86,10 +85,9 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
     side is nearer than the spacing (dart throwing), and each sample then moves to the mean of its candidates.
 
     Args:
-        raw: The scan; normals of a cloud that are missing come from neighbours, and those that are not known to point
-            outward are turned by the fitted body's.
+        raw: The scan; a cloud's normals are estimated if missing, and oriented by the body's if unoriented.
         fit: The body fitted to it.
-        seed: Seeds the draw; the same scan and seed give the same samples.
+        seed: Seed of the draw; the same scan and seed give the same samples.
     """
     rng = np.random.default_rng(seed)
     positions, normals, colours = _draw_candidates(raw, fit.body, rng)
@@ -144,7 +142,7 @@ def _draw_candidates(
 
 
 def _assign_to_samples(positions: np.ndarray, normals: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sample each candidate belongs to, shape [c], and the candidate each sample began as, shape [n]."""
+    """Return each candidate's sample, shape [c], and the candidate that each sample was, shape [n]."""
     low = positions.min(axis=0)
     extent = np.ptp(positions, axis=0)
     cell = max(spacing, float(np.prod(extent + spacing) / MAX_GRID_CELL_COUNT) ** (1 / 3))
@@ -156,7 +154,7 @@ def _assign_to_samples(positions: np.ndarray, normals: np.ndarray, spacing: floa
 
 @njit(cache=True)
 def _throw_darts(positions, normals, place, shape, square):  # type: ignore[no-untyped-def]
-    """Take each candidate where no sample of its side is near; then give every candidate to the nearest sample."""
+    """Take each candidate without a near sample of its side; then assign every candidate to the nearest sample."""
     count = len(positions)
     head = np.full(shape[0] * shape[1] * shape[2], -1, dtype=np.int32)
     link = np.full(count, -1, dtype=np.int32)
@@ -197,7 +195,7 @@ def _interpolation_weights(centres: np.ndarray, normals: np.ndarray, raw: RawSca
         ours = np.hstack([ours, SAMPLE_MATCH_NORMAL_LENGTH * normals])
         theirs = np.hstack([theirs, SAMPLE_MATCH_NORMAL_LENGTH * at])
     distance, nearest = cKDTree(ours).query(theirs, k=INTERPOLATION_SAMPLE_COUNT)
-    weights = 1.0 / (distance**2 + 1e-8)  # a tenth of a millimetre: where a point is a sample, its value is taken
+    weights = 1.0 / (distance**2 + 1e-8)  # (0.1 mm)^2: a point at a sample takes its value
     weights /= weights.sum(axis=1, keepdims=True)
     return nearest.astype(np.int32), weights.astype(np.float32)
 

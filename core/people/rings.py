@@ -1,4 +1,4 @@
-"""Find closed rings around unrolled limbs: hems, cuffs, waists and necklines, by dynamic programming."""
+"""Find closed rings around unrolled limbs (hems, cuffs, waists and necklines) by dynamic programming."""
 
 from __future__ import annotations
 
@@ -11,42 +11,37 @@ from scipy.ndimage import correlate1d, uniform_filter1d
 from .unrolled import LIMB_COLUMN_COUNT, STATION_STEP
 
 STEP_ROW_COUNT = 6
-"""Number of rows on either side to which lines are fitted to read a step's height, 5 cm: a hem is straight over such a
-length."""
+"""Number of rows on either side to which lines are fitted for a step's height: 5 cm, over which hems are straight."""
 MAX_RING_SLOPE = 3
 """Largest number of rows that a ring goes up or down from one column to the next: 45 degrees and more on every limb."""
 BEND_COST = 0.8
-"""Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what five columns of a
-clear step gain."""
+"""Log-probability cost of a row up or down: a tilt of 10 cm and back costs what five columns of a clear step gain."""
 HALF_CONFIDENCE_MARGIN = 8.0
-"""Margin of the log-probability at which a ring is as likely wrong as right. On simulated persons the rings of sleeves
-and legs with margins of 0 to 5, 5 to 15, 15 to 30 and beyond lay within 2 cm of the true end in 0.21, 0.65, 0.67 and
-0.81 of cases."""
+"""Margin of the log-probability at which a ring is as likely wrong as right. Simulated sleeves' and legs' rings with
+margins of 0 to 5, 5 to 15, 15 to 30 and more were within 2 cm of the true end in 0.21, 0.65, 0.67 and 0.81 of cases."""
 CORRELATED_COLUMN_COUNT = 4.0
 """Number of columns whose evidence is as good as that of one: folds and the fit's errors are 3 to 8 cm wide."""
 MIN_RING_DISTANCE = 0.04
-"""Mean distance below which two rings count as one [m]: the second best ring is searched beyond it."""
+"""Mean distance below which two rings count as one [m]; the second best ring is farther away."""
 
 MIN_STEP_NOISE = 0.001
-"""Least standard deviation of a step's noise [m]: a fit's errors make as much on a smooth scan. A scan's own noise is
-measured on it."""
+"""Least standard deviation of a step's noise [m]: that of a fit's errors. A scan's own noise is measured."""
 MIN_RIDGE_NOISE = 0.05
 """Least standard deviation of the noise of a difference of curvature between rows, times 2 cm (a pure number)."""
 CONTRAST_NOISE = 6.0
 """Difference of mean colour (CIE76, lightness by 0.4) that shade and prints make over 10 cm."""
 EDGELESS_CELL_SHARE = 0.6
-"""Share of a limb's cells that have no edge: the size of their values gives the noise, so that a limb with frills needs
-stronger edges."""
+"""Share of a limb's cells without an edge, whose values give the noise: a limb with frills needs stronger edges."""
 
 
 @dataclass(frozen=True)
 class Ring:
-    """The best ring and how sure it is.
+    """Describe the best ring and its certainty.
 
     Attributes:
         rows: Row of its first cell beyond, for each column, shape [LIMB_COLUMN_COUNT].
         score: Its log-probability against no ring at all.
-        second: The same of the best ring that lies elsewhere.
+        second: The same of the best ring elsewhere.
         weights: Probability of each start row's best ring, shape [rows].
         paths: Those rings, shape [rows, LIMB_COLUMN_COUNT].
     """
@@ -59,20 +54,15 @@ class Ring:
 
     @property
     def confidence(self) -> float:
-        """Return the probability that it lies within 2 cm of the true one: m / (m + `HALF_CONFIDENCE_MARGIN`), m the
-        margin.
+        """Return the probability that it is within 2 cm of the true one: m / (m + `HALF_CONFIDENCE_MARGIN`).
 
-        The margin is the score beyond the second best ring's, or beyond none's where that is better.
+        The margin m is the score less the second best ring's, or less 0 (no ring) where that is more.
         """
         margin = max(self.score - max(self.second, 0.0), 0.0)
         return margin / (margin + HALF_CONFIDENCE_MARGIN)
 
     def beyond(self, rows: int) -> np.ndarray:
-        """Compute the probability that each cell lies beyond the ring, at a larger station.
-
-        Returns:
-            Shape [rows, LIMB_COLUMN_COUNT].
-        """
+        """Compute the probability that each cell is beyond the ring, shape [rows, LIMB_COLUMN_COUNT]."""
         count = np.zeros((rows + 1, LIMB_COLUMN_COUNT))
         for weight, path in zip(self.weights, self.paths, strict=True):
             if weight > 1e-4:
@@ -87,13 +77,13 @@ def find_ring(
 
     A ring r(a) maximises sum over columns a of edge[r(a), a] + region gain - bend_cost |r(a + 1) - r(a)|, with steps of
     at most `MAX_RING_SLOPE` rows and r closed. The best one through each row of the first column is found by dynamic
-    programming, so the best of all is the true one, and their scores are a distribution over rings.
+    programming, so the best of all is the optimum, and their scores are a distribution over rings.
 
     Args:
         edge: Log-probability of an edge at each cell against none, shape [rows, LIMB_COLUMN_COUNT].
-        region: Log-probability of each cell's being inside (smaller station) against beyond; a ring gains what lies
-            on its right side. None: nothing is known.
-        warmth: What scores are divided by for the probabilities of rings: above 1, evidence is believed less.
+        region: Log-probability of each cell's being inside (smaller station) against beyond; a ring gains what is on
+            its right side. None: nothing is known.
+        warmth: Divisor of the scores for the probabilities of rings: above 1, evidence counts less.
         bend_cost: Log-probability that each row up or down costs.
     """
     gain = edge / CORRELATED_COLUMN_COUNT
@@ -132,7 +122,7 @@ def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
         value = np.full(rows, -np.inf)
         value[start] = gain[start, 0]
         for a in range(1, columns + 1):
-            # A closed path cannot be further from its start than the steps that are left bring it back.
+            # A closed path cannot be further from its start than its remaining steps can return.
             reach = min(a, columns - a) * steepest
             fresh = np.full(rows, -np.inf)
             for r in range(max(start - reach, 0), min(start + reach + 1, rows)):
@@ -159,13 +149,13 @@ def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
 def step_heights(offset: np.ndarray) -> np.ndarray:
     """Compute how much higher the side before each cell is than the side beyond [m], shape [rows, LIMB_COLUMN_COUNT].
 
-    Straight lines are laid through the `STEP_ROW_COUNT` rows before and those from the cell on, and compared at the
-    cell's near edge: what changes evenly along the limb (a sleeve that widens, a fit that is off) is no step.
+    Straight lines are fitted to the `STEP_ROW_COUNT` rows before and those from the cell on, and compared at the cell's
+    near edge: an even change along the limb (a sleeve that widens, a fit's error) is no step.
     """
     k = np.arange(STEP_ROW_COUNT) + 0.5
     line = 1 / STEP_ROW_COUNT - k.mean() * (k - k.mean()) / ((k - k.mean()) ** 2).sum()
     kernel = np.concatenate([line[::-1], -line])
-    # The kernel is even in length: its middle lies before the cell.
+    # The kernel is even in length: its middle is before the cell.
     return _smooth_columns(correlate1d(offset, kernel, axis=0, mode="nearest", origin=0))
 
 
@@ -174,7 +164,7 @@ def ridge_strengths(curvature: np.ndarray, rows: int = 2) -> np.ndarray:
 
     Args:
         curvature: Mean of each cell, shape [rows, LIMB_COLUMN_COUNT].
-        rows: How many are compared on either side.
+        rows: Number of rows compared on either side.
     """
     kernel = np.concatenate([np.full(rows, 1 / rows), np.full(rows, -1 / rows)])
     return _smooth_columns(correlate1d(curvature, kernel, axis=0, mode="nearest", origin=0))
@@ -186,8 +176,8 @@ def _smooth_columns(values: np.ndarray) -> np.ndarray:
 
 
 CONTRAST_WINDOW_SIZE = (12, 17)
-"""Number of rows on either side and of columns around, 10 cm and a third of the way, whose colours are averaged before
-they are compared: wider than stripes and most prints, so that they are no edge."""
+"""Number of rows on either side and of columns around, 10 cm and a third of the way, over which colours are averaged
+for a comparison: wider than stripes and most prints, which are no edge."""
 
 
 def colour_contrasts(colours: np.ndarray, window: tuple[int, int] = CONTRAST_WINDOW_SIZE) -> np.ndarray:
@@ -206,8 +196,8 @@ def colour_contrasts(colours: np.ndarray, window: tuple[int, int] = CONTRAST_WIN
 def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | None = None) -> np.ndarray:
     """Compute the log-probability of a garment's end at each cell against none, shape as given.
 
-    Each cue x with noise s, the limb's own, counts as log N(x; 2 s, s) / N(x; 0, s) = 2 (x / s) - 2, cut at -1.5 and
-    4: an edge is seen at twice the noise, and no cue rules it out alone.
+    Each cue x with noise s, the limb's own, counts as log N(x; 2 s, s) / N(x; 0, s) = 2 (x / s) - 2, clamped to the
+    range -1.5 to 4: an edge is seen at twice the noise, and no cue excludes it alone.
 
     Args:
         step: Height of the garment's side over the other [m].
@@ -221,7 +211,5 @@ def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | No
 
 
 def measure_noise(values: np.ndarray, least: float) -> float:
-    """Measure a limb's noise: a normal's standard deviation that has the `EDGELESS_CELL_SHARE` share of values where
-    they are.
-    """
+    """Return the deviation of a normal with the values' `EDGELESS_CELL_SHARE` quantile of size, at least `least`."""
     return max(float(np.quantile(np.abs(values), EDGELESS_CELL_SHARE)) / 0.8416, least)

@@ -1,4 +1,4 @@
-"""Take a dressed person's scan apart: the body under the clothes, and what each point of the file is."""
+"""Label a dressed person's scan: find the body under the clothes, and the part of each point of the file."""
 
 from __future__ import annotations
 
@@ -35,15 +35,14 @@ STAGE = "separate"
 """Name under which progress is reported."""
 
 BODY_REFIT_ITERATIONS = 2
-"""Number of times that the body is fitted again below the cloth that was found on the fit before; then the parts are
-predicted once more."""
+"""Number of fits of the body below the cloth found on the previous fit, before the parts are predicted once more."""
 
 COVERING_PARTS = (*CLOTH, Part.SHOES)
-"""What the body lies closely below. A shoe covers a foot that stands: where it hardly counted, nothing held the feet of
-suits' wearers down, and legs rose by 13 cm within their trousers."""
+"""Parts closely above the body. Shoes cover standing feet: with a low weight nothing constrained the feet of suits'
+wearers, and legs rose by 13 cm within their trousers."""
 
 IGNORED_PARTS = (Part.HAIR, Part.OTHER)
-"""What is neither skin nor cover: the body lies somewhere below."""
+"""Parts that are neither skin nor cover: the body is somewhere below."""
 
 PART_NUMBERS = np.array([int(part) for part in PARTS], np.uint8)
 """The label of each column of a posterior."""
@@ -54,25 +53,25 @@ USER_LABEL_PROBABILITY = 0.98
 
 @dataclass(frozen=True)
 class _GivenBody:
-    """A wearer that the user gave, who is not fitted again."""
+    """Describe a wearer that the user gave, who is not fitted again."""
 
     body: Body
 
 
 def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT_HOOKS) -> LabelledPerson:
-    """Find the wearer under the clothes, and tell skin, hair, shoes and garments apart.
+    """Find the wearer under the clothes, and label skin, hair, shoes and garments.
 
-    The body is fitted as if bare; the parts are predicted by rules from where each point lies on it and from the scan's
-    colours; the body is fitted again below what is cloth; and so on. The last prediction is by rules and trained
-    networks. Then the outfit is chosen, and every point of the file gets the label that is likeliest under it.
+    The body is fitted as if bare; the parts are predicted by rules from where each point is on it and from the scan's
+    colours; the body is fitted again below the cloth; and so on. The last prediction is by rules and trained networks.
+    Then the outfit is chosen, and every point of the file gets the label that is likeliest under it.
 
     Args:
         raw: The person.
-        hints: What the user knows already.
+        hints: What the user gave.
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The person taken apart. Where it is not sure enough to recover from, `problem` says why.
+        The labelled person. Where it is too unsure to recover from, `problem` has the reason.
 
     Raises:
         BadInput: where the scan is no person.
@@ -115,7 +114,7 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
     at, sure = PART_NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
     if hints.label is not None:
         at, sure = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
-    hooks.progress(STAGE, 0.9, "looking at the garments' openings")
+    hooks.progress(STAGE, 0.9, "finding the garments' openings")
     body = fit.body if isinstance(fit, _GivenBody) else replace(fit.body, source=f"scan:{raw.name}")
     garments = find_garments(raw, at, sure, body)
     warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
@@ -138,7 +137,7 @@ def check_single_person(raw: RawScan) -> None:
 def fit_below_clothes(
     fit: PersonFit, points: PersonPoints, links: Links, told: np.ndarray | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> PersonFit:
-    """Return the body fitted again, `BODY_REFIT_ITERATIONS` times, below what is told to be cloth on the one before.
+    """Fit the body again, `BODY_REFIT_ITERATIONS` times, each below the cloth predicted on the previous fit.
 
     Args:
         fit: As if bare.
@@ -148,20 +147,20 @@ def fit_below_clothes(
         hooks: Progress and cancellation.
     """
     for turn in range(BODY_REFIT_ITERATIONS):
-        hooks.progress(STAGE, turn / (BODY_REFIT_ITERATIONS + 1), "telling the parts apart")
+        hooks.progress(STAGE, turn / (BODY_REFIT_ITERATIONS + 1), "labelling the parts")
         posterior = told if told is not None else predict_parts(points, fit, links)[0]
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior), hooks)
     return fit
 
 
 def to_point_weights(posterior: np.ndarray, place: BodyPlace | None = None) -> PointWeights:
-    """Return what a posterior, shape [n, part_count], says of where the body is, and how deep below a last fit's cloth.
+    """Return the weights of a body fit from a posterior, and for a last fit how deep below the cloth the body is.
 
     Args:
         posterior: Of the parts, shape [n, part_count].
-        place: Where the samples lie on a fit that took all cloth alike; None: no depth is expected.
+        place: Where the samples are on a fit that took all cloth alike; None: no depth is expected.
     """
-    # Clamped: a sum that rounding takes past 1 would weigh a pair below zero.
+    # Clamped: a sum that is rounded to more than 1 would give a pair a negative weight.
     cloth, ignored = (
         np.minimum(posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1), 1.0)
         for parts in (COVERING_PARTS, IGNORED_PARTS)
@@ -171,7 +170,7 @@ def to_point_weights(posterior: np.ndarray, place: BodyPlace | None = None) -> P
 
 
 def expand_to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return label and confidence of each point of the file, shape [file_count]; what was dropped is OTHER, surely."""
+    """Return label and confidence of each point of the file, shape [file_count]; dropped points are OTHER with 1."""
     kept = raw.place >= 0
     labels = np.full(len(raw.place), int(Part.OTHER), np.uint8)
     sure = np.ones(len(raw.place), np.float32)
@@ -188,7 +187,7 @@ def predict_parts(
         points: The samples.
         fit: The body fitted to them.
         links: Their neighbours, as `link_alike` gives them where there are colours.
-        committee: The trained networks, of a body that was fitted below what the rules take for cloth; None: the rules.
+        committee: The trained networks, for a body fitted below the rules' cloth; None: the rules.
     """
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
@@ -202,12 +201,12 @@ def predict_parts(
 def smooth_parts(
     posterior: np.ndarray, points: PersonPoints, features: Features, links: Links, tone: np.ndarray | None
 ) -> np.ndarray:
-    """Return a posterior of the samples, shape [n, part_count], smoothed, and with what the scan's colours say.
+    """Smooth a posterior of the samples, shape [n, part_count], and combine it with the evidence of the scan's colours.
 
     Args:
         posterior: By geometry alone, or by anything that was learnt, shape [n, part_count].
         points: The samples.
-        features: Their description.
+        features: Their features.
         links: Their neighbours, as `link_alike` gives them where there are colours.
         tone: Evidence for skin by its colour, shape [n], or None.
     """
@@ -216,7 +215,7 @@ def smooth_parts(
 
 
 def _hinted_garments(hints: Hints) -> tuple[Part, ...] | None:
-    """Return the garments where the user said them, by name or by labels."""
+    """Return the garments that the user gave by name or by labels, or None."""
     if hints.wearing is not None or hints.label is None:
         return hints.wearing
     return tuple(part for part in PARTS if part in CLOTH and part is not Part.OTHER and (hints.label == part).any())

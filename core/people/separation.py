@@ -1,4 +1,4 @@
-"""What is found when a person's scan is taken apart."""
+"""Describe what is found when a person's scan is labelled."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .part import Part
 
 @dataclass(frozen=True)
 class FoundContour:
-    """Describe the border of a garment that is one of its openings.
+    """Describe an opening of a garment.
 
     Attributes:
-        name: One of `segment.CONTOUR_NAMES`.
-        confidence: Probability that it lies where it was found, within 2 cm.
+        name: One of `CONTOUR_NAMES`.
+        confidence: Probability that it is within 2 cm of where it was found.
         is_inferred: Whether nothing in the scan shows it: then it is neither fitted nor measured.
     """
 
@@ -33,7 +33,7 @@ class FoundGarment:
     Attributes:
         part: Which it is.
         confidence: Mean probability of its points' labels.
-        category: One of `segment.CATEGORIES`, from its openings on the body.
+        category: One of `CATEGORIES`, from its openings on the body, or an empty text.
         contours: Its openings.
     """
 
@@ -45,7 +45,7 @@ class FoundGarment:
 
 @dataclass(frozen=True)
 class Outfit:
-    """Name one reading of what is worn.
+    """Describe one reading of what is worn.
 
     Attributes:
         parts: The garments, in the order of `GARMENTS`.
@@ -58,16 +58,16 @@ class Outfit:
 
 @dataclass(frozen=True)
 class LabelledPerson:
-    """A person taken apart.
+    """Describe a labelled person.
 
     Attributes:
         body: The wearer under the clothes, in the scan's place and pose [m].
-        label: A `Part` for each point of the file, those that were dropped included (OTHER), uint8, shape [file_count].
+        label: A `Part` for each point of the file, dropped ones included (OTHER), uint8, shape [file_count].
         confidence: Probability of each label, float32, shape [file_count].
         garments: What is recovered, in the order of `GARMENTS`.
         outfits: Readings, the best first.
         warnings: What the user should know, one sentence each.
-        problem: Why nothing should be recovered from this without a person's look, or None.
+        problem: Why nothing should be recovered until a person has checked the labels, or None.
     """
 
     body: Body

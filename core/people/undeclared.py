@@ -1,4 +1,4 @@
-"""Find garments that whoever marked the cloth of a scan left to the skin, so that the body was fitted to them."""
+"""Find garments that the marks of a scan's cloth leave to the skin, so that the body was fitted to them."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from .part import GARMENTS, PARTS
 from .points import PersonPoints
 
 MIN_UNDECLARED_SHARE = 0.05
-"""Least share of the samples that a garment among the skin must have; pieces of a cut below it are dropped, too."""
+"""Least share of the samples that a garment among the skin must have; a cut drops smaller pieces, too."""
 
 MAX_UNMARKED_SHARE = 0.25
-"""Largest share of what looks like one garment that may be skin by the marks; beyond it the garment was not marked. Of
-a marked one the border, and hair that falls on it, is left: 0.13 under long hair. Of two that look like one piece the
-smaller, shorts under a shirt, is a third."""
+"""Largest share of a predicted garment that may be skin by the marks; beyond it the garment was not marked. A marked
+one leaves its border, and hair that falls on it: 0.13 under long hair. Of two that look like one piece the smaller,
+shorts under a shirt, is a third."""
 
 LABEL_MAJORITY_SHARE = 0.5
-"""Share of a label's unmarked samples beyond which the label is named as the garment's."""
+"""Share of a label's unmarked samples above which the label is named as the garment's."""
 
 MAX_SKIN_OFFSET_RMS = 9e-3
-"""Largest RMS distance between the fitted body and what is skin [m]: bare bodies of other makes lie 3.3 to 8.2 mm from
-it, skin beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin lay 13 to 36 mm off."""
+"""Largest RMS distance between the fitted body and skin [m]: bare bodies of other makes are 3.3 to 8.2 mm from it, skin
+beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin were 13 to 36 mm off."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class UndeclaredGarment:
 
     Attributes:
         part: Its word: `lower`.
-        labels: The labels that are mostly it, the most frequent first; where none is, the one that most of it has;
-            empty where the scan has no labels.
+        labels: The labels that are mostly it, the most frequent first, else the one that most of it has; empty where
+            the scan has no labels.
         is_whole: Whether these labels are mostly it.
         offset: RMS distance from the body that is fitted below it instead of to it [m].
     """
@@ -49,11 +49,11 @@ class UndeclaredGarment:
 
     @property
     def is_off_body(self) -> bool:
-        """Return whether it lies farther from the body than skin does."""
+        """Check whether it is farther from the body than skin is."""
         return self.offset > MAX_SKIN_OFFSET_RMS
 
     def describe(self) -> str:
-        """Return what the user should know and do."""
+        """Return a sentence for the user, with the next step."""
         names = ", ".join(self.labels)
         what = f"Label {names}" if self.labels else "What is not of the garment's colour"
         lies = (
@@ -72,14 +72,14 @@ def find_undeclared_garments(
     labels: np.ndarray | None,
     fit_below: Callable[[np.ndarray], Body],
 ) -> tuple[UndeclaredGarment, ...]:
-    """Find the garments among what the marks leave to the skin, and how far each lies off the body below it.
+    """Find the garments among the skin by the marks, and the distance of each from the body below it.
 
-    What looks like a garment to who knows no marks, and is skin by them, may be skin all the same: then a body that is
-    fitted as below cloth comes to lie in it. So each is measured; those that lie off the body are told.
+    A garment that is predicted without the marks, and is skin by them, may be skin all the same: then a body that is
+    fitted as below cloth coincides with it. So each is measured; those that are off the body are reported.
 
     Args:
         points: The samples.
-        told: What they are without the marks, shape [n, part_count].
+        told: Their posterior without the marks, shape [n, part_count].
         marked: Which of them are cloth by the marks, bool, shape [n].
         labels: Label of each sample, numbers or texts, shape [n], or None.
         fit_below: Fits the body below what is cloth, bool, shape [n].

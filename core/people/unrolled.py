@@ -1,4 +1,4 @@
-"""Roll a limb out flat: grids of station by angle that rings are looked for on."""
+"""Unroll a limb to a grid of station by angle, on which rings are searched."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ LIMB_COLUMN_COUNT = 48
 NECK_RADIUS = 0.06
 """Horizontal distance [m] from the neck's axis that counts as station 0 at the height of the neck joint."""
 FILL_ITERATIONS = 12
-"""Number of iterations in which values spread, a cell each, into cells without samples: this fills holes of the scan up
-to 20 cm."""
+"""Number of iterations in which values spread by a cell into cells without samples: fills holes of up to 20 cm."""
 
 
 @dataclass(frozen=True)
 class Chart:
-    """Describe where samples lie on one unrolled limb.
+    """Describe where samples are on one unrolled limb.
 
     Attributes:
         limb: Which one.
         members: The samples on it, shape [m].
         station: Their length along it [m], away from the body's middle, shape [m].
-        angle: Their angle around it [rad], 0 in front; the left and the right limb's angles turn against each other,
-            so that a person in the mirror has the same charts.
+        angle: Their angle around it [rad], 0 in front; the left and the right limb's angles turn against each other, so
+            that a mirrored person has the same charts.
     """
 
     limb: Limb
@@ -41,14 +40,14 @@ class Chart:
 
 @dataclass(frozen=True)
 class UnrolledGrid:
-    """A chart cut into cells.
+    """Describe a chart divided into cells.
 
     Attributes:
         chart: The chart.
         first: Station of the first row's middle [m].
         row: Row of each member, shape [m].
         column: Column of each member, shape [m].
-        seen: Samples in each cell, shape [rows, LIMB_COLUMN_COUNT].
+        seen: Number of samples in each cell, shape [rows, LIMB_COLUMN_COUNT].
     """
 
     chart: Chart
@@ -64,11 +63,11 @@ class UnrolledGrid:
 
     @property
     def is_near(self) -> np.ndarray:
-        """Check whether each cell or one beside it has samples, shape [rows, LIMB_COLUMN_COUNT]; else it is unknown."""
+        """Mark cells with samples in them or beside them, shape [rows, LIMB_COLUMN_COUNT]; others are unknown."""
         return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
 
     def without(self, hidden: np.ndarray) -> UnrolledGrid:
-        """Return the grid of the same cells from which some samples, bool of shape [n], are left out."""
+        """Return the grid of the same cells without some samples, bool of shape [n]."""
         kept = ~hidden[self.chart.members]
         chart = Chart(self.chart.limb, self.chart.members[kept], self.chart.station[kept], self.chart.angle[kept])
         row, column = self.row[kept], self.column[kept]
@@ -84,7 +83,7 @@ class UnrolledGrid:
     def spread(self, values: np.ndarray) -> np.ndarray:
         """Return the mean of the samples' values, shape [n], in each cell, shape [rows, LIMB_COLUMN_COUNT].
 
-        Cells without samples take the mean of their neighbours, round by round; those of no round are 0.
+        Cells without samples take the mean of their neighbours, iteration by iteration; those never reached are 0.
         """
         mine = np.asarray(values, dtype=np.float64)[self.chart.members]
         flat = self.row * LIMB_COLUMN_COUNT + self.column
@@ -101,7 +100,7 @@ class UnrolledGrid:
 
 
 def _sum_around(values: np.ndarray) -> np.ndarray:
-    """Add up the four neighbours of each cell; the angle closes, the stations end."""
+    """Sum the four neighbours of each cell; angles are periodic, stations are not."""
     out = np.roll(values, 1, axis=1) + np.roll(values, -1, axis=1)
     out[1:] += values[:-1]
     out[:-1] += values[1:]
@@ -109,10 +108,10 @@ def _sum_around(values: np.ndarray) -> np.ndarray:
 
 
 def unroll(place: BodyPlace, body: Body, limb: Limb) -> UnrolledGrid:
-    """Roll out one limb.
+    """Unroll one limb.
 
-    Arms begin 8 cm inside the shoulder joint, so that armholes lie on them; the trunk goes down to the feet, so that
-    skirts lie on it; the neck's stations run down the neck and on over shoulders, chest and back.
+    Arms begin 8 cm inside the shoulder joint, to include armholes; the trunk goes down to the feet, to include skirts;
+    the neck's stations run down the neck and on over shoulders, chest and back.
     """
     chart = _chart(place, body, limb)
     if not len(chart.members):
@@ -121,7 +120,7 @@ def unroll(place: BodyPlace, body: Body, limb: Limb) -> UnrolledGrid:
 
 
 def cut_chart(chart: Chart) -> UnrolledGrid:
-    """Return a chart, which has members, cut into cells."""
+    """Divide a chart, which has members, into cells."""
     first = float(chart.station.min())
     row = np.floor((chart.station - first) / STATION_STEP).astype(np.int64)
     column = np.floor(chart.angle / (2 * np.pi) * LIMB_COLUMN_COUNT).astype(np.int64) % LIMB_COLUMN_COUNT

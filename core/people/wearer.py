@@ -1,4 +1,4 @@
-"""Find the wearer of a scan that is a body, or on which somebody marked what is cloth."""
+"""Find the wearer of a scan that is a body, or has its cloth marked."""
 
 from __future__ import annotations
 
@@ -25,13 +25,12 @@ CLOTH_COLUMNS = np.isin(PARTS, CLOTH)
 """Which columns of a posterior are cloth."""
 
 MIN_ALLOWED_PROBABILITY = 1e-6
-"""Probability that is added to every part that the mark of a sample allows: the rows can then always be scaled to sum
-to 1."""
+"""Probability added to every part that the mark of a sample allows, so that rows can always be scaled to sum to 1."""
 
 
 @dataclass(frozen=True)
 class FoundWearer:
-    """Describe who wears a garment.
+    """Describe the wearer of a garment.
 
     Attributes:
         body: The body.
@@ -45,19 +44,18 @@ class FoundWearer:
 def fit_wearer(
     scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT_HOOKS, labels: np.ndarray | None = None
 ) -> FoundWearer:
-    """Find the wearer of a scan: a body's mesh is registered, below marked cloth he is found as `separate` finds him.
+    """Find the wearer of a scan: register a body's mesh, or fit the body below marked cloth, as `separate` does.
 
-    Nobody is refused for being scanned in part: who marked the clothes has seen that it is a person.
+    Scans of part of a person are accepted here, since the marks show that it is a person.
 
     Args:
         scan: The body, or the dressed person.
         cloth: True at vertices of any garment, bool, shape [vertex_count]; None: the scan is a body's.
         hooks: Progress and cancellation.
-        labels: Label of each vertex, numbers or texts, shape [vertex_count], by which garments among the skin are
-            named; or None.
+        labels: Label of each vertex, numbers or texts, shape [vertex_count], to name garments among the skin, or None.
 
     Returns:
-        The body. Below cloth it is the fitted model, and `fit_rms` the distance of the skin to it.
+        The wearer. Below cloth the body is the fitted model, and its `fit_rms` the distance of the skin to it.
 
     Raises:
         NotHuman: where nothing is skin, or no body comes near it.

@@ -1,4 +1,4 @@
-"""Whether a surface that came with its wearer's body is the whole person, or a garment alone."""
+"""Check whether a surface that came with its wearer's body is the whole person, or a garment alone."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from ..geometry.surface import TriangleSurface
 from ..scan.scan import Scan
 
 MIN_PERSON_HEIGHT_SHARE = 0.8
-"""Least share of the wearer's height that a surface must have to be examined as a person: from head to feet it is all
-of it, from the neck to the floor 0.86, and no shirt or pair of trousers comes near."""
+"""Least height of a surface that is examined as a person, as a share of the wearer's: head to feet is all of it, neck
+to floor 0.86, and shirts and trousers are far below."""
 
 MIN_ADULT_HEIGHT = 1.4
-"""Height below which few adults stand [m]; it is used where the wearer's is not known, as that of a built-in body
-before it is made."""
+"""Height below which few adults are [m]; for a wearer of unknown height, as a built-in body before it is made."""
 
 MAX_SHOWN_SKIN_DISTANCE = 0.025
-"""Largest distance between the surface and a place of the skin that it shows [m]: twice the misfit of a body that was
-fitted."""
+"""Largest distance between the surface and a place of the skin that it shows [m]: twice a fitted body's misfit."""
 
 MIN_SHOWN_SKIN_SHARE = 0.6
 """Share of a face, of both hands or of both feet that must be shown. A hood leaves the face free, a sleeve covers a
@@ -29,11 +27,11 @@ MIN_FACE_NORMAL_COSINE = 0.3
 """Least cosine between the face's normals and the person's heading; ears and the back of the head have less."""
 
 HAND_JOINTS, FOOT_JOINTS = ("left_hand", "right_hand"), ("left_foot", "right_foot")
-"""Joints of what no garment shows by itself: fingers, and toes."""
+"""Joints that no garment shows by itself: fingers, and toes."""
 
 
 def has_person_height(surface: Scan, wearer: Scan | None) -> bool:
-    """Return whether a surface is as high as a whole person; cheap, before any body is fitted.
+    """Check whether a surface is as high as a whole person; cheap, before any body is fitted.
 
     Args:
         surface: What was scanned.
@@ -44,7 +42,7 @@ def has_person_height(surface: Scan, wearer: Scan | None) -> bool:
 
 
 def shows_person(surface: Scan, body: Body) -> bool:
-    """Return whether a surface shows its wearer's face, both hands or both feet: then it is not a garment alone.
+    """Check whether a surface shows its wearer's face, both hands or both feet: then it is not a garment alone.
 
     Args:
         surface: What was scanned.

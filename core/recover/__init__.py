@@ -1,1 +1,1 @@
-"""From a garment's scan to its pattern, fabric and meshes: one value that steps improve, and the steps."""
+"""Recover pattern, fabric and meshes from a garment's scan: one immutable state, and the steps that improve it."""

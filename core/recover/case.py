@@ -1,4 +1,4 @@
-"""One garment to recover: what its files say, before a base pattern is chosen."""
+"""Define the inputs of one recovery, before a base pattern is chosen."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .settings import RecoverySettings
 
 @dataclass(frozen=True)
 class Case:
-    """What is known of a garment after its contours were named; no step changes it.
+    """Describe what is known of a garment after its contours were named; no step changes it.
 
     Attributes:
         request: The files and settings.
         scan: The checked scan.
-        seen: The garment's surface as the scan shows it, contours named: what every result is measured against.
+        seen: The garment's surface as the scan shows it, with named contours: the reference of all measurements.
         wearer: The body with its distance fields.
-        undeclared: Garments that the marks of a dressed person's scan leave to the skin; None where there are no marks.
+        undeclared: Garments that the labels of a dressed person's scan mark as skin; None where there are no labels.
     """
 
     request: Request
@@ -43,15 +43,12 @@ class Case:
 
     @property
     def has_free_curves(self) -> bool:
-        """Return whether the scan may shape the base pattern's curves: not those of a file, or of what is locked."""
+        """Return whether the scan may shape the base pattern's curves: not for pattern files or locked panels."""
         return self.request.template is None and not self.has_locked_panels
 
     @property
     def has_far_seams(self) -> bool:
-        """Return whether seams may begin too far from where the cloth has them to creep there.
-
-        So do those of the library's cuts, and those of a maker's top, which is graded in the stretch of its dressing.
-        """
+        """Return whether seams may start too far from their place to reach it by small steps: library cuts and tops."""
         return self.has_free_curves or (self.seen.category in TOP_CATEGORIES and not self.has_locked_panels)
 
     @property

@@ -1,4 +1,4 @@
-"""Read the files of one recovery; what a limited process has read already is taken from it."""
+"""Read the files of one recovery, unless a limited process has read them already."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .recovery import Request
 
 
 def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
-    """Read the garment and its wearer, or cut the garment out of a dressed person's scan, unless that was done before.
+    """Read the garment and its wearer, or cut the garment out of a dressed person's scan, unless already read.
 
     Raises:
-        BodyMissing: where no body is given, and none is in the scan.
+        BodyMissing: where no body is given and the scan has none.
         BadInput: where a file cannot be used.
     """
     if request.reading is not None:
@@ -34,10 +34,10 @@ def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
 
 
 def read_body(request: Request) -> Body | None:
-    """Read a body of SMPL's format, unless that was done before; None where the wearer is something else.
+    """Read a body in SMPL's format, unless already read; None where the wearer is given in another form.
 
     Raises:
-        SmplBad: where the file is none.
+        SmplBad: where the file is not a valid SMPL body.
     """
     if request.reading is not None:
         return request.reading.body
@@ -46,10 +46,10 @@ def read_body(request: Request) -> Body | None:
 
 
 def read_template(request: Request) -> Pattern | None:
-    """Read the pattern file, unless that was done before; None where the base pattern is none.
+    """Read the pattern file, unless already read; None where none is given.
 
     Raises:
-        BadInput: where it is no pattern.
+        BadInput: where the file is not a pattern.
     """
     if request.reading is not None:
         return request.reading.pattern

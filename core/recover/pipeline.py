@@ -1,4 +1,4 @@
-"""A recovery from its files to the measured result: a reader follows one scan through its steps."""
+"""Run a recovery from its files to the measured result."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
 
 
 def run_steps(steps: tuple[Step, ...], case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-    """Take steps one after the other, from the last whose state an earlier run of the job kept."""
+    """Run the steps in order, after the last one whose state an earlier run of the job saved."""
     begun, inputs = 0, (state.base.points, case.settings.vertex_count)
     for number, step in enumerate(steps):
         kept = load(clock.hooks, STEP_CHECKPOINTS[step], RecoveryState, *inputs) if step in STEP_CHECKPOINTS else None

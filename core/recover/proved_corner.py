@@ -1,4 +1,4 @@
-"""A corner that the scan proves where the base pattern is smooth."""
+"""Describe corners that the scan proves where the base pattern is smooth."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class ProvedCorner:
 
     Attributes:
         join: Its place in the pattern.
-        contour: Name of the opening that it is on; of both where its mirror image was measured, too.
-        angle: How far the rim turns there beyond its course, positive where it bulges out [rad].
-        std: Standard deviation of that, from how far the rim turns elsewhere [rad].
+        contour: Name of its opening; both names where its mirror image was measured too.
+        angle: Angle by which the rim turns there beyond its smooth course, positive where convex [rad].
+        std: Standard deviation of `angle`, from the turning of the rim elsewhere [rad].
     """
 
     join: SmoothJoin

@@ -1,4 +1,4 @@
-"""What one recovery takes and gives."""
+"""Define the request and the result of one recovery."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..body.spec import Wearer
 from ..scan.selection import Selection
 from .settings import RecoverySettings
 
-if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other rooms
+if TYPE_CHECKING:  # so that a bad file is refused without importing the other packages
     from ..body.body import Body
     from ..cloth.fabric import Fabric, FabricEstimate
     from ..cloth.scene import SteadyRotation
@@ -26,22 +26,21 @@ if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other
     from ..scan.scan import Scan
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
-"""The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the
-pattern through the simulator have `fit` and `redrape`."""
+"""The stages of a recovery in order, the names by which progress and seconds are reported. Only methods that recover
+the pattern through the simulator have `fit` and `redrape`."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """Name the files of one recovery.
+    """Describe the files of one recovery.
 
     Attributes:
-        scan: The garment's file; or the dressed person's, where labels or the settings say what of it is the garment.
-        body: The wearer's mesh file, a built-in body, or None: then it must be in the scan, and is refused with
-            `body.missing` where that is a garment alone.
+        scan: The garment's file; or the dressed person's, where labels or the settings select the garment.
+        body: The wearer's mesh file, a built-in body, or None if the scan has it (a garment alone: `body.missing`).
         template: A pattern file that serves as the base pattern, or None to choose from the library.
         settings: Everything else.
         labels: A file with one label per vertex of a dressed person's scan, or None.
-        reading: What the files hold, where a limited process has read them already; None: they are read here.
+        reading: The files' contents, where a limited process has read them already; None: they are read here.
     """
 
     scan: Path
@@ -58,7 +57,7 @@ class Request:
 
 
 def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection | None:
-    """Describe which part of a scan is the garment by a label file and settings; None where neither says anything."""
+    """Describe which part of a scan is the garment, by label file and settings; None where neither selects one."""
     if labels is None and settings.keep is None and settings.keep_colour is None:
         return None
     return Selection(
@@ -73,7 +72,7 @@ def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection
 
 @dataclass(frozen=True)
 class Recovery:
-    """Describe everything a recovery found.
+    """Describe the result of a recovery.
 
     Attributes:
         scan: The checked scan.
@@ -84,12 +83,12 @@ class Recovery:
         fabric: The fabric.
         garment: The recovered pattern meshed and sewn; its nodes are the detail mesh.
         meshes: Node positions of graded drape, detail, simulation and re-draped mesh.
-        report: Numbers, verdicts, warnings, cost, and what reproduces it.
-        estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
-        nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
+        report: Metrics, verdicts, warnings, cost and manifest.
+        estimates: Estimate of each fabric parameter; empty where the method fits none.
+        nearest_fabrics: Names of the library's fabrics with the most similar bending; empty where none is fitted.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
-        rotation: The rotation in which the cloth was found to turn with its wearer, or None for cloth at rest.
-        pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
+        rotation: The rotation of cloth and wearer that was found, or None for cloth at rest.
+        pieces: Numbers of each production piece; empty where none can be cut.
     """
 
     scan: Scan

@@ -1,4 +1,4 @@
-"""What a user may choose about one recovery; every default says why."""
+"""Define the settings of one recovery, with the reason for each default."""
 
 from __future__ import annotations
 
@@ -22,39 +22,36 @@ class SettingsBad(BadInput):
 
 @dataclass(frozen=True)
 class RecoverySettings:
-    """Choose how one garment is recovered.
+    """Describe how one garment is recovered.
 
     Attributes:
-        method: `hybrid`: grade, drape, deform onto the scan, then refit the pattern to the deformed mesh and through
-            the simulator, and drape it again as the simulation mesh; the default, for it recovers pattern and cloth.
-            `deform` stops at the detail mesh, in under half the time. `inverse`: descend from the graded pattern
-            through the simulator (the thesis' loop), drape what it ends at, and deform that onto the scan.
+        method: `hybrid`, the default, recovers pattern and cloth: grade, drape, deform onto the scan, refit the pattern
+            to the deformed mesh and through the simulator, and drape it again as the simulation mesh. `deform` stops at
+            the detail mesh, in under half the time. `inverse` descends from the graded pattern through the simulator
+            (the thesis' loop), drapes the resulting pattern, and deforms that onto the scan.
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.
-        fabric: Name of a shipped fabric, a fabric itself (an imported one is looked up when the job is asked for), or
-            None for `DEFAULT_FABRIC`.
+        fabric: Name of a shipped fabric, a fabric (imported: looked up when queued), or None for `DEFAULT_FABRIC`.
         units: A name of `UNITS`, of the scan's and body's file, or None to find it.
         up: `y` or `z` of the file, or None to find it.
-        vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
-            scan are still resolved and a Newton step takes about 0.2 s.
-        seed: Seeds the surface samples of the metrics; nothing else is random.
+        vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, which still resolve
+            the folds of a scan, and Newton steps of about 0.2 s.
+        seed: Seed of the surface samples of the metrics; nothing else is random.
         keep: Labels of a dressed person's scan that are the garment, separated by commas (`upper,sleeve`), or None.
         labels_key: Name of the array with the labels in a label file of several, or None to find it.
         keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.
         colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
-            and soft shadows, while skin lies 150 from denim.
-        lock: What the inverse fit takes as given, separated by commas, or None: `fabric` keeps the named fabric,
-            `panel:NAME` keeps a panel as it was graded, `point:PANEL/INDEX` a control point (that at which edge INDEX
-            begins, from 0), each with its mirror image; `symmetry` says what holds anyway.
-        free: What grading and fit may do beyond the default, or None: `symmetry` lets left and right differ. A garment
-            that is cut symmetric is found better with symmetry kept: noise and folds are not.
-        parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None. Left
-            out of a stored request where it is None: equal orders of releases that did not have it are the same job.
+            and soft shadows, while skin is 150 from denim.
+        lock: What the fit keeps as given or graded, comma-separated, or None: `fabric`, `panel:NAME`,
+            `point:PANEL/INDEX` (the point where edge INDEX begins, from 0), and mirror images; `symmetry`: the default.
+        free: What grading and fit may change beyond the default, or None: `symmetry` lets left and right differ. A
+            garment that is cut symmetric is recovered better with symmetry kept: noise and folds are not symmetric.
+        parts: Choices of parts of the cut that overrule the scan, `neckline=v,sleeve=long`, or None. Left out of a
+            stored request where None, so that equal orders of releases without it are the same job.
         keep_cut: True leaves every panel with the seams and darts of its base pattern; otherwise `hybrid` adds a dart
             where a panel cannot be isometric to the scan, and closes a needless one. Left out as `parts` is.
-        cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
-            garment does, and are not taken for skin.
+        cloth: Labels of a dressed person's other clothes, by commas, or None: they hide the body and are no skin.
     """
 
     method: str = "hybrid"
@@ -81,7 +78,7 @@ class RecoverySettings:
 
         Raises:
             SettingsBad: where one is outside its list or range.
-            PartUnknown: where a part or a choice of it is none there is.
+            PartUnknown: where a part or a choice of it does not exist.
         """
         if self.method not in METHODS:
             raise SettingsBad(f"method '{self.method}' is not one of {', '.join(METHODS)}.")
@@ -92,7 +89,7 @@ class RecoverySettings:
         if self.keep is not None and not self.kept_labels:
             raise SettingsBad(f"keep '{self.keep}' names no label; give one, or several separated by commas.")
         if self.keep is not None and self.keep_colour is not None:
-            raise SettingsBad("keep and keep_colour exclude each other; tell the garment by labels or by colour.")
+            raise SettingsBad("keep and keep_colour exclude each other; select the garment by labels or by colour.")
         for word in self.locks:
             if not _LOCK.fullmatch(word):
                 raise SettingsBad(f"lock '{word}' is none of fabric, symmetry, panel:NAME, point:PANEL/INDEX.")
@@ -101,7 +98,7 @@ class RecoverySettings:
         if self.free in self.locks:
             raise SettingsBad(f"'{self.free}' cannot be locked and free.")
         if self.parts is not None:
-            from ..garment.parts.cut import Cut  # not for everybody who has settings: patterns bring numba
+            from ..garment.parts.cut import Cut  # imported here, for patterns import numba
 
             Cut().choose(self.chosen_parts)
         if not 0.0 < self.colour_tolerance <= 442.0:
@@ -119,7 +116,7 @@ class RecoverySettings:
         return parse_parts(self.parts or "")
 
     def overrule_parts(self, own: str | None) -> str | None:
-        """Return the choices of parts with those of one garment, `neckline=v`, before those for all."""
+        """Return the choices of parts, those of one garment (`neckline=v`) before those for all."""
         if own is None:
             return self.parts
         words = [word.strip() for word in own.split(",")]

@@ -1,4 +1,4 @@
-"""What a recovery starts from: the files, the wearer, the named contours and the base pattern."""
+"""Read the inputs of a recovery: files, wearer, named contours and base pattern."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def read_case(request: Request, clock: Clock) -> Case:
 
 
 def choose_base(case: Case) -> RecoveryState:
-    """Return what the steps begin with: the base pattern, the wearer and the cloth as they are given.
+    """Return the state before the first step: the base pattern, and wearer and cloth as given.
 
     Raises:
-        LockUnknown: where a lock names nothing of the base pattern, now, not after the drape.
+        LockUnknown: where a lock names nothing of the base pattern; checked here, before the costly steps.
     """
     settings = case.settings
     choice = find_template(case.request, case.seen, case.body)
@@ -57,7 +57,7 @@ def choose_base(case: Case) -> RecoveryState:
 def find_template(request: Request, target: Target, body: Body) -> Choice:
     """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
 
-    One that is not given is shared out between front and back as the scan's hems say (`share_by_hems`).
+    A library pattern is split between front and back as the scan's hems show (`share_by_hems`).
 
     Raises:
         PartsConflict: where parts are chosen for a pattern file, or they cannot be sewn to each other.
@@ -79,10 +79,10 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
 
 
 def check_category(name: str) -> str:
-    """Return the category back if there is one of that name.
+    """Return a category's name unchanged if it exists.
 
     Raises:
-        SettingsBad: where there is none.
+        SettingsBad: where it does not.
     """
     if name not in CATEGORIES:
         raise SettingsBad(f"garment '{name}' is not one of {', '.join(CATEGORIES)}.")

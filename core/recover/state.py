@@ -1,4 +1,4 @@
-"""One garment on its way from the base pattern to the result: the value that every step of a recovery improves."""
+"""Define the recovery state, the value that every step of a recovery improves."""
 
 from __future__ import annotations
 
@@ -23,28 +23,27 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class RecoveryState:
-    """Describe what is recovered of a garment so far.
+    """Describe what has been recovered of a garment so far.
 
     Attributes:
         template: Name of the base pattern.
-        base: The base pattern, with the panels and darts of the garment's: gives symmetry, proportions, gathered seams.
-        target: What the garment has to reach: the seen surface, completed where another garment hides it.
-        wearer: The body, raised to where the cloth rests on it once a step has found out.
-        fabric: The cloth, as it is known by now.
-        garment: The mesh of the pattern as it is by now, nodes where the last step left them; None before it is worn.
+        base: The base pattern with the garment's present panels and darts; gives symmetry, proportions, gathered seams.
+        target: The surface to reach: the seen surface, completed where another garment hides it.
+        wearer: The body; raised to where the cloth rests on it once a step has estimated the offset.
+        fabric: The present estimate of the cloth.
+        garment: The mesh of the present pattern, nodes as the last step left them; None before dressing.
         graded: The graded pattern's mesh, nodes at its drape; None before that.
-        drape: The equilibrium behind it.
-        laid: Its nodes on the target, where the sliding of a pattern with free curves left them [m], shape
-            [node_count, 3]; None for others, and where hanging arms hide so much cloth that layers of it would lie in
-            each other.
-        meshes: Nodes of the meshes that are delivered; None before the garment was registered.
-        simulated: The equilibrium behind `meshes.simulation`, or None.
-        redrape: The equilibrium behind `meshes.redraped`, or None.
-        estimates: What is known of each parameter of the fabric; empty where none was fitted.
-        nearest: Fabrics of the library that bend most alike, by name; empty likewise.
+        drape: The equilibrium of `graded`.
+        laid: The garment's nodes [m], shape [node_count, 3], on the target, from the sliding of a pattern with free
+            curves. None for other patterns, and where hanging arms hide so much cloth that its layers would cross.
+        meshes: Nodes of the delivered meshes; None before registration.
+        simulated: The equilibrium of `meshes.simulation`, or None.
+        redrape: The equilibrium of `meshes.redraped`, or None.
+        estimates: Estimate of each fabric parameter; empty where none was fitted.
+        nearest: Names of the library's fabrics with the most similar bending; empty where none was fitted.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
         corners: Corners that the scan proves where the base pattern is smooth.
-        findings: What the steps found, in their order.
+        findings: What the steps found, in order.
     """
 
     template: str
@@ -72,23 +71,23 @@ class RecoveryState:
 
     @property
     def pattern(self) -> Pattern:
-        """Return the pattern as it is by now: the base pattern's before it was graded."""
+        """Return the present pattern: the base pattern before dressing."""
         return self.base if self.garment is None else self.garment.pattern
 
     def with_findings(self, *findings: Finding) -> RecoveryState:
-        """Return the state with more that was found."""
+        """Return the state with further findings."""
         return replace(self, findings=(*self.findings, *findings))
 
     def with_notes(self, *messages: str) -> RecoveryState:
-        """Return the state with more that the user should know."""
+        """Return the state with further notes to the user."""
         return self.with_findings(*map(note, messages))
 
 
 def made(value: T | None) -> T:
-    """Return what an earlier step has made.
+    """Return a value that an earlier step has set.
 
     Raises:
-        LookupError: where it has not: the steps of a method stand in a wrong order.
+        LookupError: where it is None: the method lists its steps in a wrong order.
     """
     if value is None:
         raise LookupError("a step runs before the one that makes what it starts from")

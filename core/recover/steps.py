@@ -1,7 +1,6 @@
-"""The steps of a recovery: each takes what is known by then and returns a better state.
+"""Define the steps of a recovery, functions `(case, state, clock) -> state` that return an improved state.
 
-A step is a function `(case, state, clock) -> state`. It times its stages by the clock, and adds what it finds to the
-state's findings. `METHODS` (`methods.py`) puts steps in a row.
+A step times its stages by the clock and adds its findings to the state; `methods.py` lists each method's steps.
 """
 
 from __future__ import annotations
@@ -42,11 +41,11 @@ Step = Callable[[Case, RecoveryState, Clock], RecoveryState]
 
 GRADING_ITERATIONS = 2
 """Number of times that the pattern is graded: the second starts from the mesh of the first on the target and removes
-what symmetry and seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
+what symmetry and seams left over; a third moved no panel of the patterns tested by more than 1 mm."""
 
 
 def complete(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-    """Complete a target that ends where another garment hides it; others stay."""
+    """Complete a target that ends where another garment hides it; return the state unchanged for other targets."""
     if state.target.hidden is None:
         return state
     with clock.stage("template", "completing what another garment hides") as hooks:
@@ -68,21 +67,14 @@ def dress(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 
 
 def _dress(case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
-    """Return the base pattern on the wearer, to be graded.
-
-    A maker's own is eased where it would hang too low: its seams creep from where they lie, so they have to lie right;
-    those of tops and of the library slide.
-    """
+    """Return the base pattern on the wearer, eased where seams that move by small steps would hang too low."""
     is_eased = not case.has_free_curves and needs_easing(state.base, state.target.category)
     settings = DrapeSettings().eased() if is_eased else DrapeSettings()
     return drape_template(state.base, state.wearer, state.target, settings=settings, hooks=hooks)
 
 
 def grade(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-    """Grade the worn base pattern to the target; slide its seams, and shape its curves, to where the cloth has them.
-
-    The garment then lies on the target, its front with darts where only they make the cloth as pointed as it is.
-    """
+    """Grade the worn base pattern to the target, slide its seams and shape its curves to the cloth, add bust darts."""
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
         worn, target, body = made(state.garment), state.target, state.body
         for _ in range(GRADING_ITERATIONS):
@@ -102,7 +94,7 @@ def grade(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 
 
 def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-    """Drape the graded pattern on the wearer, in motion where only that explains the scan."""
+    """Drape the graded pattern on the wearer; in rotation where only that explains the scan."""
     slid, target = made(state.garment), state.target
     with clock.stage("drape", "draping the graded pattern") as hooks:
         settings, count = DrapeSettings(apart=has_hanging_sleeves(target, case.body)), case.settings.vertex_count
@@ -122,10 +114,9 @@ def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Deform the garment onto the scan, and make the curves of its pattern fair.
 
-    **Deviation** from thesis chapter 4, which begins with the drape: but for the preset `thesis` it also begins where
-    the sliding of the seams left the cloth, and the nearer result is taken. On the target its folds are the target's,
-    but lie in each other where the target does not show them; a drape is clear of itself, but full skirts hang in other
-    folds, 15 mm off.
+    **Deviation** from thesis chapter 4, which starts from the drape: unless the preset is `thesis`, a second
+    registration starts from the slid seams' nodes, and the nearer result is taken. Those nodes have the target's folds
+    but cross where the target does not show them; a drape does not cross, but full skirts have other folds, 15 mm off.
     """
     garment, graded, simulation = made(state.garment), made(state.graded), None
     starts = {"from the drape": garment}
@@ -139,7 +130,7 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
         }
         detail = choose_best("registration", found, lambda one: surface_rms(garment.at(one.nodes), state.target), hooks)
     nodes = garment.nodes
-    if state.simulated is not None:  # a fit has moved the pattern since it was graded
+    if state.simulated is not None:  # a fit has changed the pattern since grading
         nodes, simulation = resample(graded, graded.nodes, garment), garment.nodes
     reference = fit_reference(case, state)
     corners = prove_corners(garment, detail.nodes, case.seen, reference)
@@ -151,16 +142,16 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 
 @dataclass(frozen=True)
 class FitShape:
-    """The step that refits the pattern to the registered cloth by isometry and through the simulator.
+    """Refit the pattern to the registered cloth, by isometry and through the simulator.
 
     Attributes:
-        settings: How to fit through the simulator.
+        settings: Settings of the fit through the simulator.
     """
 
     settings: ShapeSettings = field(default_factory=ShapeSettings)
 
     def __call__(self, case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-        """Return the fitted pattern; where the fit fails, the graded one with a note that says why."""
+        """Return the fitted pattern; where the fit fails, the graded one with a note of the reason."""
         with clock.stage("fit", "fitting the pattern through the simulator") as hooks:
             try:
                 return fit_pattern(case, state, self.settings, hooks)
@@ -174,7 +165,7 @@ class FitShape:
 
 @dataclass(frozen=True)
 class Descend:
-    """The step that descends from the graded pattern through the simulator (the thesis' loop).
+    """Descend from the graded pattern through the simulator (the thesis' loop).
 
     Attributes:
         settings: Weights and steps of the descent.
@@ -183,13 +174,13 @@ class Descend:
     settings: InverseSettings = field(default_factory=InverseSettings)
 
     def __call__(self, case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-        """Return the pattern and fabric that were descended to."""
+        """Return the state with the pattern and fabric at the end of the descent."""
         with clock.stage("fit", "descending through the simulator") as hooks:
             return fit_inverse(case, state, self.settings, hooks)
 
 
 def drape_anew(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
-    """Drape a fitted pattern from its rest placement, in the graded drape's rotation if any; others stay."""
+    """Drape a fitted pattern from its rest placement, in the graded drape's rotation if any; else change nothing."""
     meshes, garment = made(state.meshes), made(state.garment)
     if meshes.simulation is None:
         return state

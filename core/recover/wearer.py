@@ -1,4 +1,4 @@
-"""Find the wearer of a request: a body's file, a built-in body, or who is in the scan."""
+"""Find the wearer of a request: a body file, a built-in body, or the person in the scan."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a recovered garment is used for: worn by other bodies, animated, edited."""
+"""Uses of a recovered garment: on other bodies, animated, edited."""

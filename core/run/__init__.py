@@ -1,1 +1,1 @@
-"""How a calculation runs: progress, clock, checkpoints, limited processes, records, errors; nothing of garments."""
+"""Running a calculation: progress, clock, checkpoints, limited processes, records, errors; without garments."""

@@ -1,4 +1,4 @@
-"""Choose between alternatives that were all tried."""
+"""Choose the best of several candidates."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from .hooks import Hooks
 T = TypeVar("T")
 
 Score = float | tuple[float, ...]
-"""Scores are compared as Python compares them: of tuples the first difference decides."""
+"""A score; tuples are compared by their first difference, as Python does."""
 
 
 def choose_best(question: str, candidates: Mapping[str, T], score: Callable[[T], Score], hooks: Hooks) -> T:
     """Return the candidate with the lowest score, the first of equal ones, and report all scores.
 
-    A candidate that stands alone is taken without its score being computed.
+    A single candidate is returned without computing its score.
 
     Args:
-        question: What is chosen, as the manifest names it.
-        candidates: By the names that the manifest shows.
-        score: Measures one of them; smaller is better.
-        hooks: Take the finding.
+        question: What is chosen, as named in the manifest.
+        candidates: By their names in the manifest.
+        score: Computes the score of one of them; smaller is better.
+        hooks: Receive the finding.
 
     Raises:
         ValueError: where there is no candidate.
@@ -41,7 +41,7 @@ def choose_best(question: str, candidates: Mapping[str, T], score: Callable[[T],
 
 
 def _round(score: Score) -> float | list[float | None] | None:
-    """Return a score with four digits, as JSON values: what is not finite as None."""
+    """Return a score with four digits, as JSON values: None where it is not finite."""
     if isinstance(score, tuple):
         return [_round_one(one) for one in score]
     return _round_one(score)

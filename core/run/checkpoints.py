@@ -1,7 +1,7 @@
-"""Checkpoints: frozen dataclasses as plain arrays and back, bound to the input that they were computed from.
+"""Checkpoints: frozen dataclasses as plain arrays and back, bound to the input from which they were computed.
 
-A stage that goes on where a killed run stopped calls `load` first and `save` after each round. What was kept by other
-code (another set of fields), of another input, or is not whole is ignored: the stage then starts anew.
+A stage that may resume a killed run calls `load` first and `save` after each iteration. A checkpoint of another set of
+fields or of another input, or an incomplete one, is ignored: the stage then starts anew.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .hooks import Arrays, Hooks
 T = TypeVar("T")
 
 FORMAT_KEY, INPUTS_KEY = "format", "inputs"
-"""Keys beside the fields: a hash of the type's structure, and of what the content was computed from."""
+"""Keys in addition to the fields: hashes of the type's structure and of the inputs."""
 
 _NUMBERS: dict[Any, type] = {bool: np.bool_, int: np.int64, float: np.float64}
 
@@ -31,19 +31,19 @@ class IncompleteCheckpoint(ValueError):
 
 
 def save(hooks: Hooks, name: str, state: Any, *inputs: Any) -> None:
-    """Keep a dataclass under a name.
+    """Save a dataclass under a name.
 
     Args:
-        hooks: Keep the arrays.
-        name: Of the checkpoint.
-        state: What to keep.
-        inputs: Arrays and numbers that `state` was computed from.
+        hooks: Store the arrays.
+        name: Name of the checkpoint.
+        state: The dataclass.
+        inputs: Arrays and numbers from which `state` was computed.
     """
     hooks.save_checkpoint(name, {**pack(state), INPUTS_KEY: _write(_digest(inputs))})
 
 
 def load(hooks: Hooks, name: str, kind: type[T], *inputs: Any) -> T | None:
-    """Return what an earlier run of the job kept under a name, or None where nothing fits type and inputs."""
+    """Return what an earlier run of the job saved under a name, or None where nothing fits type and inputs."""
     kept = hooks.load_checkpoint(name)
     if kept is None or not np.array_equal(kept.get(INPUTS_KEY, ()), _write(_digest(inputs))):
         return None
@@ -54,7 +54,7 @@ def pack(value: Any) -> dict[str, np.ndarray]:
     """Return a dataclass as arrays by dotted names.
 
     Fields may be arrays, numbers, texts, enums, dataclasses of such, tuples and dictionaries of one kind of them, and
-    each of them or None; a dictionary of any values by text holds JSON values.
+    each of them or None; a dictionary of any values by text has JSON values.
 
     Raises:
         TypeError: where a field is of another type.
@@ -65,7 +65,7 @@ def pack(value: Any) -> dict[str, np.ndarray]:
 
 
 def unpack(kind: type[T], arrays: Arrays) -> T | None:
-    """Return the dataclass that was packed, or None where the arrays are another type's, another version's or cut."""
+    """Return the packed dataclass, or None where the arrays are another type's, another version's or incomplete."""
     left = dict(arrays)
     try:
         if _read(left.pop(FORMAT_KEY)) != fingerprint(kind):
@@ -77,7 +77,7 @@ def unpack(kind: type[T], arrays: Arrays) -> T | None:
 
 
 def fingerprint(kind: type) -> str:
-    """Return a hash of a type's fields, their names and types, all the way down."""
+    """Return a hash of a type's fields, their names and types, recursively."""
     return hashlib.sha256(_describe(kind).encode()).hexdigest()
 
 
@@ -140,7 +140,7 @@ def _take(kind: Any, at: str, arrays: dict[str, np.ndarray]) -> Any:
         return tuple(_take(hint, f"{at}.{index}", arrays) for index, hint in enumerate(hints))
     if _is_json(kind) and at in arrays:
         return json.loads(_read(arrays.pop(at)))
-    if get_origin(kind) in (dict, Mapping):  # of JSON values, too: 0.1.0 kept none but empty ones, and as others
+    if get_origin(kind) in (dict, Mapping):  # also of JSON values, as 0.1.0 stored empty ones
         keys, values = map(_many, get_args(kind))
         return dict(zip(_take(keys, f"{at}:", arrays), _take(values, at, arrays), strict=True))
     if kind in _NUMBERS:
@@ -153,7 +153,7 @@ def _take(kind: Any, at: str, arrays: dict[str, np.ndarray]) -> Any:
 
 
 def _is_json(kind: Any) -> bool:
-    """Return whether a type is a dictionary of JSON values."""
+    """Check whether a type is a dictionary of JSON values."""
     return get_origin(kind) in (dict, Mapping) and get_args(kind) == (str, Any)
 
 
@@ -166,7 +166,7 @@ def _optional(kind: Any) -> Any | None:
 
 
 def _many(kind: Any) -> Any:
-    """Return the type of a tuple of any length of a type."""
+    """Return the type of a tuple of any length with items of one type."""
     return types.GenericAlias(tuple, (kind, ...))
 
 

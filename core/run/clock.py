@@ -1,4 +1,4 @@
-"""Stages of a run: CPU seconds of each, and progress under its name."""
+"""Measure CPU seconds of each stage of a run, and report progress by stage."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def peak_mb() -> float:
 
 
 class Clock:
-    """Measure CPU seconds by stage, tell the hooks which stage runs, and collect what stages find."""
+    """Measure CPU seconds by stage, report the running stage to the hooks, and collect findings."""
 
     def __init__(self, hooks: Hooks = SILENT_HOOKS) -> None:
         self.hooks = replace(hooks, on_finding=self._collect)
@@ -34,7 +34,7 @@ class Clock:
 
     @contextmanager
     def stage(self, name: str, message: str) -> Iterator[Hooks]:
-        """Time one stage, which may be entered again; the hooks handed out report fractions under its name."""
+        """Time one stage, which may be entered again; the hooks that it yields report progress under its name."""
         self.hooks.progress(name, 0.0, message)
         before = time.process_time()
         yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
@@ -45,7 +45,7 @@ class Clock:
         self._found.append(finding)
 
     def take_findings(self) -> tuple[Finding, ...]:
-        """Return what was found since the last call."""
+        """Return the findings since the last call."""
         found, self._found = tuple(self._found), []
         return found
 

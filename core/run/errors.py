@@ -1,4 +1,4 @@
-"""The base of every error that a user may see: a stable code, and a message that names the next step."""
+"""Base classes of errors that a user may see, with a stable code and a message that has the next step."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from __future__ import annotations
 class GarmentqError(Exception):
     """Something went wrong inside garmentq; please report it with the log.
 
-    Each subclass has a stable `code` (`room.reason`), stored with a failed job and printed by the command line, and
-    takes its docstring's first line as the message when none is given. The message names the next step for the user.
+    Each subclass has a stable `code` (`room.reason`), stored with a failed job and printed by the command line. The
+    default message is the first line of its docstring, and has the user's next step.
     """
 
     code = "garmentq.error"
@@ -28,7 +28,7 @@ class BadInput(GarmentqError):
 
 
 class Unavailable(GarmentqError):
-    """Something that the service needs is away or full; it waits for it, and tries again by itself."""
+    """Something that the service needs is away or full; the service tries again by itself."""
 
     code = "service.unavailable"
 
@@ -46,8 +46,6 @@ class Cancelled(GarmentqError):
 
 
 def keep_printable(text: str) -> str:
-    """Return a text on one line without escapes, reversed writing or broken letters: each becomes `?`.
-
-    Names out of a user's file stand in messages; a database refuses some of these letters, and a terminal obeys others.
-    """
+    """Return a text on one line with each escape, reversed writing or broken letter replaced by `?`. Messages have
+    names from users' files; a database refuses some of these letters, and a terminal executes others."""
     return "".join(letter if letter.isprintable() else "?" for letter in text)

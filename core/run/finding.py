@@ -1,4 +1,4 @@
-"""What the steps of a calculation find beside its result."""
+"""Findings of the steps of a calculation, in addition to its result."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 
 class FindingKind(StrEnum):
-    """Describe what a finding is of, in the order in which a report shows them."""
+    """Describe the kind of a finding, in the order of a report."""
 
     NOTE = "note"
-    """What the user should know."""
+    """Information for the user."""
     CUT = "cut"
     """A cut of the library that was compared with the scan."""
     PANEL_CHANGE = "panel_change"
@@ -24,13 +24,13 @@ class FindingKind(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """Describe one thing that a step found.
+    """Describe one finding of a step.
 
     Attributes:
-        kind: What it is of.
-        message: One sentence for the user; empty where it only stands in the manifest.
+        kind: Its kind.
+        message: One sentence for the user; empty for a finding that is only in the manifest.
         value: Its figure, or None.
-        evidence: What the manifest holds of it, as JSON values.
+        evidence: Its entry in the manifest, as JSON values.
     """
 
     kind: FindingKind
@@ -40,5 +40,5 @@ class Finding:
 
 
 def note(message: str) -> Finding:
-    """Return what the user should know as a finding."""
+    """Return a message to the user as a finding."""
     return Finding(FindingKind.NOTE, message)

@@ -1,4 +1,4 @@
-"""What a stage may ask of whoever runs it: show progress, stop when told to, keep and find a checkpoint."""
+"""The calls of a running stage to its surroundings: progress, cancellation, checkpoints, findings."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ def _no_report(finding: Finding) -> None:
 
 @dataclass(frozen=True)
 class Hooks:
-    """Carry the calls that a running stage makes to its surroundings.
+    """Describe the calls that a running stage makes to its surroundings.
 
     Attributes:
         on_progress: Called with (stage, fraction in 0..1, message).
-        is_cancelled: Asked between iterations; True stops the stage within one of them.
-        save_checkpoint: Keep named arrays under a name; a later run of the same job finds them again.
-        load_checkpoint: The arrays kept under a name, or None.
-        on_finding: Called with what a stage finds beside its result.
+        is_cancelled: Called between iterations; True stops the stage within one of them.
+        save_checkpoint: Stores arrays under a name for a later run of the same job.
+        load_checkpoint: Returns the arrays stored under a name, or None.
+        on_finding: Called with each finding of a stage.
     """
 
     on_progress: Callable[[str, float, str], None] = field(default=_no_progress)
@@ -52,16 +52,16 @@ class Hooks:
     on_finding: Callable[[Finding], None] = field(default=_no_report)
 
     def progress(self, stage: str, fraction: float, message: str = "") -> None:
-        """Report progress of a stage and raise `Cancelled` if the job was cancelled meanwhile."""
+        """Report progress of a stage; raise `Cancelled` if the job was cancelled meanwhile."""
         self.on_progress(stage, float(min(max(fraction, 0.0), 1.0)), message)
         self.check()
 
     def report(self, finding: Finding) -> None:
-        """Hand over what was found beside the result."""
+        """Report a finding."""
         self.on_finding(finding)
 
     def quiet(self) -> Hooks:
-        """Return the same hooks without the progress: for a stage within a stage, whose fractions would jump."""
+        """Return the same hooks without progress, for a stage within a stage, whose fractions would jump."""
         return replace(self, on_progress=_no_progress)
 
     def check(self) -> None:

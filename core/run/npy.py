@@ -1,4 +1,4 @@
-"""Read one array of an untrusted `.npy` file or `.npz` entry: judged by its header, never unpickled."""
+"""Read one array of an untrusted `.npy` file or `.npz` entry; its header is checked first, and nothing is unpickled."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import IO
 import numpy as np
 
 NPY_READ_BLOCK_BYTES = 1024**2
-"""Size of one read [bytes]: reading a compressed entry at once takes the square of the time."""
+"""Size of one read [bytes]: reading a compressed entry at once takes quadratic time."""
 
 
 def read_array(file: IO[bytes], judge: Callable[[tuple[int, ...], np.dtype], None]) -> np.ndarray:
-    """Read an array whose shape and type are judged before memory is taken.
+    """Read an array whose shape and type are checked before memory is allocated.
 
     Args:
         file: Open at the array's magic.
         judge: Raises where the shape or type is not acceptable.
 
     Raises:
-        ValueError: where the version is unknown, the array holds objects, or the file ends before it.
+        ValueError: where the version is unknown, the array has objects, or the file ends too early.
     """
     version = np.lib.format.read_magic(file)
     if version not in ((1, 0), (2, 0)):
@@ -31,7 +31,7 @@ def read_array(file: IO[bytes], judge: Callable[[tuple[int, ...], np.dtype], Non
         raise ValueError("it holds objects")
     size = int(np.prod(shape, dtype=object)) * kind.itemsize
     content = bytearray()
-    while len(content) < size:  # in blocks: one `read` of a compressed entry takes the square of the time
+    while len(content) < size:  # in blocks: one `read` of a compressed entry takes quadratic time
         block = file.read(min(NPY_READ_BLOCK_BYTES, size - len(content)))
         if not block:
             raise ValueError("it is shorter than its header says")

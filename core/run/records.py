@@ -1,4 +1,4 @@
-"""A frozen dataclass as a file of plain arrays: what a limited process hands over is not believed, only looked at."""
+"""A frozen dataclass as a file of plain arrays; a file from a limited process is checked before it is used."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def write_record(record: Any, path: Path) -> None:
-    """Write a dataclass as arrays that lie in the file as they are.
+    """Write a dataclass as uncompressed arrays.
 
     Raises:
         TypeError: where a field is of a type that `pack` does not take.
@@ -25,7 +25,7 @@ def write_record(record: Any, path: Path) -> None:
 
 
 def read_record(kind: type[T], path: Path) -> T:
-    """Read a dataclass that a limited process wrote: no pickle, nothing compressed, its fields and no others.
+    """Read a dataclass that a limited process wrote: no pickle, nothing compressed, exactly its fields.
 
     Raises:
         ReaderCrashed: where the file is something else.

@@ -1,4 +1,4 @@
-"""What every result carries beside its data: numbers, verdicts, warnings, cost, and what reproduces it."""
+"""The report of a result: numbers, verdicts, warnings, cost, and what reproduces it."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Metrics = dict[str, float | None]
 
 @dataclass(frozen=True)
 class ResultReport:
-    """Describe one result.
+    """Describe the report of one result.
 
     Attributes:
-        metrics: What was measured.
+        metrics: The measurements.
         gates: The verdicts.
-        warnings: What the user should know, one sentence each.
+        warnings: Warnings for the user, one sentence each.
         stage_seconds: CPU seconds by stage name.
         cpu_seconds: CPU seconds of the whole.
         peak_mb: Largest resident memory of the process [MB].
@@ -39,6 +39,6 @@ class ResultReport:
     def of(
         cls, clock: Clock, metrics: Metrics, gates: Iterable[Gate], warnings: Iterable[str], manifest: dict[str, Any]
     ) -> ResultReport:
-        """Return the report of a calculation that ends now; a warning that is given twice stands once."""
+        """Return the report of a calculation that ends now; repeated warnings are listed once."""
         told = tuple(dict.fromkeys(warnings))
         return cls(metrics, tuple(gates), told, clock.seconds, clock.total, peak_mb(), manifest)

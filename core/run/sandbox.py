@@ -1,8 +1,8 @@
-"""Call one function in a process of its own that may use little: how files from outside are read.
+"""Call one function in a limited process of its own; files from outside are read this way.
 
-The child sees no variable of our environment (no key, no address of a database), runs under limits of memory, CPU time,
-written bytes and open files, without network where the system permits that, and is killed at a deadline. What comes
-back is one JSON object of limited size; larger things are written to a file that the arguments name.
+The child gets no variable of our environment (no key, no address of a database), has limits of memory, CPU time,
+written bytes and open files, no network where the system permits that, and is killed at a deadline. It returns one JSON
+object of limited size; larger results are written to a file that the arguments name.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ from .errors import BadInput, Cancelled, GarmentqError, NotFound, keep_printable
 log = logging.getLogger(__name__)
 
 CHILD_POLL_INTERVAL = 0.1
-"""Interval at which the caller is asked whether the child is still wanted [s]."""
+"""Interval at which `is_stopped` is called [s]."""
 
 MEMORY_EXIT_STATUS = 70
-"""Exit status of a child that ended itself for want of memory."""
+"""Exit status of a child that ended itself for lack of memory."""
 
 ORPHAN_SECONDS = 5
-"""How long a child outlives a deadline at which nobody killed it, since its parent was killed [s]."""
+"""Time after the deadline at which a child ends itself [s]; it is only reached if its parent was killed."""
 
 LONGEST_MESSAGE = 2000
-"""Letters of an error that are kept."""
+"""Largest number of letters of an error's message."""
 
 IsStopped = Callable[[], bool]
-"""Asked now and then during a call; True kills the process."""
+"""Called repeatedly during a call; True kills the process."""
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import answer; answer()"
 _CLONE_NEWNET, _CLONE_NEWUSER = 0x40000000, 0x10000000
@@ -66,22 +66,22 @@ class InputTookTooLong(BadInput):
 
 
 class ReaderCrashed(BadInput):
-    """The reader broke off at this file; export it again from another program, and report it if that does not help."""
+    """The reader crashed at this file; export it again from another program, and report it if that does not help."""
 
     code = "input.reader_crashed"
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bound what a limited process may use.
+    """Describe the limits of a process.
 
     Attributes:
-        memory_bytes: Address space [bytes]; 4 GiB holds the largest mesh that is read, several times over.
+        memory_bytes: Address space [bytes]; 4 GiB are several times enough for the largest mesh that is read.
         cpu_seconds: CPU time [s]; an 80K-vertex scan takes about 2.
         output_bytes: Largest file it may write [bytes].
-        wall_seconds: Time after which it is killed [s], for one that sleeps instead of computing.
+        wall_seconds: Time after which it is killed [s], for a process that sleeps.
         answer_bytes: Largest answer [bytes].
-        files: Files it may hold open.
+        files: Largest number of open files.
     """
 
     memory_bytes: int = 4 * 1024**3
@@ -94,13 +94,8 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a limited process found.
-
-    Attributes:
-        result: The function's value.
-        cpu_seconds: CPU time of the process, its start included [s].
-        peak_mb: Its largest resident memory [MB].
-    """
+    """Describe the answer of a limited process: the function's value, CPU time with the start [s], and peak memory
+    [MB]."""
 
     result: dict[str, Any]
     cpu_seconds: float
@@ -108,7 +103,7 @@ class Answer:
 
 
 def never_stopped() -> bool:
-    """Return that a call goes on."""
+    """Return False: the call continues."""
     return False
 
 
@@ -124,14 +119,14 @@ def call_limited(
     Args:
         function: `package.module:name`; it returns a JSON object.
         arguments: Keyword arguments, JSON values.
-        bounds: What the process may use.
-        is_stopped: Asked now and then; True kills the process.
-        folder: Holds the folder that the process may write to, which is removed afterwards; None: the system's.
+        bounds: The limits of the process.
+        is_stopped: Called repeatedly; True kills the process.
+        folder: Parent of the process's own folder, which is removed afterwards; None: the system's.
 
     Raises:
-        GarmentqError: that the function raised, with its code and message; `BadInput` stays what it is.
+        GarmentqError: as the function raised it, with its code and message; a `BadInput` remains one.
         InputTooLarge, InputTookTooLong, ReaderCrashed: where it met a limit or died.
-        Cancelled: where `is_stopped` said so.
+        Cancelled: where `is_stopped` returned True.
     """
     bounds = bounds or Bounds()
     own = {field.name: getattr(bounds, field.name) for field in fields(Bounds)}
@@ -150,7 +145,7 @@ def call_limited(
                 status = _wait(process, bounds.wall_seconds, is_stopped)
             finally:
                 with suppress(ProcessLookupError, PermissionError):  # macOS: not permitted where only zombies are left
-                    os.killpg(process.pid, signal.SIGKILL)  # also what it started, where it ended by itself
+                    os.killpg(process.pid, signal.SIGKILL)  # also its own children, where it ended by itself
                 process.wait()
             answers.seek(0)
             content = answers.read(bounds.answer_bytes + 1)
@@ -178,7 +173,7 @@ def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: IsStoppe
 
 
 def _parse_answer(status: int, content: bytes, said: str, bounds: Bounds) -> Answer:
-    """Return what a process answered, or raise what it reported or died of; nothing that it wrote is believed."""
+    """Parse a process's answer, without trust in it; raise the error that it reported or of which it died."""
     if status in (MEMORY_EXIT_STATUS, -signal.SIGKILL):
         needed = f"{bounds.memory_bytes >> 20} MiB of memory or {bounds.output_bytes >> 20} MiB written"
         raise InputTooLarge(f"reading needs more than {needed}; decimate the mesh.")
@@ -194,7 +189,7 @@ def _parse_answer(status: int, content: bytes, said: str, bounds: Bounds) -> Ans
             result = found["result"]
             if not isinstance(result, dict):
                 raise ValueError("no object")
-            json.dumps(found, allow_nan=False)  # no database keeps, and no answer shows, what is no number
+            json.dumps(found, allow_nan=False)  # nan and inf are neither stored nor shown
             return Answer(result, float(found["cpu_seconds"]), float(found["peak_mb"]))
     except (ValueError, TypeError, KeyError, RecursionError):
         log.error("a limited process ended with status %d:\n%s", status, said)
@@ -208,7 +203,7 @@ _KINDS: dict[str, type[GarmentqError]] = {"bad_input": BadInput, "not_found": No
 
 
 def _make_error(kind: str, code: str, message: str) -> GarmentqError:
-    """Return an error of the class that has the code, where it is loaded here; of its base class elsewhere."""
+    """Return an error of the class with this code if it is loaded here, else of its base class."""
     base = _KINDS.get(kind, GarmentqError)
     chosen = next((each for each in _subclasses(base) if each.code == code), base)
     error = chosen.__new__(chosen)
@@ -227,9 +222,9 @@ def _subclasses(kind: type[T]) -> Iterator[type[T]]:
 
 
 def answer() -> None:
-    """Answer the one call that standard input holds: what runs in the limited process."""
+    """Run in the limited process: answer the call on standard input."""
     with os.fdopen(os.dup(1), "w", encoding="utf-8") as out:
-        os.dup2(2, 1)  # what a library prints is no answer
+        os.dup2(2, 1)  # a library's prints are not part of the answer
         question = json.load(sys.stdin)
         bounds = Bounds(**question["bounds"])
         _restrict_process(bounds)
@@ -250,7 +245,7 @@ def answer() -> None:
 
 
 def is_memory_short(error: BaseException) -> bool:
-    """Return whether an error is one of memory or room: a library that cannot be mapped fails as an import."""
+    """Check whether an error is for lack of memory or space: a library that cannot be mapped fails as an import."""
     words = str(error).lower()
     return (
         isinstance(error, MemoryError)
@@ -260,7 +255,7 @@ def is_memory_short(error: BaseException) -> bool:
 
 
 def _restrict_process(bounds: Bounds) -> None:
-    """Drop what the process does not need, before it looks at any file."""
+    """Set the limits of this process before it reads any file."""
     if sys.platform == "linux":
         import ctypes
 
@@ -279,7 +274,7 @@ def _restrict_process(bounds: Bounds) -> None:
         _set_limit(name, value)
     hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
     if hard == resource.RLIM_INFINITY or hard > bounds.cpu_seconds:
-        resource.setrlimit(resource.RLIMIT_CPU, (bounds.cpu_seconds, bounds.cpu_seconds + 1))  # the first is told apart
+        resource.setrlimit(resource.RLIMIT_CPU, (bounds.cpu_seconds, bounds.cpu_seconds + 1))  # SIGXCPU, then SIGKILL
     limit_memory(bounds.memory_bytes)
 
 
@@ -290,10 +285,8 @@ def _set_limit(name: int, value: int) -> None:
 
 
 def limit_memory(size: int, by_system: bool = sys.platform != "darwin") -> None:
-    """Limit this process to an address space of `size` bytes, or to as much resident memory where that is not kept.
-
-    macOS takes the limits and does not keep them: there a thread measures and ends the process.
-    """
+    """Limit this process to an address space of `size` bytes, or to as much resident memory where limits have no
+    effect: on macOS a thread measures, and ends the process."""
     if by_system:
         for name in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
             _set_limit(name, size)

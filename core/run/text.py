@@ -1,4 +1,4 @@
-"""Text that can be kept: no database and no file takes NUL or half of a surrogate pair."""
+"""Texts that can be stored: databases and files accept neither NUL nor half of a surrogate pair."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from typing import Any
 from .errors import BadInput
 
 UNSTORABLE_CHARACTERS = re.compile("[\x00\ud800-\udfff]")
-"""NUL, which PostgreSQL refuses, and lone surrogates, which no UTF-8 has; JSON can write both."""
+"""NUL, which PostgreSQL refuses, and lone surrogates, which UTF-8 does not have; JSON can write both."""
 
 
 class TextBad(BadInput):
-    """A text holds NUL or half of a surrogate pair, which nothing can keep; leave it out, and write UTF-8."""
+    """A text has NUL or half of a surrogate pair, which cannot be stored; leave it out, and write UTF-8."""
 
     code = "text.bad"
 
 
 class JsonTextBad(ValueError):
-    """Raised where JSON holds a text that nothing can keep; who reads the file has a code for what is wrong with it."""
+    """Raised where JSON has a text that cannot be stored; the file's reader raises an error with its own code."""
 
 
 def read_json(source: str | bytes, **options: Any) -> Any:
     """Return the JSON value of a file, as `json.loads` with its options does.
 
     Raises:
-        JsonTextBad: where a text in it cannot be kept.
-        ValueError, RecursionError: where it is no JSON.
+        JsonTextBad: where a text in it cannot be stored.
+        ValueError, RecursionError: where it is not JSON.
     """
     found = json.loads(source, **options)
     is_plain = isinstance(source, str) and "\\u" not in source and not UNSTORABLE_CHARACTERS.search(source)
@@ -38,7 +38,7 @@ def read_json(source: str | bytes, **options: Any) -> Any:
 
 
 def has_unstorable_text(value: Any) -> bool:
-    """Return whether a text, or any name or text in JSON values, holds what nothing can keep."""
+    """Check whether a text, or any name or text in JSON values, cannot be stored."""
     waiting = [value]
     while waiting:
         one = waiting.pop()

@@ -1,4 +1,4 @@
-"""The units of length in which a file may be."""
+"""Units of length of files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ UNITS: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "f
 """Metres in one unit, exact (international inch and foot), the usual ones first."""
 
 METRIC = ("m", "cm", "mm")
-"""Those that a garment or body may be in without its file's user saying so."""
+"""Units that are recognised by a garment's or body's size."""
 
 MM_PER_M = 1e3
-"""Millimetres in a metre, for what is shown to people."""
+"""Millimetres in a metre, for display."""

@@ -8,24 +8,24 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """Describe what a result may be used for, from best to worst."""
+    """Describe whether a result may be used, from best to worst."""
 
     PASS = "pass"
-    """As it is."""
+    """May be used as it is."""
     DOUBTFUL = "doubtful"
-    """After somebody looked at it."""
+    """May be used after a check by a person."""
     FAIL = "fail"
-    """Not before what the message names was mended."""
+    """Must not be used before the problem in the message is solved."""
 
 
 @dataclass(frozen=True)
 class Gate:
-    """Judge one quality of a result.
+    """Describe the verdict on one quality of a result.
 
     Attributes:
         name: Stable name, `penetration`.
-        verdict: What the value means.
-        value: What was measured.
+        verdict: The verdict on the value.
+        value: The measured value.
         limit: Where `fail` begins.
         message: One sentence with the next step.
     """

@@ -1,1 +1,1 @@
-"""From an untrusted file to a checked `Scan`."""
+"""Read an untrusted file and return a checked `Scan`."""

@@ -1,8 +1,8 @@
-"""Find the person in a scan: floor, walls, stands, clutter and flyers go, and are told.
+"""Find the person in a scan, drop floor, walls, stands, clutter and flyers, and note what was dropped.
 
-All is decided on samples that are uniform over the surface, so that meshes and clouds of any density are one case, and
-in shares of the size of what is there, since the unit is not known yet. What looks most like a person by its profile
-stays; a second piece like one stays too, so that nobody is dropped in silence.
+All decisions are made on samples that are uniform over the surface, so that meshes and clouds of any density are one
+case, and in shares of the extent, since the unit is not known yet. The piece whose profile is most like a person's is
+kept; a second such piece is kept too, so that nobody is dropped silently.
 """
 
 from __future__ import annotations
@@ -20,44 +20,39 @@ from .upright import Profile, UprightAxis, find_upright, turn_upright
 CLEANING_SAMPLE_COUNT = 24_000
 """Number of surface samples on which all decisions are made: one every 9 mm of a person."""
 MAX_CLEANING_ITERATIONS = 3
-"""Largest number of iterations, each with new samples of what is left: of a person in a room there are few among the
-first samples."""
+"""Largest number of iterations, each with new samples of what is left: a person in a room has few of the first."""
 MIN_PERSON_SAMPLE_SHARE = 0.5
-"""Share of the samples that belong to the person above which no further iteration follows: thicknesses are shares of
-the extent of what is left, which is then a person's and not a room's."""
+"""Share of the person's samples above which no iteration follows: thicknesses are shares of the extent, which is then a
+person's and not a room's."""
 PERSON_BOX_MARGIN_SHARE = 0.1
-"""Margin around the box of the person's samples within which points stay for the next iteration, as a share of the
-height."""
+"""Margin around the box of the person's samples that is kept for the next iteration, as a share of the height."""
 LINK_SPACING_RATIO = 2.5
 """Distance up to which samples are linked to one piece, in sample spacings: in a random sample of a surface nearly all
-find a neighbour within 1.5, and a hand beyond a hole at the wrist is linked to the arm."""
+have a neighbour within 1.5, and a hand beyond a hole at the wrist is linked to the arm."""
 LINK_DIAGONAL_SHARE = 0.015
-"""Distance up to which samples are linked to one piece whatever their density, as a share of the diagonal: 3 cm of a
-person. A scanner's points lie closer on a face than on a leg."""
+"""Distance up to which samples are linked whatever their density, as a share of the diagonal: 3 cm of a person. A
+scanner's points are denser on a face than on a leg."""
 MAX_PART_GAP_SHARE = 0.04
-"""Distance to the person up to which a smaller piece is the person's, as a share of the person's height: 7 cm of an
-adult. Such pieces are hair, a shoe, a hand beyond a hole."""
+"""Distance up to which smaller pieces (hair, shoes, hands) are the person's, as a share of the height: 7 cm."""
 MIN_SCAN_PIECE_SHARE = 0.002
 """Share of the samples, or of a mesh's area, below which a piece is dropped as flyers: 40 cm2 of a person."""
 MIN_SECOND_PERSON_SHARES = (0.35, 0.6)
-"""Least shares of the first person's surface and diagonal that a second person has: a child beside an adult has 0.4 and
-0.6."""
+"""Least surface and diagonal of a second person over the first one's: a child beside an adult has 0.4 and 0.6."""
 MAX_SECOND_MISFIT_RATIO = 2.0
-"""Largest misfit of a second person over the first one's; boxes and chairs are beyond 3."""
+"""Largest misfit of a second person over the first one's; boxes and chairs have more than 3."""
 MIN_CANDIDATE_PIECE_SHARE = 0.25
 """Share of the largest piece's samples from which on a piece is a candidate for the person."""
 
 
 @dataclass(frozen=True)
 class CleanedScan:
-    """Describe what was kept of a scan.
+    """Describe the part of a scan that is kept.
 
     Attributes:
         kept: True at points of the person, shape [n].
         samples: Points uniform over the person's surface, in the file's unit and axes, shape [m, 3].
-        pieces: Separate pieces of a person's size beside each other, all of them kept.
-        crumbs: Share of the person's points that were dropped since their pieces of the mesh are smaller than
-            `MIN_SCAN_PIECE_SHARE`.
+        pieces: Number of separate pieces of a person's size, all of them kept.
+        crumbs: Share of the person's points dropped because their mesh piece is below `MIN_SCAN_PIECE_SHARE`.
         notes: What was dropped, one sentence each.
     """
 
@@ -74,7 +69,7 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
     Args:
         points: Positions in any unit, shape [n, 3].
         faces: Triangles, shape [f, 3]; of a cloud none.
-        profiles: What people look like, from `build_profiles`.
+        profiles: Profiles of people, from `build_profiles`.
         axes: Axes that may point up.
     """
     kept = np.ones(len(points), bool)
@@ -86,7 +81,7 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
         fate = _transfer_classes(points[rows], samples, judged.fate, judged.link)
         is_last = turn == MAX_CLEANING_ITERATIONS - 1 or judged.own.mean() > MIN_PERSON_SAMPLE_SHARE
         if not is_last:
-            fate[_is_near(points[rows], samples[judged.fate == 0])] = 0  # a look from near decides there
+            fate[_is_near(points[rows], samples[judged.fate == 0])] = 0  # decided in the next iteration
         for number, name in enumerate(SAMPLE_CLASSES[1:], 1):
             counts[name] = counts.get(name, 0) + int((fate == number).sum())
         kept[rows[fate > 0]] = False
@@ -100,12 +95,12 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
 
 
 SAMPLE_CLASSES = ("kept", "floor or walls", "clutter", "flyers")
-"""What becomes of a sample, by its number."""
+"""Names of the classes of samples, by their numbers."""
 
 
 @dataclass(frozen=True)
 class _SampleClassification:
-    """What becomes of each sample, which are the first person's, how many people there are, and how far a link goes."""
+    """Describe each sample's class, which are the first person's, the number of people, and a link's length."""
 
     fate: np.ndarray
     own: np.ndarray
@@ -122,7 +117,7 @@ def _classify_samples(
     for plane in find_planes(samples, normals):
         fate[plane.dropped] = 1
     if (fate == 0).mean() < MIN_SCAN_PIECE_SHARE:
-        fate[:] = 0  # Planes alone are what was scanned, and not what stands around it.
+        fate[:] = 0  # With nothing but planes, these are what was scanned.
     left = np.flatnonzero(fate == 0)
     tree = cKDTree(samples[left])
     spacing = float(np.median(tree.query(samples[left], min(7, len(left)))[0][:, -1]) * np.sqrt(np.pi / 6))
@@ -161,17 +156,14 @@ def _is_second_person(piece: np.ndarray, person: np.ndarray, found: UprightAxis,
 
 
 def _stands_beside(piece: np.ndarray, person: np.ndarray, up: str) -> bool:
-    """Check whether a piece stands beside a person, and is not the upper or lower half that a gap parts from it.
-
-    Beside each other, heights overlap by more than half of the smaller one.
-    """
+    """Check whether a piece is beside a person, not half of one: heights overlap by over half of the smaller one."""
     heights = [turn_upright(points, up)[:, 1] for points in (piece, person)]
     overlap = min(h.max() for h in heights) - max(h.min() for h in heights)
     return bool(overlap > 0.5 * min(float(np.ptp(h)) for h in heights))
 
 
 def _is_part(piece: np.ndarray, person: np.ndarray, reach: float) -> bool:
-    """Return whether a piece lies in the person's box and near the person with most of itself."""
+    """Check whether a piece is in the person's box, and most of it near the person."""
     from scipy.spatial import cKDTree
 
     low, high = person.min(axis=0) - reach, person.max(axis=0) + reach
@@ -182,7 +174,7 @@ def _is_part(piece: np.ndarray, person: np.ndarray, reach: float) -> bool:
 
 
 def _transfer_classes(points: np.ndarray, samples: np.ndarray, fate: np.ndarray, link: float) -> np.ndarray:
-    """Return the fate of each point: that of the nearest sample, or a flyer's where none is near."""
+    """Return the class of each point: the nearest sample's, but flyers for kept ones beyond `link`."""
     from scipy.spatial import cKDTree
 
     distance, nearest = cKDTree(samples).query(points)
@@ -200,9 +192,7 @@ def _is_near(points: np.ndarray, person: np.ndarray) -> np.ndarray:
 
 
 def _find_fragments(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Mark kept points in pieces of the mesh that are smaller than `MIN_SCAN_PIECE_SHARE`, or in no kept face, shape
-    [n].
-    """
+    """Mark kept points in pieces of the mesh below `MIN_SCAN_PIECE_SHARE`, or in no kept face, shape [n]."""
     inside = faces[kept[faces].all(axis=1)] if len(faces) else faces
     if not len(inside):
         return np.zeros(len(points), bool)
@@ -221,9 +211,7 @@ def _describe_dropped(counts: dict[str, int], pieces: int) -> tuple[str, ...]:
 
 
 def sample_surface(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return about `CLEANING_SAMPLE_COUNT` points uniform over what is kept of a mesh or cloud, and their unit
-    normals.
-    """
+    """Return about `CLEANING_SAMPLE_COUNT` points uniform over the kept part of a mesh or cloud, with unit normals."""
     if len(faces):
         faces = faces[kept[faces].all(axis=1)]
     if not len(faces):

@@ -12,16 +12,15 @@ from .columns import as_bytes, find_labels
 
 _BLANKS = str.maketrans(",;", "  ")
 XYZ_COLUMN_COUNTS = (3, 4, 6, 7, 9, 10)
-"""Accepted counts of numbers in a row of an XYZ file: position, then perhaps an intensity, a colour or a normal, or
-both."""
+"""Accepted counts of numbers in a row of an XYZ file: position, then optionally an intensity, a colour and a normal."""
 UNIT_SLACK = 0.05
-"""Three numbers in a row are a normal where their length is 1 within this; rounding to two digits leaves 0.01."""
+"""Deviation of a length from 1 up to which three numbers are a normal; rounding to two digits leaves 0.01."""
 
 
 def parse_pcd(path: Path) -> dict[str, np.ndarray]:
     """Parse a PCD file into `vertices`, `faces` (none), and where it has them `normals`, `colours` and `labels`.
 
-    Points without a position (NaN, as organised clouds have them) stay; the caller drops them.
+    Points without a position (NaN, in organised clouds) are kept; the caller drops them.
     """
     header = read_pcd_header(path)
     with path.open("rb") as file:
@@ -57,7 +56,7 @@ def _read_rows(header: PcdHeader, content: bytes) -> dict[str, np.ndarray]:
 
 
 def _read_compressed(header: PcdHeader, content: bytes) -> dict[str, np.ndarray]:
-    """Read LZF-compressed data, which lie field by field."""
+    """Read LZF-compressed data, which are stored field by field."""
     packed, whole = int.from_bytes(content[:4], "little"), int.from_bytes(content[4:8], "little")
     data = unpack_lzf(content[8 : 8 + packed], whole)
     columns, start = {}, 0
@@ -70,9 +69,9 @@ def _read_compressed(header: PcdHeader, content: bytes) -> dict[str, np.ndarray]
 
 
 def unpack_lzf(packed: bytes, size: int) -> bytes:
-    """Return what LZF packed, `size` bytes.
+    """Decompress LZF data of `size` bytes.
 
-    A byte below 32 is followed by one more literal than it says; else its upper three bits are a length (7: the next
+    A byte below 32 is followed by one more literal than its value; else its upper three bits are a length (7: the next
     byte is added), and the lower five with the byte after it the distance back (M. Lehmann's format).
 
     Raises:
@@ -122,7 +121,7 @@ def _sort_columns(columns: dict[str, np.ndarray], count: int) -> dict[str, np.nd
         arrays["normals"] = np.stack([columns[name].astype(np.float64) for name in normal], axis=1)
     packed = columns.get("rgb", columns.get("rgba"))
     if packed is not None and packed.dtype.itemsize == 4:
-        word = np.ascontiguousarray(packed).view("<u4")  # 0xAARRGGBB, also where the field calls itself a float
+        word = np.ascontiguousarray(packed).view("<u4")  # 0xAARRGGBB, also where the field is declared as a float
         arrays["colours"] = np.stack([word >> 16 & 255, word >> 8 & 255, word & 255], axis=1).astype(np.uint8)
     elif {"r", "g", "b"} <= set(columns):
         arrays["colours"] = np.stack([np.clip(columns[name], 0, 255) for name in "rgb"], axis=1).astype(np.uint8)
@@ -133,10 +132,10 @@ def _sort_columns(columns: dict[str, np.ndarray], count: int) -> dict[str, np.nd
 
 
 def parse_xyz(path: Path) -> dict[str, np.ndarray]:
-    """Parse rows of numbers: x y z, then perhaps a colour (0 to 255, or 0 to 1) or a normal, or one and the other.
+    """Parse rows of numbers: x y z, then optionally a colour (0 to 255, or 0 to 1), a normal, or both in either order.
 
-    Three more numbers are a normal where their lengths are 1 and some are negative or no colour of that length is
-    likely; a fourth or seventh number is an intensity and not kept. A first row that is one number is the count.
+    Three numbers are a normal where more than nine rows in ten have the length 1, else a colour. In rows of 4, 7 or 10
+    numbers the fourth is an intensity, which is dropped. A first row of one number is the count.
     """
     with path.open("r", encoding="latin-1") as file:
         text = file.read()

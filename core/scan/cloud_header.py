@@ -1,4 +1,4 @@
-"""What the files of point clouds claim: the header of a PCD, and the first rows of an XYZ."""
+"""Check the declared content of point clouds: the header of a PCD, and the first rows of an XYZ."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _TYPES = {
 }  # fmt: skip
 _DATA = re.compile(rb"(?m)^DATA[ \t]+(\w+)[ \t]*\r?\n")
 _FIRST_ROWS = 20
-"""Rows of an XYZ that are looked at."""
+"""Number of rows of an XYZ that are checked."""
 _ROW_BYTES = 4096
-"""Most bytes that one point of a PCD has; descriptors of hundreds of numbers beside the position are no scan."""
+"""Largest number of bytes of a point of a PCD; more are descriptors of hundreds of numbers beside the position."""
 _ENCODINGS = ("ascii", "binary", "binary_compressed")
 
 
@@ -29,10 +29,10 @@ class PcdHeader:
     Attributes:
         names: Names of the fields, in the file's order.
         types: numpy's type of each field.
-        counts: Numbers that each field holds of a point.
+        counts: Number of values per point of each field.
         points: Number of points.
         encoding: `ascii`, `binary` or `binary_compressed`.
-        start: Where the data begin [bytes].
+        start: Offset of the data [bytes].
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ def read_pcd_header(path: Path) -> PcdHeader:
     """Read the header of a PCD file.
 
     Raises:
-        ContentMismatch, HeaderBroken: where it is none.
+        ContentMismatch, HeaderBroken: where there is none, or it is not understood.
     """
     name, head = path.name, read_head(path, _DATA)
     end = _DATA.search(head)
@@ -90,10 +90,10 @@ def _area(entries: dict[str, list[str]]) -> int:
 
 
 def check_pcd(path: Path, size: int) -> int:
-    """Check that a PCD file can hold the points that it declares; return their number.
+    """Check that a PCD file is long enough for the points that it declares; return their number.
 
     Raises:
-        BadInput: where it cannot.
+        BadInput: where it is not.
     """
     header = read_pcd_header(path)
     held = size - header.start
@@ -109,10 +109,7 @@ def check_pcd(path: Path, size: int) -> int:
 
 
 def _compressed_bytes(path: Path, header: PcdHeader) -> int:
-    """Return the bytes that compressed data need, by their own two counts, which must agree with the header.
-
-    LZF makes of three bytes 264 at most.
-    """
+    """Return the size of compressed data, after a check of its two counts (LZF expands 3 bytes to 264 at most)."""
     with path.open("rb") as file:
         file.seek(header.start)
         words = file.read(8)
@@ -123,7 +120,7 @@ def _compressed_bytes(path: Path, header: PcdHeader) -> int:
 
 
 def check_xyz(path: Path, head: bytes) -> None:
-    """Check that a file, of which the first bytes are read, begins with rows of numbers, at least three in each.
+    """Check that a file, whose first bytes are `head`, begins with rows of at least three numbers.
 
     Raises:
         ContentMismatch: where it does not.
@@ -143,5 +140,5 @@ def check_xyz(path: Path, head: bytes) -> None:
 
 
 def split_row(row: str) -> list[str]:
-    """Return the words of a row that blanks, commas or semicolons part."""
+    """Split a row at blanks, commas and semicolons."""
     return row.replace(",", " ").replace(";", " ").split()

@@ -1,4 +1,4 @@
-"""A scan's colours as the file has them: at its vertices, or in images by the coordinates of its faces' corners."""
+"""Read a scan's colours: at its vertices, or in images by the coordinates of its faces' corners."""
 
 from __future__ import annotations
 
@@ -41,18 +41,17 @@ class ColoursMissing(BadInput):
 
 @dataclass(frozen=True)
 class ColouredScan:
-    """Describe a scan's surface with the colours of its file; nothing of it is repaired or cut.
+    """Describe a scan's surface with the colours of its file, neither repaired nor cut.
 
     Attributes:
         vertices: Positions [m], y up, shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
         colours: RGB bytes of the vertices, shape [vertex_count, 3], or None.
-        corner_uv: Coordinates in an image from its lower left corner of each face's corners, shape [face_count, 3, 2];
-            no rows where there are no images.
+        corner_uv: Image coordinates, from the lower left, of faces' corners (0: no image), shape [face_count, 3, 2].
         image: Index of each face's image, -1 for none, shape [face_count].
         images: RGB bytes, shape [height, width, 3] each.
-        told: Why a texture that the file names was not read, or an empty text.
-        is_cut: True where the surface was cut out of a person's: near its border it may show another part.
+        told: Reason why a texture that the file names was not read, or an empty text.
+        is_cut: Whether the surface was cut out of a person's: near its border it may show another part.
     """
 
     vertices: np.ndarray
@@ -66,11 +65,11 @@ class ColouredScan:
 
     @property
     def is_coloured(self) -> np.ndarray:
-        """Return which faces have a colour, shape [face_count]."""
+        """Mark the faces that have a colour, shape [face_count]."""
         return np.ones(len(self.faces), dtype=bool) if self.colours is not None else self.image >= 0
 
     def colours_at(self, face: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
-        """Return RGB in 0..255 at places of faces, shape [n] and [n, 3]; of a face without a colour 0; shape [n, 3]."""
+        """Return RGB in 0..255 at places of faces, shape [n] and [n, 3]; 0 on a face without a colour; shape [n, 3]."""
         found = np.zeros((len(face), 3))
         if self.colours is not None:
             found = np.einsum("nk,nkd->nd", barycentric, self.colours[self.faces[face]].astype(np.float64))
@@ -82,7 +81,7 @@ class ColouredScan:
 
 
 def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None) -> ColouredScan:
-    """Read a scan's surface with its colours, in a limited process unless this one is.
+    """Read a scan's surface with its colours in a limited process, which is this one if it is limited already.
 
     Args:
         path: A PLY, OBJ, OFF or GLB file.
@@ -91,7 +90,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
         limits: What reading may cost.
 
     Raises:
-        ColoursMissing: where it has none; the message says why where it names a texture.
+        ColoursMissing: where it has none; the message has the reason where it names a texture.
         BadInput: with a code `scan.*` where it cannot be used.
     """
     if units not in UNITS or up not in AXES_UP:
@@ -127,7 +126,7 @@ def write_coloured(source: str, form: str, target: str) -> dict[str, Any]:
 
 
 def _read_or_refuse(path: Path, form: str) -> ColouredScan:
-    """Read a file; a parser fails in any way on a hostile one, and the user gets one line of it."""
+    """Read a file; raise `Unreadable` with one line of text for any other failure of a parser."""
     try:
         return _read(path, form)
     except BadInput:
@@ -155,7 +154,7 @@ def _read(path: Path, form: str) -> ColouredScan:
 
 
 def _read_obj_images(path: Path, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-    """Return coordinates and image of each face of an OBJ, as `ColouredScan` has them."""
+    """Return coordinates, image of each face and images of an OBJ, as `ColouredScan` has them."""
     uv, corners, materials, libraries = read_corners(path)
     image = np.full(len(faces), -1)
     if not len(uv) or not libraries or not (corners >= 0).any():
@@ -175,7 +174,7 @@ def _read_obj_images(path: Path, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _read_glb(path: Path) -> ColouredScan:
-    """Read all parts of a scene; a part has an image, colours of its vertices or the one of its material."""
+    """Read all parts of a scene; each has an image, vertex colours or the colour of its material."""
     import trimesh
 
     with path.open("rb") as file:
@@ -222,22 +221,13 @@ def _read_glb(path: Path) -> ColouredScan:
 
 
 def _check_pixel_count(images: list[np.ndarray]) -> None:
-    """Refuse images that are too large together.
-
-    Raises:
-        TextureBad: where they are.
-    """
+    """Raise `TextureBad` where images have more than `MAX_TEXTURE_PIXEL_COUNT` pixels together."""
     if sum(image.shape[0] * image.shape[1] for image in images) > MAX_TEXTURE_PIXEL_COUNT:
         raise TextureBad("its textures have more pixels together than are read")
 
 
 def _check(found: ColouredScan) -> None:
-    """Check what a limited process handed over: nothing points outside of what there is.
-
-    Raises:
-        ReaderCrashed: where it does.
-        NotFinite: where a vertex is NaN or infinite.
-    """
+    """Check shapes and indices (`ReaderCrashed`) and vertices (`NotFinite`) from a limited process."""
     faces, count = found.faces, len(found.faces)
     shapes = found.vertices.shape[1:] == (3,) and faces.shape == (count, 3) and found.image.shape == (count,)
     shapes &= found.corner_uv.shape == (count, 3, 2) and faces.dtype.kind == found.image.dtype.kind == "i"
@@ -252,7 +242,7 @@ def _check(found: ColouredScan) -> None:
 
 
 def to_coloured_scan(scan: Scan, is_cut: bool = False) -> ColouredScan:
-    """Return a checked scan's surface with the colours of its vertices; `is_cut` as of `ColouredScan`.
+    """Return a checked scan's surface with its vertex colours; `is_cut` as in `ColouredScan`.
 
     Raises:
         ColoursMissing: where it has none.

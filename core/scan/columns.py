@@ -1,4 +1,4 @@
-"""What the columns of a file's vertices mean: labels by the usual names, colours as bytes."""
+"""Interpret the columns of a file's vertices: labels by the usual names, colours as bytes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
-"""Names under which scanners and labelling tools keep an integer per vertex, in any case."""
+"""Names that scanners and labelling tools give to an integer per vertex, in any case."""
 SCALAR_FIELD_PREFIX = "scalar_"
-"""What CloudCompare puts before the name of a scalar field, which it writes as floats."""
+"""Prefix that CloudCompare adds to the name of a scalar field, which it writes as floats."""
 
 
 def read_fields(rows: Any) -> dict[str, np.ndarray]:
@@ -20,7 +20,7 @@ def read_fields(rows: Any) -> dict[str, np.ndarray]:
 
 
 def find_labels(fields: Mapping[str, np.ndarray], count: int) -> np.ndarray | None:
-    """Return the first column with one of the usual names that holds `count` whole numbers, int64, or None."""
+    """Return the first column with one of the usual names that has `count` whole numbers, int64, or None."""
     for name in LABELS:
         values = np.ravel(fields[name]) if name in fields else np.zeros(0)
         if len(values) == count and count and are_whole(values):
@@ -29,7 +29,7 @@ def find_labels(fields: Mapping[str, np.ndarray], count: int) -> np.ndarray | No
 
 
 def are_whole(values: np.ndarray) -> bool:
-    """Return whether numbers are integers, be they written as floats."""
+    """Check whether numbers are integers, also if they are stored as floats."""
     if values.dtype.kind == "f":
         return bool((np.abs(values) < 2**31).all() and (values == np.round(values)).all())
     return values.dtype.kind in "iu"

@@ -1,4 +1,4 @@
-"""What came out of a parser, held against what the file's header declared."""
+"""Check parsed arrays against the counts that the file's header declares."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .limits import Limits
 
 
 def check_counts(name: str, vertices: np.ndarray, faces: np.ndarray, declared: DeclaredContent, limits: Limits) -> None:
-    """Check how many vertices and faces there are, and that faces refer to vertices that exist.
+    """Check the numbers of vertices and faces, and that faces refer to existing vertices.
 
     Args:
         name: The file's name, for the message.
         vertices: Positions, shape [n, 3].
         faces: Indices, shape [m, 3]; of a cloud there are none.
-        declared: What the header says; a parser may split polygons into more faces than that.
+        declared: Content of the header; a parser may split polygons into more faces than declared.
         limits: What reading may cost.
 
     Raises:

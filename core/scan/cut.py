@@ -10,12 +10,10 @@ from .repair import RepairedMesh, clean_cut
 from .scan import Scan
 
 CUT_SMOOTHING_STD = 0.008
-"""Standard deviation of the average of the labels along the surface before the cut [m]: wider than the triangles of a
-scan (3 to 5 mm), whose zigzag a cut along them would show, and than single wrong labels; narrow beside a shoulder strap
-(3 cm)."""
+"""Standard deviation of the averaging of the labels along the surface before the cut [m]: wider than a scan's triangles
+(3 to 5 mm), whose zigzag would show, and than single wrong labels; narrower than a shoulder strap (3 cm)."""
 MIN_CUT_EDGE_SHARE = 0.1
-"""Least distance of the cut from either end of an edge, as a share of the edge's length, so that no triangle becomes a
-sliver."""
+"""Least distance of the cut from either end of an edge, as a share of the edge's length, to avoid slivers."""
 MAX_CUT_SMOOTHING_ITERATIONS = 60
 """Largest number of averaging iterations; reached only where triangles are smaller than 2 mm."""
 
@@ -23,12 +21,11 @@ MAX_CUT_SMOOTHING_ITERATIONS = 60
 def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     """Return the part of a scan where `cloth` is set, bool, shape [vertex_count], as a surface of its own.
 
-    The marks are averaged over neighbours to a smooth function f; the garment is where f > 1/2, and triangles that
-    straddle f = 1/2 are cut there, so that contours are smooth curves on the scan. Pieces below 5 % of the largest are
-    dropped.
+    The marks are averaged over neighbours to a smooth function f. The garment is where f > 1/2; triangles are cut at
+    f = 1/2, so that contours are smooth curves on the scan. Pieces below 5 % of the largest are dropped.
 
     Raises:
-        LabelUnknown: where what is left is no surface.
+        LabelUnknown: where no surface is left.
     """
     edges = HalfEdges.of(scan.faces, len(scan.vertices))
     field = _average_marks(scan.vertices, edges, cloth)
@@ -57,7 +54,7 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
 def _average_marks(vertices: np.ndarray, half_edges: HalfEdges, cloth: np.ndarray) -> np.ndarray:
     """Average marks along the surface over `CUT_SMOOTHING_STD`, shape [vertex_count].
 
-    A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
+    An iteration f <- f / 2 + (mean over neighbours) / 2 adds a variance of edge^2 / 4 in each direction.
     """
     tail, head = half_edges.tail, half_edges.head
     links = adjacency_matrix(np.stack([tail, head], axis=1), len(vertices))
@@ -72,7 +69,7 @@ def _average_marks(vertices: np.ndarray, half_edges: HalfEdges, cloth: np.ndarra
 def _cut_level(
     vertices: np.ndarray, half_edges: HalfEdges, field: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Keep where field > 1/2; give vertices, faces, and of each vertex the edge [n, 2] and the share along it [n]."""
+    """Keep where field > 1/2; return vertices, faces, and of each vertex its edge [n, 2] and the share along it [n]."""
     faces, inside = half_edges.faces, field > 0.5
     edges, edge = half_edges.edges, half_edges.edge
     crossed = np.flatnonzero(inside[edges[:, 0]] != inside[edges[:, 1]])

@@ -1,4 +1,4 @@
-"""The inside of a glTF held against its size: chunks, accessors, and nothing that points outside."""
+"""Check the content of a glTF against its size: chunks, accessors, and that nothing refers to other files."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from .refusal import (
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _JSON_BYTES = 64 * 1024**2
-"""Longest JSON read; a garment's has a few KB, and in a .gltf all data besides."""
+"""Longest JSON that is read [bytes]; a garment's has a few KB, and in a .gltf all data besides."""
 _EMBEDDED = re.compile(r"data:[\w./+-]*;base64,")
-"""How data begins that is in the JSON itself."""
+"""Beginning of data that are embedded in the JSON."""
 _GLTF_TRIANGLES_MODE = 4
 """glTF's mode for separate triangles, the default."""
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_")
-"""Required extensions that change only the looks, or that keep plain accessors."""
+"""Required extensions that change only the appearance, or that keep plain accessors."""
 
 
 def check_glb(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None, int]:
-    """Check a GLB's chunks and JSON; give (None, the number of triangles it declares over all meshes).
+    """Check a GLB's chunks and JSON; return None and the number of triangles it declares over all meshes.
 
     Vertices are not counted: a glTF splits them at texture seams and repeats them per node.
 
@@ -56,7 +56,7 @@ def check_glb(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None,
 
 
 def check_gltf(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None, int]:
-    """Check a .gltf that holds all its data itself, as base64 in its JSON; give what `check_glb` gives.
+    """Check a .gltf that has all its data as base64 in its JSON; return what `check_glb` returns.
 
     Raises:
         BadInput: where anything is outside the file, too large, or missing.
@@ -97,7 +97,7 @@ def _check_references(name: str, tree: dict[str, Any], embedded: tuple[str, ...]
 
 
 def _check_data(name: str, tree: dict[str, Any]) -> None:
-    """Check that each buffer in the JSON is as long as it says."""
+    """Check that each buffer in the JSON has its declared length."""
     for entry in tree.get("buffers", []):
         words = str(entry.get("uri", "")).partition("base64,")[2]
         if int(entry["byteLength"]) > len(words) * 3 // 4:

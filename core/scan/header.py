@@ -1,4 +1,4 @@
-"""What a file claims, read without any mesh library and held against its size before anything is parsed."""
+"""Read what a file declares without a mesh library, and check it against the file's size before it is parsed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .refusal import (
 FORMATS = ("ply", "obj", "stl", "off", "glb", "gltf")
 """The accepted extensions of meshes; the content must agree."""
 CLOUDS = ("pcd", "xyz")
-"""The accepted extensions of files that hold points alone."""
+"""The accepted extensions of files of points alone."""
 
 _ARCHIVES = (
     b"PK\x03\x04",
@@ -44,16 +44,16 @@ _PLY_SIZES = {
     "int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
 }  # fmt: skip
 _TAIL_BYTES = 1 << 20
-"""End of an STL that is looked through for its last words: its name, of any length, may follow them."""
+"""Length of an STL's end that is searched for `endsolid` [bytes]: its name, of any length, may follow."""
 PLY_END = re.compile(rb"\nend_header[ \t]*\r?\n")
 
 
 @dataclass(frozen=True)
 class DeclaredContent:
-    """Describe what a file claims to hold.
+    """Describe the content that a file declares.
 
     Attributes:
-        format: One of `FORMATS` or `CLOUDS`; of a .gltf `glb`, for the inside is the same.
+        format: One of `FORMATS` or `CLOUDS`; of a .gltf `glb`, since the content is the same.
         vertices: Number of vertices, or None where the format does not say.
         faces: Number of faces (polygons), or None where the format does not say.
     """
@@ -72,7 +72,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
         needs_faces: Whether points without faces are refused; a person's scan may be a cloud, a garment's not.
 
     Raises:
-        BadInput: a subclass of `refusal` where the file is not acceptable.
+        BadInput: a subclass in `refusal` where the file is not acceptable.
     """
     if not path.is_file():
         raise FileMissing(f"{path} is not a file; check the path.")
@@ -153,7 +153,7 @@ def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredCo
 
 
 def _read_ply_header(name: str, lines: list[str]) -> tuple[str, list[tuple[str, int, int]]]:
-    """Read a PLY header: the format, and per element its name, count and least bytes (ascii: 1) of one row."""
+    """Read a PLY header: the format, and per element its name, count and least bytes of one binary row."""
     form = ""
     elements: list[tuple[str, int, int]] = []
     for line in lines[1:]:
@@ -184,7 +184,7 @@ def _read_ply_header(name: str, lines: list[str]) -> tuple[str, list[tuple[str, 
 
 
 def _count_lines(path: Path, start: int, enough: int) -> int:
-    """Count lines from an offset on that hold anything, up to `enough`."""
+    """Count lines that are not empty from an offset on, up to `enough`."""
     found = 0
     with path.open("rb") as file:
         file.seek(start)

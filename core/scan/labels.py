@@ -22,8 +22,7 @@ def read_labels(path: Path, key: str | None = None, limits: Limits | None = None
     """Read the labels in a file: int64 or texts, shape [label_count].
 
     Args:
-        path: `.npz` or `.npy` (integers, booleans or texts), `.json` (a list, or an object with lists), or `.txt` (one
-            label a line).
+        path: `.npz`, `.npy` (integers, booleans, texts), `.json` (list or object of lists), `.txt` (a label a line).
         key: The array's name in an `.npz` or `.json`; None: the only one, or the first of the usual names.
         limits: What reading may cost.
 
@@ -103,7 +102,7 @@ def _as_array(values: list[Any], name: str, limits: Limits) -> np.ndarray:
 
 
 def _choose(names: list[str], key: str | None, file: str) -> str:
-    """Return the array to read: the one that is named, the only one, or the first of the usual names."""
+    """Return the array to read: the named one, the only one, or the first of the usual names."""
     if key is not None and key in names:
         return key
     shown = ", ".join(sorted(names)[:12]) or "none"

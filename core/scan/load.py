@@ -1,4 +1,4 @@
-"""From a file to a checked `Scan`, alone or together with the body that wears it."""
+"""Read a file into a checked `Scan`, alone or together with the body that wears it."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .scan import Scan
 from .units import AXES, check_choice, check_size, find_units, find_up, possible_units, to_metres
 
 MAX_WORN_DISTANCE = 0.5
-"""Distance from the body within which a worn garment stays [m]; a flared hem hangs at most so far from the legs."""
+"""Largest distance of a worn garment from the body [m]; a flared hem hangs at most so far from the legs."""
 MAX_WORN_DEPTH = 0.03
-"""Depth in the body beyond which a garment vertex is not worn there [m]; scans touch their body up to 5 mm deep."""
+"""Depth in the body beyond which a garment's vertex is not worn there [m]; scans reach up to 5 mm into their body."""
 MAX_MISPLACED_SHARE = 0.2
-"""Share of a garment's vertices that may be far from or deep in the body before the two do not belong together."""
+"""Share of a garment's vertices far from or deep in the body from which on the two do not belong together."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class _Mesh:
     origin: np.ndarray
     """Index in the file of each vertex."""
     count: int
-    """Vertices in the file."""
+    """Number of vertices in the file."""
     edges: HalfEdges
-    """How the faces join; the repair has found it already."""
+    """The half-edges, which the repair has found."""
 
 
 def load_scan(
@@ -56,7 +56,7 @@ def load_scan(
         path: A PLY, OBJ, STL, OFF or GLB file.
         units: A name of `UNITS`, or None to find it from the size.
         up: `y` or `z`, or None to find it.
-        kind: `garment` or `body`: what the sizes are judged by.
+        kind: `garment` or `body`: whose sizes are expected.
         limits: What reading may cost.
 
     Raises:
@@ -70,14 +70,13 @@ def load_scan(
 def load_pair(
     scan: Path, body: Path | None, *, units: str | None = None, up: str | None = None, limits: Limits | None = None
 ) -> tuple[Scan, Scan | None]:
-    """Read a garment and the body that wears it, and decide units and axes of both together.
+    """Read a garment and the body that wears it, and find units and axes of both together.
 
-    The body's size and shape decide, and the garment takes over its unit and axis where it then lies on the body;
-    otherwise the one unit and axis with which it does. The garment is turned to face away from the body. A body of
-    SMPL's format (`.npz`) is in metres and y up.
+    The body's size and shape decide; the garment has the same unit and axis, or else the only ones that put it on the
+    body, and is turned to face away from it. A body of SMPL's format (`.npz`) is in metres and y up.
 
     Raises:
-        BadInput: with a code `scan.*` where a file cannot be used, or the garment does not lie on the body.
+        BadInput: with a code `scan.*` where a file cannot be used, or the garment is not on the body.
     """
     if body is None:
         return load_scan(scan, units=units, up=up, limits=limits), None
@@ -99,7 +98,7 @@ def load_pair(
 
 
 def _find_unit_and_axis(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[str, str]:
-    """Return the unit and up axis: as the user says, as the format says (glTF: metres, y up), or as the size says."""
+    """Return the unit and up axis: as given by the user or by the format (glTF: y up), or found from the size."""
     if units is not None:
         check_size(mesh.vertices, units, kind)
     else:
@@ -140,11 +139,11 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
 
 
 def lies_on(vertices: np.ndarray, body: Scan) -> bool:
-    """Return whether positions [m], shape [n, 3], can be a garment worn on the body: around it, near it, not inside."""
+    """Check whether positions [m], shape [n, 3], can be a garment worn on the body: around it, near it, not inside."""
     from scipy.spatial import cKDTree
 
     if float(np.ptp(vertices, axis=0).max()) < 0.2:
-        return False  # Smaller than any garment: it would be a speck between the legs.
+        return False  # Smaller than any garment: it would fit between the legs.
     sample = vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), 2000)).astype(np.int64)]
     distance, nearest = cKDTree(body.vertices).query(sample)
     depth = -np.einsum("ij,ij->i", sample - body.vertices[nearest], vertex_normals(body.vertices, body.faces)[nearest])
@@ -206,7 +205,7 @@ def _read(path: Path, limits: Limits) -> _Mesh:
 def _check_arrays(
     name: str, vertices: np.ndarray, faces: np.ndarray, declared: DeclaredContent, limits: Limits
 ) -> None:
-    """Check what came out of the parser against what the header declared and what a mesh must be."""
+    """Check parsed arrays against what the header declares and what a mesh requires."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
         raise refusal.MeshEmpty(f"{name} holds no vertices; export the mesh again.")
     if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:

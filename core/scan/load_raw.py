@@ -1,4 +1,4 @@
-"""From a file to a `RawScan`: a whole person as the scanner gave it, mesh or cloud, in any unit and on any axis."""
+"""Read a file into a `RawScan`: a whole person, mesh or cloud, in any unit and with any axis up."""
 
 from __future__ import annotations
 
@@ -25,16 +25,15 @@ from .upright import AXES_UP, Profile, build_profiles, find_length_unit, find_up
 MIN_PERSON_POINT_COUNT = 100
 """Least number of points of a person's scan. Segmentation needs far more, and checks that itself."""
 MAX_FRAGMENT_POINT_SHARE = 0.5
-"""Share of a person's points in fragments of the mesh from which on its faces are no surface: all points of a cloud
-that was written with made-up faces are in fragments, few of any scanner's mesh."""
+"""Share of a person's points in fragments of the mesh from which on its faces are ignored: all points of a cloud that
+was written with made-up faces are in fragments, few of any scanner's mesh."""
 MAX_LOST_POINT_DISTANCE = 0.01
-"""Distance within which a vertex without a face, or in a fragment beside the surface, is replaced by the nearest kept
-point [m]: two spacings of a usual scan."""
+"""Largest distance from a vertex in no face or in a fragment to the kept point that replaces it [m]: two spacings."""
 
 
 @dataclass(frozen=True)
 class _File:
-    """What a file has, in its own unit and axes: one entry for each of its vertices."""
+    """Describe a file's content in its own unit and axes: one entry for each of its vertices."""
 
     name: str
     sha256: str
@@ -50,14 +49,14 @@ def load_raw(
     labels: Path | None = None,
     labels_key: str | None = None,
 ) -> RawScan:
-    """Read a person's scan: parse it in a limited process, mend and clean it, and turn it upright in metres.
+    """Read a person's scan: parse it in a limited process, repair and clean it, and turn it upright in metres.
 
     Args:
         path: A PLY, OBJ, STL, OFF or GLB with or without faces, or a PCD or XYZ.
         units: A name of `UNITS`, or None to find it from the person's height.
         up: One of `AXES_UP`, or None to find it from the person's shape.
         limits: What reading may cost.
-        labels: A file with one label for each vertex of the scan's file, or None: those in it, if any.
+        labels: A file with one label for each vertex of the scan's file; None: those in the scan's file, if any.
         labels_key: Name of the array in that file.
 
     Raises:
@@ -95,7 +94,7 @@ def _read(path: Path, limits: Limits) -> _File:
 
 
 def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: DeclaredContent, limits: Limits) -> None:
-    """Check what came out of the parser against what the header declared and what a scan must be."""
+    """Check parsed arrays against what the header declares and what a scan requires."""
     vertices, faces = arrays["vertices"], arrays["faces"]
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
         raise refusal.MeshEmpty(f"{name} holds no vertices; export the scan again.")
@@ -113,7 +112,7 @@ def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: DeclaredCo
 
 
 def _build(file: _File, units: str | None, up: str | None) -> RawScan:
-    """Mend, clean, turn and scale what a file holds."""
+    """Repair, clean, turn and scale a file's content."""
     arrays, notes = file.arrays, []
     finite = np.isfinite(arrays["vertices"]).all(axis=1)
     if not finite.all():
@@ -137,11 +136,7 @@ def _count(count: int, one: str, many: str) -> str:
 def _find_person(
     file: _File, finite: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]
 ) -> tuple[MendedMesh, CleanedScan]:
-    """Mend what a file holds and find the person in it; where the faces are no surface, by the points alone.
-
-    Raises:
-        MeshEmpty: where too few points are left.
-    """
+    """Repair a file's content and find the person, by points alone if the faces are no surface; `MeshEmpty` if none."""
     points, faces = file.arrays["vertices"], file.arrays["faces"]
     mended = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
     if len(faces) and (len(mended.faces) == 0 or len(mended.points) < MIN_PERSON_POINT_COUNT):
@@ -164,7 +159,7 @@ def _drop_faces(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
 def _find_scale_and_axis(
     cleaned: CleanedScan, profiles: list[Profile], units: str | None, axes: tuple[str, ...], is_given: bool
 ) -> tuple[np.ndarray, float, str, str, list[str]]:
-    """Return the person's samples upright [unit], metres in one unit, the unit's name, the axis, and notes."""
+    """Return the person's samples upright [unit], metres per unit, the unit's name, the axis, and notes."""
     notes = []
     found = find_upright(cleaned.samples, profiles, axes)
     if not is_given and len(axes) > 1 and found.up not in ("y", "z"):
@@ -189,9 +184,7 @@ def _find_scale_and_axis(
 
 
 def _map_lost_points(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Take the nearest kept point for one of the file that no face of a mesh has, where it is within
-    `MAX_LOST_POINT_DISTANCE`.
-    """
+    """Map points of the file that are in no face to the nearest kept point within `MAX_LOST_POINT_DISTANCE`."""
     from scipy.spatial import cKDTree
 
     lost = np.flatnonzero((place < 0) & np.isfinite(given).all(axis=1))
@@ -204,7 +197,7 @@ def _map_lost_points(place: np.ndarray, given: np.ndarray, points: np.ndarray) -
 
 
 def _gather(file: _File, mended: MendedMesh, cleaned: CleanedScan, how: tuple[np.ndarray, float, str]) -> RawScan:
-    """Pick what was kept of the file's arrays, in metres, y up."""
+    """Return the kept part of the file's arrays as a scan in metres, y up."""
     arrays = file.arrays
     _, scale, axis = how
     kept = np.flatnonzero(cleaned.kept)

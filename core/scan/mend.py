@@ -1,4 +1,4 @@
-"""Mend a person's mesh without dropping any of it, and keep which point of the file became which."""
+"""Repair a person's mesh without dropping parts of it, and map the file's points to the result."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .repair import MERGE_DISTANCE_SHARE, RepairedMesh, boundary_pieces, mend_su
 
 @dataclass(frozen=True)
 class MendedMesh:
-    """Points, and perhaps faces, in the file's unit.
+    """Describe repaired points, and perhaps faces, in the file's unit.
 
     Attributes:
         points: Positions, shape [n, 3].
         faces: Triangles, consistent and outward, shape [f, 3]; of a cloud none, shape [0, 3].
         origin: Index in the file of each point, shape [n].
-        place: For each point of the file the one here that stands for it, or -1, shape [file_count].
-        notes: What was mended, one sentence each.
+        place: Index here of the point that represents each point of the file, or -1, shape [file_count].
+        notes: What was repaired, one sentence each.
     """
 
     points: np.ndarray
@@ -30,7 +30,7 @@ class MendedMesh:
 
 
 def group_points(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Group positions that float32 cannot tell apart.
+    """Group positions that float32 cannot distinguish.
 
     Returns:
         First of each group, ascending, shape [g], and the group of each point, shape [n].
@@ -46,14 +46,14 @@ def group_points(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def invert_origin(origin: np.ndarray, count: int) -> np.ndarray:
-    """Return the first of the points that came from each of `count` others by `origin`, or -1, shape [count]."""
+    """Return the first index at which `origin` has each of the values below `count`, or -1, shape [count]."""
     found = np.full(count, -1)
     found[origin[::-1]] = np.arange(len(origin))[::-1]
     return found
 
 
 def merge_points(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
-    """Merge the points of a cloud that lie in one place, and drop those without a position."""
+    """Merge points of a cloud at the same position, and drop those without a position."""
     rows = np.flatnonzero(finite)
     first, group = group_points(points[rows])
     place = np.full(len(points), -1)
@@ -64,10 +64,7 @@ def merge_points(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
 
 
 def mend_mesh(points: np.ndarray, faces: np.ndarray) -> MendedMesh:
-    """Merge duplicates, remove what is no surface, and orient each piece outward; nothing is dropped for its size.
-
-    Points in no face go, for a mesh's loose points are no surface.
-    """
+    """Merge duplicates, drop invalid faces and points in no face, orient each piece outward; small pieces stay."""
     used = np.zeros(len(points), bool)
     used[faces] = True
     rows = np.flatnonzero(used)
@@ -87,7 +84,7 @@ def mend_mesh(points: np.ndarray, faces: np.ndarray) -> MendedMesh:
 
 
 def _turn_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, int]:
-    """Turn each piece that encloses a negative volume once its openings are closed; return faces and their number."""
+    """Turn pieces with a negative volume once their openings are closed; return the faces and how many turned."""
     if not len(faces):
         return faces, 0
     edges = HalfEdges.of(faces)

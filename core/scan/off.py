@@ -1,4 +1,4 @@
-"""Parse OFF files, and the colours of COFF files, which trimesh passes over."""
+"""Parse OFF files, and the colours of COFF files, which trimesh ignores."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .columns import as_bytes
 
 
 def load_off(path: Path) -> dict[str, Any]:
-    """Load an OFF file: positions, faces and, where each row of a COFF has one, the colours of its vertices."""
+    """Load positions and faces of an OFF file and, where each row of a COFF has one, the colours of its vertices."""
     from trimesh.exchange.off import load_off as load
 
     content = path.read_bytes()
@@ -20,7 +20,7 @@ def load_off(path: Path) -> dict[str, Any]:
     rows = [line.split(b"#", 1)[0].split() for line in content.splitlines()]
     rows = [row for row in rows if row]
     if rows[0][0].upper() == b"COFF":
-        first = 2 if len(rows[0]) == 1 else 1  # the counts may stand behind the word
+        first = 2 if len(rows[0]) == 1 else 1  # the counts may follow the word
         colours = read_colours(rows[first : first + len(loaded["vertices"])])
         if colours is not None:
             loaded["vertex_colors"] = colours
@@ -28,10 +28,9 @@ def load_off(path: Path) -> dict[str, Any]:
 
 
 def read_colours(rows: list[list[bytes]]) -> np.ndarray | None:
-    """Read red, green and blue behind the three coordinates of each row, as bytes, shape [n, 3].
+    """Read the colour after the three coordinates of each row, as bytes, shape [n, 3]; None where a row has none.
 
-    Whole numbers are 0 to 255 and others 0 to 1 (Geomview's object file format); a fourth number is the opacity and
-    not kept. None where a row has no three numbers more.
+    Whole numbers are 0 to 255 and others 0 to 1 (Geomview's object file format); a fourth, the opacity, is dropped.
     """
     if not rows or min(len(row) for row in rows) < 6:
         return None

@@ -1,4 +1,4 @@
-"""Load open3d, with the one shared library that its wheel for Linux expects and few machines have."""
+"""Load open3d, with the shared library that its wheel for Linux needs and few machines have."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import sys
 from types import ModuleType
 
 USB = "libusb-1.0.so.0"
-"""Drives depth cameras, which nothing here uses; open3d cannot be loaded without it."""
+"""Shared library that drives depth cameras: unused here, but open3d cannot be loaded without it."""
 
 
 def load_open3d() -> ModuleType:
     """Return the module open3d.
 
-    The loader takes a library that is loaded already for one of the same name (its SONAME) that another one needs, so
-    that of the package `libusb_package` does where the system has none.
+    Where the system lacks `USB`, the copy in the package `libusb_package` is loaded first: the dynamic loader accepts a
+    loaded library of the same SONAME.
 
     Raises:
         ImportError: where it, or another library that it needs, is missing.

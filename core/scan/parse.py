@@ -1,4 +1,4 @@
-"""Parse one untrusted file into plain arrays; where the process is not limited already, in one that is."""
+"""Parse one untrusted file into plain arrays, in a limited process."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .off import load_off
 from .texture import add_texture
 
 _UNUSED_MODULES = ("networkx", "scipy")
-"""What trimesh imports where it is there, and needs for nothing that is read here: two thirds of a reader's time."""
+"""Modules that trimesh imports where they are installed, and no reader here needs: two thirds of a reader's time."""
 
 
 def parse_file(path: Path, form: str, limits: Limits, textures: bool = False) -> dict[str, np.ndarray]:
-    """Parse a file under its limits.
+    """Parse a file in a limited process, which is this one if it is limited already.
 
     Args:
         path: The file.
@@ -45,7 +45,7 @@ def parse_file(path: Path, form: str, limits: Limits, textures: bool = False) ->
 
 
 def write_arrays(source: str, form: str, target: str, textures: bool = False) -> dict[str, Any]:
-    """Parse a file and write its arrays without pickle; runs in a limited process of its own."""
+    """Parse a file and write its arrays without pickle; runs in a limited process."""
     if form in ("ply", "stl"):
         for name in _UNUSED_MODULES:
             sys.modules.setdefault(name, None)  # type: ignore[arg-type]
@@ -54,7 +54,7 @@ def write_arrays(source: str, form: str, target: str, textures: bool = False) ->
 
 
 def _parse_or_refuse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray]:
-    """Parse a file; a parser fails in any way on a hostile one, and the user gets one line of it."""
+    """Parse a file; raise `Unreadable` with one line of text for any other failure of a parser."""
     try:
         return parse(path, form, textures)
     except BadInput as error:
@@ -70,7 +70,7 @@ def _parse_or_refuse(path: Path, form: str, textures: bool = False) -> dict[str,
 def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray]:
     """Parse a file into `vertices`, `faces` and, where it has them, `normals`, `colours` (RGB bytes) and `labels`.
 
-    With `textures` colours may come from one, and `told` says why they do not.
+    With `textures` colours may come from a texture; where that fails, `told` has the reason.
     """
     if form == "pcd":
         return parse_pcd(path)
@@ -97,7 +97,7 @@ def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray
 
 
 def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Keep positions, faces, colours and labels of what a loader of trimesh gives, before it makes a mesh of it."""
+    """Return positions, faces, colours and labels from what a loader of trimesh returns before making a mesh."""
     vertices = np.asarray(loaded.get("vertices", np.zeros((0, 3))), dtype=np.float64)
     faces = loaded.get("faces")
     arrays = {
@@ -155,8 +155,8 @@ def _join_clouds(parts: list[Any]) -> dict[str, np.ndarray]:
 def _parse_obj(path: Path) -> dict[str, np.ndarray]:
     """Parse positions, polygons (as fans) and vertex colours of an OBJ.
 
-    Ours and not trimesh's, which drops wrong indices without a word and splits vertices at texture seams. A negative
-    index counts back from the last vertex, as the format says; zero or beyond the ends is refused.
+    Trimesh's parser is not used: it drops wrong indices silently and splits vertices at texture seams. A negative index
+    counts back from the last vertex, as the format defines; zero or an index beyond the ends is refused.
     """
     rows: list[list[float]] = []
     faces: list[tuple[int, int, int]] = []

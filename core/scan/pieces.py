@@ -1,4 +1,4 @@
-"""The files of one recovery read together: a garment alone, with its body, or a dressed person with labels."""
+"""Read the files of one recovery together: a garment alone, with its body, or a dressed person with labels."""
 
 from __future__ import annotations
 
@@ -20,15 +20,13 @@ from .units import check_choice
 
 @dataclass(frozen=True)
 class ScanInput:
-    """Describe what was read.
+    """Describe what the files of a recovery hold.
 
     Attributes:
         garment: The garment's surface; cut out where the scan is a dressed person.
         wearer: The body's mesh, or the whole dressed person, or None.
-        cloth: True at the wearer's vertices that are cloth, the garment's and other clothes', shape [vertex_count];
-            None where the wearer is a bare body.
-        labels: Label of each vertex of the scan that the garment was cut out of, numbers or texts; None where there are
-            none, or nothing was cut.
+        cloth: True at the wearer's vertices that are any cloth, shape [vertex_count]; None if it is a bare body.
+        labels: Label of each vertex of the scan that was cut, numbers or texts; None without labels or a cut.
     """
 
     garment: Scan
@@ -85,7 +83,7 @@ def load_scan_input(
 
 
 def _note_skin_labels(garment: Scan, labels: np.ndarray) -> Scan:
-    """Note which labels are taken for skin where there are several: other clothes among them make the body too wide."""
+    """Note the labels that are taken for skin if there are several: other clothes among them make the body too wide."""
     bare = [str(value) for value in np.unique(labels).tolist()]
     if len(bare) < 2:
         return garment
@@ -95,7 +93,7 @@ def _note_skin_labels(garment: Scan, labels: np.ndarray) -> Scan:
 
 
 def _labels_of(mesh: _Mesh, selection: Selection, limits: Limits | None) -> np.ndarray | None:
-    """Return the label of each vertex of the repaired mesh: from the file beside it, or its own."""
+    """Return the label of each vertex of the repaired mesh, from the file beside the scan or its own."""
     if selection.labels is None or selection.colour is not None:
         return mesh.labels
     labels = read_labels(selection.labels, selection.key, limits)

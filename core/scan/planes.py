@@ -1,4 +1,4 @@
-"""Find the planes that bound a scan: the floor, walls, a platform's top."""
+"""Find the planes that bound a scan: floor, walls, the top of a platform."""
 
 from __future__ import annotations
 
@@ -9,36 +9,33 @@ import numpy as np
 MAX_PLANE_COUNT = 6
 """Largest number of planes: a floor, a ceiling and four walls."""
 PLANE_TRIAL_COUNT = 300
-"""Number of oriented points whose planes are tried: with a probability of 95 % one of them lies on a floor that has a
-hundredth of all points."""
+"""Number of points whose planes are tried: with a probability of 95 % one is on a floor with 1 % of all points."""
 PLANE_HALF_THICKNESS_SHARE = 0.004
-"""Half the thickness of a plane, as a share of the diagonal of what is there: 8 mm of a person, above a floor's noise
-and the rounding of its edge to the shoes."""
+"""Half the thickness of a plane, as a share of the diagonal of the points left: 8 mm for a person, more than a floor's
+noise and the rounding of its edge to the shoes."""
 MIN_PLANE_NORMAL_COSINE = 0.9
-"""Least cosine between the normal of a plane and those of its points: shoes and hems stand across it."""
+"""Least cosine between the normals of a plane and of its points: shoes and hems are perpendicular to it."""
 MAX_FAR_SIDE_RATIO = 1.0
-"""Largest number of points on the far side of a plane over that of those on it: the sides of a platform, what is seen
-through a door. What lies on both sides of a slice through a person is 10 times what is in it."""
+"""Largest number of points on the far side of a plane over that on it: the sides of a platform, or what is seen through
+a door. A slice through a person has 10 times as many points on either side as in it."""
 MIN_PLANE_POINT_SHARE = 0.025
-"""Least share of all points on a plane where nothing stands on it: soles have half of that, and lie under a shoe."""
+"""Least share of all points on the bare part of a plane; soles, which are below shoes, have half of that."""
 PLANE_CLEARANCE_HEIGHT_SHARES = (0.006, 0.25, 0.05)
-"""Heights above a plane, as shares of the diagonal. What stands on it between the first and the second (1.2 to 50 cm
-for a person: a back has a chest before it) shows that a place is not bare; what stands between the first and the third
-(10 cm), that it is under a shoe."""
+"""Heights above a plane, as shares of the diagonal (1.2, 50 and 10 cm for a person). Points between the first two show
+that a place is not bare (before a back is a chest), points between the first and the third that it is under a shoe."""
 MIN_PLANE_CLEARANCE_RATIOS = (3.0, 1.2)
-"""Least distances of a point of the plane from what stands above it, in sample spacings: for the point to count as bare
-floor or wall, and for it to be dropped once there is a bare place. What is in front of a back or a chest is its other
-side."""
+"""Least distances of a plane's point from the points above it, in sample spacings: to count as bare floor or wall, and
+to be dropped once there is a bare place."""
 
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane and what it takes away.
+    """Describe a plane and the samples that it removes.
 
     Attributes:
         normal: Unit normal, towards the person, shape [3].
         offset: `normal @ x` of its points.
-        dropped: True at samples that lie on it with nothing above them, or beyond it, shape [n].
+        dropped: True at samples on it with nothing above them, and at samples beyond it, shape [n].
     """
 
     normal: np.ndarray
@@ -47,7 +44,7 @@ class Plane:
 
 
 def find_planes(points: np.ndarray, normals: np.ndarray) -> list[Plane]:
-    """Find the planes that have everything on one side, the largest first.
+    """Find the planes that have all else on one side, the largest first.
 
     Oriented random sample consensus (R. Schnabel et al., Efficient RANSAC for Point-Cloud Shape Detection, 2007).
 
@@ -116,7 +113,7 @@ def _find_plane(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng:
 def _refine(
     points: np.ndarray, normals: np.ndarray, point: np.ndarray, normal: np.ndarray, thick: float
 ) -> tuple[np.ndarray, float] | None:
-    """Fit the plane to its points; return normal and offset with everything above it, or None."""
+    """Fit the plane to its points; return its normal (towards most others) and offset, or None if it divides them."""
     for width in (2.0 * thick, thick, thick):
         on = (np.abs((points - point) @ normal) < width) & (np.abs(normals @ normal) > MIN_PLANE_NORMAL_COSINE)
         if on.sum() < 3:
@@ -134,9 +131,7 @@ def _refine(
 def _measure_clearance(
     points: np.ndarray, alive: np.ndarray, plane: tuple[np.ndarray, float], heights: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the living points on a plane, and how far each is along it from what is above it at some heights, in
-    spacings.
-    """
+    """Return the points on a plane, and how far along it each is from the points in a range of heights, in spacings."""
     from scipy.spatial import cKDTree
 
     normal, offset = plane

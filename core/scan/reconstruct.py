@@ -1,7 +1,7 @@
-"""Reconstruct the surface of an oriented point cloud, where there are points, and only there.
+"""Reconstruct the surface of an oriented point cloud where there are points, and nowhere else.
 
-Screened Poisson reconstruction (M. Kazhdan and H. Hoppe, 2013; open3d's) gives a closed surface; what it spans beyond
-the points, and across the step at a hem, is cut away again, by distance and by direction.
+Screened Poisson reconstruction (M. Kazhdan and H. Hoppe, 2013; open3d's) gives a closed surface; the parts that span
+gaps between the points, or the step at a hem, are removed by distance and by direction.
 """
 
 from __future__ import annotations
@@ -20,19 +20,17 @@ from .mend import mend_mesh
 from .open3d_library import load_open3d
 
 MAX_POISSON_DISTANCE_RATIO = 2.5
-"""Distance from the nearest point up to which the surface is kept, in median spacings: in a grid without gaps no place
-is farther from a point than 0.7, in random points hardly one than 2."""
+"""Largest distance from the nearest point, in median spacings: up to 0.7 in a full grid, rarely 2 in random points."""
 MIN_POISSON_NORMAL_COSINE = 0.3
-"""Least cosine between the normals of a face and of the points nearest to it, where they are one surface: noise tilts a
-normal by up to half a right angle, the skin across a hem lies across it."""
+"""Least cosine between the normals of a face and of the points nearest to it: noise tilts a normal by up to half a
+right angle, a face that spans the step at a hem is perpendicular to the points."""
 MIN_POISSON_PIECE_SHARE = 0.01
-"""Share of the largest piece's area below which a piece is dropped: Poisson reconstruction closes it to a bubble beside
-the surface."""
+"""Share of the largest piece's area below which a piece is dropped as a bubble closed by Poisson reconstruction."""
 OCTREE_DEPTH_RANGE = (6, 9)
 """Least and largest depth of the octree: at 9 a cell of a person's box is 3.7 mm, and its surface as near to the true
-cloth (1.1 mm) as that of 8; at 10 it has millions of triangles, of noise."""
+cloth (1.1 mm) as that of 8; at 10 it has millions of triangles of noise."""
 BOUNDS = Bounds(memory_bytes=6 * 1024**3, cpu_seconds=300, wall_seconds=600.0)
-"""What a reconstruction may use: a million points take some 60 s and 2 GB."""
+"""Limits of a reconstruction: a million points take some 60 s and 2 GB."""
 
 
 class SurfaceFailed(GarmentqError):
@@ -49,7 +47,7 @@ class SurfaceLibraryMissing(GarmentqError):
 
 @dataclass(frozen=True)
 class ReconstructedSurface:
-    """The surface of a cloud.
+    """Describe the surface of a cloud.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].
@@ -57,7 +55,7 @@ class ReconstructedSurface:
         colours: RGB in 0..1 of the nearest points, shape [n, 3], or None.
         labels: Labels of the nearest points, shape [n], or None.
         nearest: Index of the nearest point of the cloud, shape [n].
-        distance: How far that is [m], shape [n].
+        distance: Distance to it [m], shape [n].
         unseen: True at vertices on a rim, beyond which the scanner saw nothing, shape [n].
     """
 
@@ -84,10 +82,10 @@ def reconstruct(
         normals: Outward unit normals, shape [n, 3].
         colours: RGB in 0..1, shape [n, 3], or None.
         labels: Label of each point, numbers or texts, shape [n], or None.
-        is_confined: True in a limited process: the surface is then made in it, and not in one more.
+        is_confined: Whether this is a limited process: the surface is then computed in it instead of in another one.
 
     Raises:
-        SurfaceFailed: where nothing is left that is a surface.
+        SurfaceFailed: where no surface is left.
     """
     from scipy.spatial import cKDTree
 
@@ -114,7 +112,7 @@ def reconstruct(
 def measure_spacing(points: np.ndarray) -> float:
     """Measure the side of the square that each point has for itself on the surface [m], a median.
 
-    n points in a disc of radius r have pi r^2 / n each; the distance to the nearest alone would be half of it, and less
+    n points in a disc of radius r have pi r^2 / n each. The nearest point alone is at half of that side, and nearer
     where a scanner's frames overlap.
     """
     from scipy.spatial import cKDTree
@@ -126,7 +124,7 @@ def measure_spacing(points: np.ndarray) -> float:
 
 
 def find_depth(points: np.ndarray, spacing: float) -> int:
-    """Find the octree's depth at which a cell is as wide as the points are apart; its box is 1.1 times the points'."""
+    """Find the octree's depth at which a cell is as wide as the spacing; its box is 1.1 times the points'."""
     side = 1.1 * float(np.ptp(points, axis=0).max())
     return int(np.clip(np.round(np.log2(side / spacing)), *OCTREE_DEPTH_RANGE))
 
@@ -145,7 +143,7 @@ def _solve(points: np.ndarray, normals: np.ndarray, depth: int, is_confined: boo
 
 
 def solve_poisson(source: str, target: str, depth: int) -> dict[str, float]:
-    """Make the closed surface of the points in a file, and write it to another; runs in a limited process."""
+    """Compute the closed surface of the points in a file, and write it to another; runs in a limited process."""
     try:
         open3d = load_open3d()
     except ImportError as error:
@@ -164,7 +162,7 @@ def solve_poisson(source: str, target: str, depth: int) -> dict[str, float]:
 def trim(
     vertices: np.ndarray, faces: np.ndarray, points: np.ndarray, normals: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Cut away what lies beyond the points or across them, and mend what is left."""
+    """Remove faces that are far from the points or perpendicular to them, and small pieces; repair the rest."""
     from scipy.spatial import cKDTree
 
     distance, near = cKDTree(points).query(vertices, min(4, len(points)))

@@ -1,4 +1,4 @@
-"""Every reason for which a file is refused, each with a stable code and the user's next step."""
+"""Define the errors for files that are refused, each with a stable code and the user's next step."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class UnitsAmbiguous(BadInput):
 
 
 class UpAmbiguous(BadInput):
-    """It cannot be told which axis points up; say which with --up y or z."""
+    """Which axis points up is not clear; say which with --up y or z."""
 
     code = "scan.up_ambiguous"
 
@@ -138,7 +138,7 @@ class ChoiceBad(BadInput):
 
 
 class LabelsMissing(BadInput):
-    """The scan has neither labels nor colours to tell the garment by; give a label file with --labels."""
+    """The scan has neither labels nor colours to select the garment by; give a label file with --labels."""
 
     code = "scan.labels_missing"
 
@@ -156,7 +156,7 @@ class LabelsMismatch(BadInput):
 
 
 class LabelUnknown(BadInput):
-    """The garment cannot be told from the rest by these labels; correct --keep or --keep-colour."""
+    """These labels do not separate the garment from the rest; correct --keep or --keep-colour."""
 
     code = "scan.label_unknown"
 

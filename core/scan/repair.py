@@ -1,4 +1,4 @@
-"""Mend what scanners and exporters break, and say what was mended; works in any unit."""
+"""Repair defects of scanners and exporters in any unit, and note the repairs."""
 
 from __future__ import annotations
 
@@ -13,27 +13,26 @@ from .refusal import PiecesTooMany
 
 MERGE_DISTANCE_SHARE = 1e-7
 """Distance below which vertices are merged, as a share of the bounding box's diagonal: the resolution of float32, in
-which STL and most PLY files hold the same point once per triangle."""
+which STL and most PLY files store the same point once per triangle."""
 MAX_SLIVER_HEIGHT_RATIO = 1e-6
-"""Height of a triangle over its longest side up to which it has no direction of its own in float32."""
+"""Height of a triangle over its longest side up to which its direction is undefined in float32."""
 MIN_MESH_PIECE_SHARE = 0.05
 """Share of the largest piece's area below which a separate piece is dropped: it is dust or an eye, never a garment."""
 MAX_MESH_PIECE_COUNT = 5000
-"""Largest number of separate pieces of a surface; a garment with all its buttons has a hundred, a heap of loose
-triangles millions."""
+"""Largest number of separate pieces of a surface: a garment with buttons has a hundred, loose triangles millions."""
 MAX_VOTING_FACE_COUNT = 20000
-"""Largest number of faces that vote on which way is outward from a body; more change no result."""
+"""Largest number of faces that vote on the outward direction; more change no result."""
 
 
 @dataclass(frozen=True)
 class RepairedMesh:
-    """Describe a triangle mesh on its way through the repair.
+    """Describe a triangle mesh during the repair.
 
     Attributes:
         vertices: Positions in the file's unit, shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
         origin: Index in the file of each vertex, shape [vertex_count].
-        repairs: What was mended so far, one sentence each.
+        repairs: What was repaired so far, one sentence each.
     """
 
     vertices: np.ndarray
@@ -43,20 +42,19 @@ class RepairedMesh:
 
     @cached_property
     def edges(self) -> HalfEdges:
-        """How the faces join; of millions that takes seconds, and the steps that change nothing share it."""
+        """Return the half-edges, which take seconds for millions of faces; steps that change nothing share them."""
         return HalfEdges.of(self.faces)
 
     def note(self, count: int, singular: str, plural: str) -> tuple[str, ...]:
-        """Return the repairs with one more sentence, or unchanged where nothing was mended."""
+        """Return the repairs with one more sentence, or unchanged where `count` is 0."""
         return self.repairs if count == 0 else (*self.repairs, singular if count == 1 else plural.format(count))
 
 
 def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
     """Return a manifold, consistently and outward oriented surface without dust.
 
-    Merges duplicate vertices; removes degenerate, doubled and non-manifold faces; orients each piece consistently and
-    outward; splits vertices at which separate fans meet; drops stray pieces and unused vertices. A clean mesh comes
-    back with the same vertices in the same order and no sentence.
+    Merges duplicate vertices; removes degenerate, doubled and non-manifold faces; orients each piece; splits vertices
+    of separate fans; drops stray pieces and unused vertices. A clean mesh comes back unchanged and without a note.
     """
     surface = RepairedMesh(vertices, faces, np.arange(len(vertices)))
     for step in (
@@ -83,7 +81,7 @@ def mend_surface(surface: RepairedMesh) -> RepairedMesh:
 
 
 def clean_cut(surface: RepairedMesh) -> RepairedMesh:
-    """Tidy what a cut through a repaired surface leaves: fans that meet in a vertex are split, islands dropped."""
+    """Repair a cut through a repaired surface: split fans that meet in a vertex, drop islands."""
     return _drop_unused(_drop_stray_pieces(_split_fans(surface)))
 
 
@@ -106,15 +104,13 @@ def _merge_duplicates(surface: RepairedMesh) -> RepairedMesh:
 
 
 _ROW_HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-"""Odd factors of a row's three integers without a pattern in their bits, as multiplicative hashes use: unlike rows then
-seldom have equal sums."""
+"""Odd factors for three integers, without a bit pattern (multiplicative hash): few unlike rows have equal sums."""
 
 
 def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the first of each set of equal rows of integers, shape [k], and the set of each row, shape [n].
 
-    The rows are sorted as one number each, which takes a tenth of the time; where two unlike rows have the same one, as
-    they are.
+    Rows are sorted by hash, in a tenth of the time, or as they are where two unlike rows have the same one.
     """
     _, first, inverse = np.unique(_as_numbers(rows), return_index=True, return_inverse=True)
     if not np.array_equal(rows[first[inverse]], rows):
@@ -123,7 +119,7 @@ def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _as_numbers(rows: np.ndarray) -> np.ndarray:
-    """Return a number for each row of three integers, shape [n]: equal for equal rows, and seldom for others."""
+    """Return a hash of each row of three integers, shape [n]."""
     found: np.ndarray = (rows.astype(np.uint64) * _ROW_HASH_FACTORS).sum(axis=1)
     return found
 
@@ -192,7 +188,7 @@ def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _drop_nonmanifold_faces(surface: RepairedMesh) -> RepairedMesh:
-    """Keep the two faces of the largest sheet at each edge that three or more faces share."""
+    """Keep two faces, those of the largest sheets, at each edge that three or more share."""
     faces = surface.faces
     edges = surface.edges
     edge, counts = edges.edge, edges.face_counts
@@ -213,11 +209,10 @@ def _drop_nonmanifold_faces(surface: RepairedMesh) -> RepairedMesh:
 
 
 def _orient_pieces(surface: RepairedMesh) -> RepairedMesh:
-    """Make the faces of each piece agree, and turn the minority (by area).
+    """Make the faces of each piece agree by turning the minority (by area).
 
-    On the double cover each face is there twice, as it is and turned; a link joins the versions of two faces that
-    agree. The versions in the component of a piece's first face are the orientation; a one-sided piece has a single
-    component, is left as it is, and is cut open by the next step.
+    On the double cover each face occurs twice, as it is and turned; a link joins the versions of two faces that agree.
+    The component of a piece's first face has the right versions. A one-sided piece is one component, and is cut next.
     """
     faces = surface.faces
     edges = surface.edges
@@ -240,11 +235,10 @@ def _orient_pieces(surface: RepairedMesh) -> RepairedMesh:
 
 
 def _split_fans(surface: RepairedMesh) -> RepairedMesh:
-    """Return each fan of faces around a vertex a vertex of its own.
+    """Give each fan of faces around a vertex a vertex of its own.
 
-    A corner of a face and the corner of the next face around the vertex are one where both faces share an edge and
-    agree on its direction; the connected sets of corners are the vertices. What cannot be oriented (a Mobius band) is
-    cut open here.
+    Corners of neighbouring faces at a vertex are one where both faces share an edge and agree on its direction; the
+    connected sets of corners are the vertices. This cuts what cannot be oriented (a Mobius band).
     """
     faces = surface.faces
     edges = surface.edges
@@ -299,8 +293,8 @@ def _drop_unused(surface: RepairedMesh) -> RepairedMesh:
 def boundary_pieces(vertices: np.ndarray, edges: HalfEdges) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return boundary edges [e, 2], the piece of each [e], and each piece's mean [k, 3] and area vector [k, 3].
 
-    The area vector is half the sum of u x v over the directed edges (u, v), about the mean; for outward faces it
-    points from the opening into the garment.
+    The area vector is half the sum of u x v over the directed edges (u, v) about the mean; for outward faces it points
+    from the opening into the garment.
     """
     rim = np.stack([edges.tail[edges.border], edges.head[edges.border]], axis=1)
     if len(rim) == 0:
@@ -325,14 +319,14 @@ def enclosed_volume(vertices: np.ndarray, edges: HalfEdges) -> float:
 
 
 def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
-    """Turn each piece that encloses a negative volume once its openings are closed."""
+    """Turn each piece whose volume is negative once its openings are closed."""
     number, piece = surface.edges.face_pieces
     faces = surface.faces.copy()
     turned = 0
     if number > MAX_MESH_PIECE_COUNT:
         raise PiecesTooMany()
     by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece, minlength=number))[:-1])
-    for mine in by_piece:  # each looks at its own faces and vertices only, for there may be thousands of pieces
+    for mine in by_piece:  # its own faces and vertices only: there may be thousands of pieces
         used, local = np.unique(faces[mine], return_inverse=True)
         edges = surface.edges if number == 1 else HalfEdges.of(local.reshape(-1, 3))
         if enclosed_volume(surface.vertices if number == 1 else surface.vertices[used], edges) < 0.0:
@@ -345,10 +339,7 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
 
 
 def is_facing_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:
-    """Return whether the faces must be turned so that they face away from the body (area-weighted vote).
-
-    Each face compares its normal with the body's normal at the nearest body vertex.
-    """
+    """Check by an area-weighted vote whether faces point towards the body: against the nearest vertices' normals."""
     from scipy.spatial import cKDTree
 
     normals = vertex_normals(body_vertices, body_faces)

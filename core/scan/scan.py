@@ -1,4 +1,4 @@
-"""The checked surface that everything after the file works on."""
+"""Describe the checked surface on which everything after the file works."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ class Scan:
     Attributes:
         vertices: Positions [m], float64, shape [vertex_count, 3].
         faces: Vertex indices, int64, shape [face_count, 3].
-        name: The file's stem, for people.
+        name: The file's stem.
         sha256: Hash of the file's bytes (hex); empty for a mesh made in memory.
         units: Unit of the file, a name of `UNITS`.
         up_axis: Axis of the file that became y, `y` or `z`.
         colours: RGB in 0..1, shape [vertex_count, 3], or None.
         labels: Integer label of each vertex, shape [vertex_count], or None.
-        unseen: True at vertices where the scanner saw nothing beyond, of a garment cut out of a dressed person's scan,
-            shape [vertex_count]; None: unknown.
-        hidden: True at vertices where the garment may go on beyond its border here, below another one or since nothing
+        unseen: True at vertices of a cut-out garment with nothing seen beyond, shape [vertex_count]; None: unknown.
+        hidden: True at vertices of a border beyond which the garment may go on, below another one or since nothing
             shows that it ends, shape [vertex_count]; None: nowhere.
-        repairs: What was mended, one short sentence each.
+        repairs: What was repaired, one short sentence each.
     """
 
     vertices: np.ndarray
@@ -44,7 +43,7 @@ class Scan:
 
 
 def describe_scan(scan: Scan) -> dict[str, Any]:
-    """Return what is known of a mesh as JSON values: name, hash, unit, axis, extent [m], counts, area [m2], repairs."""
+    """Return a mesh's name, hash, unit, axis, extent [m], counts, area [m2] and repairs as JSON values."""
     return {
         "name": scan.name,
         "sha256": scan.sha256,

@@ -1,4 +1,4 @@
-"""Which vertices of a clothed scan are the garment: by labels in the file or beside it, or by colour."""
+"""Select the garment's vertices of a clothed scan: by labels in the file or beside it, or by colour."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from . import refusal
 from .scan import Scan
 
 GARMENT_COLOUR_TOLERANCE = 60.0
-"""Distance in RGB (0 to 255) up to which a colour is the garment's: a camera's noise of 9 a channel stays within 35,
-skin lies 150 from denim. Strong shadows need more."""
+"""Distance in RGB (0 to 255) up to which a colour is the garment's: camera noise of 9 a channel stays within 35, skin
+is 150 from denim. Strong shadows need more."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def select_vertices(scan: Scan, labels: np.ndarray | None, selection: Selection)
 
     Raises:
         LabelsMissing: where there are neither labels nor colours.
-        LabelUnknown: where nothing or everything is kept, or it is not said what to keep.
+        LabelUnknown: where nothing or everything is kept, or the selection does not name what to keep.
     """
     if selection.colour is not None:
         mask = _near_colour(scan, selection.colour, selection.tolerance)
@@ -68,7 +68,7 @@ def select_other_cloth(scan: Scan, labels: np.ndarray | None, selection: Selecti
 
     Raises:
         LabelsMissing: where there are no labels.
-        LabelUnknown: where one of them is not there.
+        LabelUnknown: where the scan lacks one of them.
     """
     if not selection.cloth:
         return np.zeros(len(scan.vertices), bool)

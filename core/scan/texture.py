@@ -1,7 +1,7 @@
 """Sample a scan's texture at its vertices: image and coordinates of an OBJ, a PLY or a GLB.
 
-All of it is read where the mesh is, in the limited process, and the size of an image is known from its header before a
-pixel is decoded. A texture that cannot be had is no error: the scan is then one without colours, and that is told.
+It is read in the limited process that reads the mesh, and the size of an image is known from its header before a pixel
+is decoded. Where a texture cannot be read, the scan has no colours and a note with the reason.
 """
 
 from __future__ import annotations
@@ -19,13 +19,12 @@ from .header import PLY_END
 MAX_TEXTURE_PIXEL_COUNT = 150_000_000
 """Largest number of pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
 JPEG_DRAFT_SIDE_PX = 4096
-"""Side from which on a JPEG is decoded at half its size or less [pixels]: on a person one pixel every half
-millimetre."""
+"""Side from which on a JPEG is decoded at half its size or less [pixels]: on a person one pixel per half millimetre."""
 DEFAULT_MATERIAL_COLOUR = np.array([255, 255, 255])
-"""Colour of what has no material [RGB, 0 to 255]: white, glTF's default."""
+"""Colour without a material [RGB, 0 to 255]: white, glTF's default."""
 _FORMATS = ("PNG", "JPEG", "BMP", "WEBP", "TGA", "TIFF")
 _MTL_BYTES = 1 << 20
-"""Largest material file read."""
+"""Largest material file that is read [bytes]."""
 
 
 class TextureBad(Exception):
@@ -36,7 +35,7 @@ def open_image(source: Path, name: str) -> np.ndarray:
     """Decode an image to RGB, bytes, shape [height, width, 3]; one that is too large is not decoded.
 
     Raises:
-        TextureBad: where it is none that is read.
+        TextureBad: where the image is too large, or in no format that is read.
     """
     from PIL import Image
 
@@ -50,7 +49,7 @@ def open_image(source: Path, name: str) -> np.ndarray:
 
 
 def decode(image: Any, name: str) -> np.ndarray:
-    """Decode an image of which Pillow has read the header, as `open_image` does."""
+    """Decode an image whose header Pillow has read, as `open_image` does."""
     width, height = image.size
     if width * height > MAX_TEXTURE_PIXEL_COUNT:
         raise TextureBad(f"{name} has {width} x {height} pixels, more than are read")
@@ -81,7 +80,7 @@ def sample_image(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
 
 
 def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: Any = None) -> dict[str, np.ndarray]:
-    """Add `colours` from a texture, where a file has no others and names one; else `told`, why there are none."""
+    """Add `colours` from a texture where a file has no others and names one; where that fails `told`, the reason."""
     if "colours" in arrays or form not in ("obj", "ply", "glb"):
         return arrays
     try:
@@ -98,10 +97,10 @@ def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: An
 
 
 def find_referenced_file(path: Path, name: str) -> Path:
-    """Return the file of a name in a scan's folder or below it.
+    """Find a named file in a scan's folder or below it.
 
     Raises:
-        TextureBad: where there is none, as in a job, which has the scan's own file alone.
+        TextureBad: where there is none, as in a job, which has only the scan's own file.
     """
     name = name.strip().strip('"').replace("\\", "/")
     folder = path.parent.resolve()
@@ -134,10 +133,10 @@ def _colour_obj(path: Path, count: int) -> np.ndarray | None:
 
 
 def list_images(path: Path, libraries: list[str]) -> dict[str, str]:
-    """Return the name of the image of each material that has one, of the libraries beside an OBJ.
+    """Return the image's name of each material that has one, of the libraries beside an OBJ.
 
     Raises:
-        TextureBad: where a library is not there.
+        TextureBad: where a library is missing.
     """
     return {
         name: file for library in libraries for name, file in _read_mtl(find_referenced_file(path, library)).items()
@@ -145,7 +144,7 @@ def list_images(path: Path, libraries: list[str]) -> dict[str, str]:
 
 
 def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
-    """Read the texture coordinates [t, 2], of each corner vertex, coordinate and material [c, 3], and their names."""
+    """Read texture coordinates [t, 2], vertex, coordinate and material of each corner [c, 3], and material names."""
     uv, rows, materials, libraries = _read_obj_rows(path)
     corners = [(*word, material) for face, material in rows for word in face if word[1] >= 0]
     table = np.array(corners, np.int64).reshape(-1, 3)
@@ -173,7 +172,7 @@ def read_corners(path: Path) -> tuple[np.ndarray, np.ndarray, list[str], list[st
 def _read_obj_rows(
     path: Path,
 ) -> tuple[np.ndarray, list[tuple[list[tuple[int, int]], int]], list[str], list[str]]:
-    """Read texture coordinates, of each face (vertex, coordinate or -1) of its corners and its material, and names."""
+    """Read texture coordinates, of each face its corners (vertex, coordinate or -1) and material, and names."""
     uv: list[tuple[float, float]] = []
     faces: list[tuple[list[tuple[int, int]], int]] = []
     materials, libraries = [""], []
@@ -201,7 +200,7 @@ def _read_obj_rows(
 
 
 def _read_mtl(path: Path) -> dict[str, str]:
-    """Read the name of the image of each material; options before it are left out."""
+    """Read the image's name of each material, without the options before it."""
     found, name = {}, ""
     with path.open("rb") as file:
         text = file.read(_MTL_BYTES).decode("utf-8", "replace")
@@ -227,7 +226,7 @@ def _colour_ply(path: Path, loaded: Any) -> np.ndarray | None:
 
 
 def _colour_glb(parts: Any) -> np.ndarray | None:
-    """Return the colours of the vertices of all parts of a scene, from images within the file; a part may have none."""
+    """Return the vertex colours of all parts of a scene, from images in the file; None where no part has an image."""
     decoded: dict[int, np.ndarray] = {}
     colours, found = [], False
     for part in parts:

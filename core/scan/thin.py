@@ -1,4 +1,4 @@
-"""Thin a dense scan for what need not see every triangle, and keep which vertex became which."""
+"""Thin a dense scan for steps that do not need every triangle, and map its vertices to the result."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .raw import RawScan
 from .scan import Scan
 
 THINNED_PERSON_FACE_COUNT = 100_000
-"""Number of triangles of a whole person that a fit needs: their sides are 7 mm, less than a fold of cloth is wide."""
+"""Number of triangles of a whole person that a fit needs: their sides are 7 mm, less than the width of a fold."""
 
 THINNED_GARMENT_FACE_COUNT = 50_000
-"""Number of triangles of one garment that a recovery needs: their sides are 5 to 9 mm, about half the detail mesh's
-own. Of two garments of 0.5 million faces no distance was more than 0.05 mm smaller with 60 000, but one of a detail
-mesh's by 0.3 mm; simulation meshes and re-drapes were nearer by 0.05 to 0.6 mm with 50 000."""
+"""Number of triangles of one garment that a recovery needs: their sides are 5 to 9 mm, about half the detail mesh's. On
+two garments of 0.5 million faces 60 000 made no distance more than 0.05 mm smaller, but one of a detail mesh's by 0.3
+mm; simulation meshes and re-drapes were nearer by 0.05 to 0.6 mm with 50 000."""
 
 MAX_UNTHINNED_FACE_RATIO = 8 / 5
 """Number of faces over the wanted one up to which a garment's mesh is not thinned: on a scan with 2 mm of noise a
@@ -26,13 +26,13 @@ pattern's outline was nearer by 0.4 mm with all of 77 000 triangles than with 60
 
 @dataclass(frozen=True)
 class ThinMesh:
-    """A thinned mesh.
+    """Describe a thinned mesh.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].
         faces: Triangles, shape [f, 3].
-        origin: Vertex of the full mesh that stands for those of each, ascending, shape [n].
-        place: For each vertex of the full mesh the one here that stands for it, shape [full_count].
+        origin: Vertex of the full mesh that each vertex is, ascending, shape [n].
+        place: Index here of the vertex that represents each vertex of the full mesh, shape [full_count].
     """
 
     vertices: np.ndarray
@@ -44,8 +44,8 @@ class ThinMesh:
 def thin_raw_scan(raw: RawScan, faces: int = THINNED_PERSON_FACE_COUNT) -> RawScan:
     """Thin a raw scan to about so many triangles, or half as many points of a cloud; a smaller one is returned as is.
 
-    `place` and `origin` of the result still speak of the file's points, so that what is found for the thinned points is
-    carried to the file's by `found[place]` where `place` is not -1.
+    `place` and `origin` of the result still refer to the file's points: `found[place]`, where `place` is not -1,
+    carries values at the thinned points to those of the file.
     """
     if raw.is_cloud:
         return _thin_cloud(raw, faces // 2)
@@ -84,7 +84,7 @@ def thin_scan(scan: Scan, faces: int = THINNED_GARMENT_FACE_COUNT) -> tuple[Scan
 
 
 def average(values: np.ndarray, small: ThinMesh) -> np.ndarray:
-    """Average values of the full mesh, shape [full_count, k], over the vertices that each thinned one stands for."""
+    """Average values of the full mesh, shape [full_count, k], over the vertices that each thinned one represents."""
     count = np.maximum(np.bincount(small.place, minlength=len(small.vertices)), 1)[:, None]
     sums = [np.bincount(small.place, values[:, k], len(small.vertices)) for k in range(values.shape[1])]
     mean = np.stack(sums, axis=1) / count
@@ -96,7 +96,7 @@ def average(values: np.ndarray, small: ThinMesh) -> np.ndarray:
 def thin_mesh(vertices: np.ndarray, faces: np.ndarray, count: int = THINNED_PERSON_FACE_COUNT) -> ThinMesh:
     """Thin a mesh to `count` triangles, without tearing it or joining layers that only touch; borders stay as they are.
 
-    A vertex in no face is stood for by the nearest one.
+    A vertex in no face is represented by the nearest one.
     """
     from scipy.spatial import cKDTree
 

@@ -1,4 +1,4 @@
-"""Which unit a file is in and which axis points up, judged by what a garment or a body can measure."""
+"""Find a file's unit and up axis from the possible sizes of a garment or a body."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
 AXES = ("y", "z")
 BODY_LONGEST = (0.95, 2.4)
-"""Longest side of a body's bounding box [m]: height or arm span of anyone from a small child on. The span stays below
-2.54, so that no body in inches passes as one in centimetres."""
+"""Range of the longest side of a body's bounding box [m]: height or arm span from a small child on. The ratio of both
+is below 2.54, so that no body in inches passes as one in centimetres."""
 GARMENT_LONGEST = (0.28, 2.3)
-"""Longest side of a worn garment's bounding box [m]: from shorts to the span of long sleeves or a gown."""
+"""Range of the longest side of a worn garment's bounding box [m]: from shorts to the span of long sleeves or a gown."""
 GARMENT_SHORTEST = (0.16, 1.2)
-"""Shortest side of a worn garment's bounding box [m]: it goes around a trunk, which is at least that deep. A garment of
-an adult in inches (17 to 45 cm deep) would be 7 to 18 cm deep in centimetres."""
+"""Range of the shortest side of a worn garment's bounding box [m]: it goes around a trunk, which is at least that deep.
+A garment of an adult in inches (17 to 45 cm deep) would be 7 to 18 cm deep in centimetres."""
 GARMENT_AREA = (0.2, 8.0)
-"""Area of a garment [m2]: from shorts to a ball gown."""
+"""Range of a garment's area [m2]: from shorts to a ball gown."""
 GIVEN_LONGEST = (0.1, 5.0)
-"""Longest side that is believed where the user names the unit [m]."""
+"""Range of the longest side that is accepted where the user names the unit [m]."""
 UP_RATIO = 1.3
-"""One axis must lead the other by so much; a body seen from above is at most as wide as deep when it sits."""
+"""Least ratio by which one axis must exceed the other; a seated body seen from above is at most as wide as deep."""
 
 
 def check_choice(units: str | None, up: str | None) -> None:
-    """Check what the user said about units and axis.
+    """Check the unit and the axis that the user gave.
 
     Raises:
-        ChoiceBad: where it is none of the allowed words.
+        ChoiceBad: where one is none of the allowed words.
     """
     if units is not None and units not in UNITS:
         raise ChoiceBad(f"units '{units}' are not known; give {', '.join(UNITS)}.")
@@ -62,7 +62,7 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
     """Find the unit (`m`, `cm` or `mm`) in which positions [unit], shape [n, 3], measure a `garment` or a `body`.
 
     Raises:
-        UnitsUnknown: where none fits (a toy, a room); inches and feet too, which are taken only where they are given.
+        UnitsUnknown: where none fits (a toy, a room), also for inches and feet, which have to be given.
         UnitsAmbiguous: where several fit.
     """
     extent, area = _measure(vertices, faces)
@@ -78,7 +78,7 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
 
 
 def check_size(vertices: np.ndarray, units: str, kind: str) -> None:
-    """Check that the unit given by the user is possible at all.
+    """Check that the unit given by the user is possible.
 
     Raises:
         UnitsUnknown: where the mesh would be smaller than 10 cm or larger than 5 m.
@@ -91,11 +91,11 @@ def check_size(vertices: np.ndarray, units: str, kind: str) -> None:
 def find_up(vertices: np.ndarray, edges: HalfEdges, kind: str = "garment") -> str:
     """Find the axis (`y` or `z`) that points up.
 
-    A body is longer than deep. A garment's openings (hem, waist, neck) face up and down: their area vectors, each
-    counted by its absolute components, lie along the up axis; sleeves in a T pose add to x only.
+    A body is longer than deep. A garment's openings (hem, waist, neck) face up and down, so that the absolute
+    components of their area vectors add up to most along the up axis; sleeves in a T-pose add to x only.
 
     Raises:
-        UpAmbiguous: where neither axis leads.
+        UpAmbiguous: where neither axis exceeds the other by `UP_RATIO`.
     """
     from .repair import boundary_pieces
 
@@ -108,10 +108,10 @@ def find_up(vertices: np.ndarray, edges: HalfEdges, kind: str = "garment") -> st
         return "y"
     if z >= UP_RATIO * y:
         return "z"
-    raise UpAmbiguous(f"It cannot be told whether y or z points up in the {kind}'s file; say which with --up y or z.")
+    raise UpAmbiguous(f"Whether y or z points up in the {kind}'s file is not clear; say which with --up y or z.")
 
 
 def to_metres(vertices: np.ndarray, units: str, up: str) -> np.ndarray:
-    """Return positions in metres with y up; z up is turned about x, so (x, y, z) becomes (x, z, -y)."""
+    """Return positions in metres with y up; with z up (x, y, z) becomes (x, z, -y)."""
     scaled = vertices * UNITS[units]
     return scaled if up == "y" else np.stack([scaled[:, 0], scaled[:, 2], -scaled[:, 1]], axis=1)

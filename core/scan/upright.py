@@ -1,8 +1,7 @@
-"""Which way is up in a person's scan, and how large its unit is: judged by how a body's mass is spread over its height.
+"""Find the up axis and the unit of a person's scan from the distribution of a body's surface over its height.
 
-A slice of a person at some height holds a share of the surface, and spreads so far about the person's axis; both say
-where the head is, whatever the unit and the heading. They are compared with those of the built-in body in many poses,
-for each of the six ways in which a file's axis may point up.
+A slice at some height has a share of the surface and a spread about the person's axis; both show where the head is, in
+any unit and heading. They are compared with the built-in body's in many poses, for each of the six axes.
 """
 
 from __future__ import annotations
@@ -22,20 +21,18 @@ from .units import BODY_LONGEST
 AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 """Axes of the file that may point up, the usual ones first."""
 DEFAULT_STATURE = 1.70
-"""Height that a person is given whose unit is none of `UNITS` [m]: between the means of women and men."""
+"""Height assumed for a person whose unit is none of `UNITS` [m]: between the means of women and men."""
 MAX_PERSON_MISFIT = 0.7
-"""Misfit up to which a scan is a person whatever its unit: dressed people are below 0.5, a box as tall as one, or half
-a person, is above."""
+"""Largest misfit of a person, whatever the unit: dressed people have up to 0.5, a box as tall or half a person more."""
 PERSON_PART_SIZE_RANGE = (0.3, 5.0)
-"""Least and largest size of what may be a part of a person, or more than one [m]."""
+"""Least and largest size of what may be a part of a person, or several [m]."""
 PROFILE_SLICE_COUNT = 24
-"""Number of slices over the height: each is 7 cm of an adult, less than the length of a head, a thigh or an upper
-arm."""
+"""Number of slices over the height: each is 7 cm of an adult, less than a head, a thigh or an upper arm is long."""
 PROFILE_TAIL_SHARE = 0.002
-"""Share of the points that may lie beyond either end of the height: flyers, a strand of hair."""
+"""Share of the points that may be beyond either end of the height: flyers, a strand of hair."""
 UNUSUAL_AXIS_PENALTY = 1.25
-"""Factor on the misfit of all axes but the usual ones (y, z): few files have another, and none of those is more than a
-guess. A person in a T-pose lying on the side matches at least 2 times worse than upright."""
+"""Factor on the misfit of all axes but the usual ones (y, z), which few files have. A person in a T-pose lying on the
+side matches at least 2 times worse than upright."""
 MIN_AXIS_MISFIT_RATIO = 1.3
 """Misfit of the second best axis over that of the best above which the best is certain."""
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
@@ -86,19 +83,18 @@ SKIRT_HEM_SHARES = ((0.02, 0.24), (0.02, 0.15), (0.28, 0.16))
 """Height and radius of the hem of each skirt that a scan is compared with, as shares of the stature: a gown, a long
 dress, one to the knee. Without them a gown is more like a person head down with arms spread."""
 SKIRT_POSES = ("T", "A", "arms down", "on hips")
-"""Poses of `POSES` that are tried with each of `SKIRT_HEM_SHARES`."""
+"""Poses of `POSES` that are combined with each of `SKIRT_HEM_SHARES`."""
 SKIRT_WAIST_SHARES = (0.62, 0.08)
 """Height and radius of a skirt's upper end, as shares of the stature."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Describe how a person's surface is spread over the height.
+    """Describe the distribution of a person's surface over the height.
 
     Attributes:
         share: Share of the surface in each slice from the lowest on, sum 1, shape [PROFILE_SLICE_COUNT].
-        spread: Root mean square distance of each slice from the vertical through the centre, in heights, shape
-            [PROFILE_SLICE_COUNT].
+        spread: RMS distance of each slice from the central vertical, in heights, shape [PROFILE_SLICE_COUNT].
         height: From the lowest to the highest point, in the unit of the points.
         ratio: Height of the standing person over `height`; 1 where not known.
     """
@@ -111,14 +107,14 @@ class Profile:
 
 @dataclass(frozen=True)
 class UprightAxis:
-    """Describe how a file is turned upright.
+    """Describe the up axis of a file.
 
     Attributes:
         up: One of `AXES_UP`.
-        misfit: Difference from the most alike pose; people are below 0.5, dressed ones too.
+        misfit: Difference from the most similar pose; below 0.5 for people, also dressed ones.
         others: Misfit of each axis, by its name.
         ratio: Standing height over the height measured along the axis, by that pose.
-        is_sure: Whether no other axis comes near.
+        is_sure: Whether the misfit of all other axes is clearly larger.
     """
 
     up: str
@@ -138,7 +134,7 @@ def turn_upright(points: np.ndarray, up: str) -> np.ndarray:
 
 
 def measure_profile(points: np.ndarray, weights: np.ndarray | None = None) -> Profile:
-    """Measure how points, uniform over a surface or weighed by their areas, are spread over y, shape [n, 3]."""
+    """Measure the distribution over y of points, shape [n, 3], uniform over a surface or weighted by their areas."""
     weights = np.ones(len(points)) if weights is None else weights
     order = np.argsort(points[:, 1], kind="stable")
     passed = np.cumsum(weights[order]) / weights.sum()
@@ -155,7 +151,7 @@ def measure_profile(points: np.ndarray, weights: np.ndarray | None = None) -> Pr
 
 
 def build_profiles() -> list[Profile]:
-    """Build the profiles of the built-in body, both mean shapes, in every pose of `POSES`, in some with skirts."""
+    """Build the profiles of the built-in body, both mean shapes, in every pose of `POSES`, some with skirts."""
     template = load_template()
     found = []
     for mean in template.means.values():
@@ -197,10 +193,9 @@ def _build_skirt(floor: float, hem: float, radius: float, stature: float) -> tup
 
 
 def compare_profiles(first: Profile, second: Profile) -> float:
-    """Return how much two profiles differ: shares that lie elsewhere, and spreads where either has its surface.
+    """Return the difference of two profiles: of running sums of shares (the earth mover's distance), and of spreads.
 
-    Shares are compared as running sums (the earth mover's distance over the height): a belly or a hem a slice higher
-    is a small difference.
+    A belly or a hem that is a slice higher is a small difference.
     """
     moved = float(np.abs(np.cumsum(first.share) - np.cumsum(second.share)).mean())
     spread = float((0.5 * (first.share + second.share) * np.abs(first.spread - second.spread)).sum())
@@ -210,7 +205,7 @@ def compare_profiles(first: Profile, second: Profile) -> float:
 def find_upright(
     points: np.ndarray, profiles: list[Profile] | None = None, axes: tuple[str, ...] = AXES_UP
 ) -> UprightAxis:
-    """Find the axis that points up in points uniform over a person's surface, shape [n, 3], any unit and heading."""
+    """Find the axis that points up from points uniform over a person's surface, shape [n, 3], any unit and heading."""
     profiles = build_profiles() if profiles is None else profiles
     found: dict[str, tuple[float, float]] = {}
     for axis in axes:
@@ -226,21 +221,20 @@ def find_upright(
 
 
 def find_length_unit(height: float, found: UprightAxis) -> tuple[str, float]:
-    """Find the unit in which a person of some height [unit] has the size of one; return its name and metres in one.
+    """Find the unit in which a height [unit] is a person's; return its name and metres in one.
 
     Args:
         height: From the lowest to the highest point.
-        found: How the person stands.
+        found: The up axis.
 
     Returns:
-        A name of `UNITS`. Where none fits, `unknown` with the scale at which a person stands `DEFAULT_STATURE` high, or
-        for what is less like a person the metre, centimetre or millimetre in which it has any size that a part of one
-        has.
+        A name of `UNITS`. Where none fits, `unknown` with the scale that makes the person `DEFAULT_STATURE` high, or
+        for what is less like a person the unit of `METRIC` in which its size is in `PERSON_PART_SIZE_RANGE`.
 
     Raises:
-        UnitsUnknown: where that fits none either.
+        UnitsUnknown: where none of these fits.
     """
-    for name, metres in UNITS.items():  # of two the first would be taken, and no two fit
+    for name, metres in UNITS.items():  # at most one fits
         if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
             return name, metres
     if found.is_sure and found.misfit < MAX_PERSON_MISFIT:

@@ -1,4 +1,4 @@
-"""Read motions from BVH files, of whatever skeleton."""
+"""Read motions from BVH files of any skeleton."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ MAX_BVH_FILE_BYTES = 64 * 1024**2
 
 
 def read_bvh(path: Path) -> Recording:
-    """Read a motion from a BVH file; `map_skeleton` says which joints are understood.
+    """Read a motion from a BVH file; `map_skeleton` has the joints that are recognised.
 
     Raises:
-        MotionBad: where the file is none, with the line that is wrong.
+        MotionBad: where the file is not BVH, with the line that is wrong.
         MotionTooLarge: where it is too large, too long, or has too many joints.
-        MotionForeign: where the skeleton is no person's.
+        MotionForeign: where the skeleton is not a person's.
     """
     path = Path(path)
     if path.stat().st_size > MAX_BVH_FILE_BYTES:
@@ -35,12 +35,9 @@ def read_bvh(path: Path) -> Recording:
 
 
 def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> SkeletonMotion:
-    """Return a skeleton in the poses of channel values, shape [n, channel_count].
-
-    A joint's channels are applied in the file's order, the first one outermost: for `Zrotation Xrotation Yrotation`
-    R = R_z R_x R_y. Positions stand in place of the joint's OFFSET; in a file whose positions below the root are nearer
-    to nothing than to the OFFSETs they are added to these.
-    """
+    """Return a skeleton in the poses of channel values, shape [n, channel_count]. A joint's channels are applied in the
+    file's order, the first one outermost: for `Zrotation Xrotation Yrotation` R = R_z R_x R_y. Positions replace the
+    joint's OFFSET, or add to it if those below the root are nearer to zero than to it."""
     turns = np.zeros((len(values), len(skeleton.names), 3, 3))
     given: dict[int, np.ndarray] = {}
     at = 0
@@ -66,7 +63,7 @@ def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> SkeletonMotion:
 
 
 def _place(skeleton: Skeleton, given: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
-    """Return the place of each joint from its parent, shape [n, 3], NaN where a position channel is missing."""
+    """Return the offset of each joint from its parent, shape [n, 3]; the OFFSET where a channel is missing (NaN)."""
     added = replaced = 0.0
     for joint, way in given.items():
         if skeleton.parents[joint] >= 0:

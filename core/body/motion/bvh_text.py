@@ -1,4 +1,4 @@
-"""Parse the text of BVH files as programs and people write it: any case, blanks, tabs, comma decimals."""
+"""Parse the text of BVH files with the variations that occur: any case, blanks, tabs, comma decimals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .keys import FRAME_RATE_RANGE
 from .recording import MAX_MOTION_FRAME_COUNT
 
 MAX_JOINT_COUNT = 512
-"""Largest number of joints. With all fingers and a face there are about 120."""
+"""Largest number of joints; a skeleton with all fingers and a face has about 120."""
 
 CHANNELS = {f"{axis}{kind}": (axis, kind) for axis in "XYZ" for kind in ("position", "rotation")}
 
@@ -23,7 +23,7 @@ CHANNELS_BY_LOWER_NAME = {name.lower(): name for name in CHANNELS}
 """The channels by their names in lower case."""
 
 HIERARCHY_KEYWORDS = ("hierarchy", "root", "joint", "end", "offset", "channels", "{", "}")
-"""First words of a line of the hierarchy, in lower case; what begins with another one goes on with the line before."""
+"""First words of a line of the hierarchy, in lower case; a line with another first word continues the line before."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,8 @@ class Skeleton:
 
 @dataclass(frozen=True)
 class BvhText:
-    """Describe what a BVH file says.
-
-    Attributes:
-        skeleton: The joints.
-        values: Of all channels in the file's order, shape [frame_count, channel_count].
-        rate: Frames a second [1/s].
-        notes: What the file says that it does not hold, one sentence each.
-    """
+    """Describe a BVH file: joints, channel `values` in the file's order, shape [frame_count, channel_count], `rate`
+    [1/s], and notes on what the file announces but does not contain, one sentence each."""
 
     skeleton: Skeleton
     values: np.ndarray
@@ -61,7 +55,7 @@ class BvhText:
 
 
 def decode_bvh(content: bytes) -> str:
-    """Return the text of a file: UTF-16 by its mark, else UTF-8, in which what is none is replaced."""
+    """Decode a file's text: UTF-16 if it has the byte order mark, else UTF-8 with invalid bytes replaced."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     return content.decode("utf-8-sig", errors="replace")
@@ -71,7 +65,7 @@ def parse_bvh(text: str, name: str) -> BvhText:
     """Return skeleton, channel values and rate of a BVH text.
 
     Raises:
-        MotionBad: where it is none, with what is wrong.
+        MotionBad: where it is not BVH, with what is wrong.
         MotionTooLarge: where it has too many joints or frames.
     """
     parts = re.split(r"^[ \t]*MOTION[ \t]*\r?$|(?<=\})\s*MOTION\b", text, maxsplit=1, flags=re.I | re.M)
@@ -94,11 +88,9 @@ def parse_bvh(text: str, name: str) -> BvhText:
 
 
 def _parse_frames(lines: list[str], frames: int, width: int, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the values of each frame, shape [n, width], and what is not as the file says.
-
-    A frame is a line; where lines are not as wide as the channels, the frames follow each other through them. As many
-    frames are read as are there; a last one that breaks off is left out.
-    """
+    """Return the values of each frame, shape [n, width], and notes on what differs from the file's header. A frame is a
+    line; where lines are not as wide as the channels, frames continue across lines. An incomplete last frame is left
+    out."""
     rows = _plain_decimals(lines)
     try:
         numbers = [np.array(row.split(), dtype=np.float64) for row in rows]
@@ -123,7 +115,7 @@ def _parse_frames(lines: list[str], frames: int, width: int, name: str) -> tuple
 
 
 def _parse_hierarchy(text: str, name: str) -> Skeleton:
-    """Read ROOT, JOINT, OFFSET, CHANNELS and End Site; a second ROOT is refused."""
+    """Parse ROOT, JOINT, OFFSET, CHANNELS and End Site; a second ROOT is refused."""
     names: list[str] = []
     parents: list[int] = []
     offsets: list[np.ndarray] = []
@@ -162,7 +154,7 @@ def _parse_hierarchy(text: str, name: str) -> Skeleton:
 
 
 def _statements(text: str, name: str) -> list[tuple[str, str]]:
-    """Return the statements of a hierarchy: the first word in lower case, and what follows it."""
+    """Split a hierarchy into statements: the first word in lower case, and the rest."""
     found: list[tuple[str, str]] = []
     for line in text.replace("{", "\n{\n").replace("}", "\n}\n").splitlines():
         word, *rest = line.split(maxsplit=1)[:2] or [""]
@@ -177,7 +169,7 @@ def _statements(text: str, name: str) -> list[tuple[str, str]]:
 
 
 def _parse_channels(text: str, name: str) -> tuple[str, ...]:
-    """Return the channels of a joint by the names of `CHANNELS`."""
+    """Parse the channels of a joint, named as in `CHANNELS`."""
     count, *words = text.replace(",", " ").split() or [""]
     if not all(word.lower() in CHANNELS_BY_LOWER_NAME for word in words):
         raise MotionBad(f"{name}: channels '{keep_printable(text)[:60]}' are none of {', '.join(CHANNELS)}.")
@@ -187,10 +179,8 @@ def _parse_channels(text: str, name: str) -> tuple[str, ...]:
 
 
 def _plain_decimals(lines: list[str]) -> list[str]:
-    """Return lines of numbers with points for decimals and blanks between.
-
-    A comma between two digits is a decimal one where no number has a point and none has two commas; else it separates.
-    """
+    """Return lines of numbers with decimal points and blanks as separators. A comma between two digits is a decimal one
+    where no number has a point and none has two commas; else it separates."""
     text = "\n".join(lines)
     if "," not in text:
         return lines
@@ -209,7 +199,7 @@ def _parse_offset(text: str, name: str) -> np.ndarray:
 
 
 def _parse_labelled_number(lines: list[str], at: int, label: str, name: str) -> float:
-    """Return the number behind a label and a colon."""
+    """Parse the number after a label and a colon."""
     line = lines[at] if at < len(lines) else ""
     spaced = label.replace(" ", r"\s*")
     match = re.fullmatch(rf"{spaced}\s*:?\s*(\S+)", line, flags=re.I)

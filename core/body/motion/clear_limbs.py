@@ -1,4 +1,4 @@
-"""Spread limbs where a motion would take them into the rest of a wearer, or leave cloth between them no room."""
+"""Spread limbs that a motion would move into the rest of the wearer, or too close to it for the cloth between them."""
 
 from __future__ import annotations
 
@@ -18,32 +18,30 @@ LIMB_GROUPS = {
     "right arm": (Limb.named("right", "shoulder"),),
     "legs": (Limb.named("left", "hip"), Limb.named("right", "hip")),
 }
-"""What is spread by one angle: an arm off everything but the other arm, both legs off each other."""
+"""Limbs that one angle spreads: an arm from everything but the other arm, both legs from each other."""
 
 CLOTH_LAYER_CLEARANCE = 2.5e-3
-"""Room that a layer of cloth needs on covered skin [m]: half of what two layers need between two parts of a body with
-what they keep from the skin and from each other (`core.judge.crossings.MAX_PINCH_DISTANCE`)."""
+"""Room for a layer of cloth on covered skin [m]: half of what two layers need between two parts of a body, with their
+distances from the skin and from each other (`core.judge.crossings.MAX_PINCH_DISTANCE`)."""
 
 MAX_LIMB_SPREAD_ANGLE = np.deg2rad(15.0)
-"""Angle by which a joint is turned at most [rad]: more is another motion."""
+"""Largest angle by which a joint is turned [rad]; beyond it the motion is visibly another one."""
 
 SPREAD_SMOOTHING_TIME = 0.25
-"""Time before and after a pose in which its angle is reached and given back [s]: half a step of a walk."""
+"""Time before and after a pose in which its angle is reached and released [s]: half a step of a walk."""
 
 SPREAD_SAMPLE_RATE = 30.0
-"""Approximate rate at which poses are examined [1/s]. Between two of them a limb goes 6 cm at most, and their largest
-angle holds for a quarter of a second around."""
+"""Approximate rate at which poses are examined [1/s]. In between a limb moves 6 cm at most, and the largest angle
+applies for a quarter of a second around each."""
 
 MAX_SPREAD_ITERATIONS = 6
-"""Largest number of iterations in which a pose's angle is found. The nearest skin changes as a limb turns; 2 to 4
-iterations settle it."""
+"""Largest number of iterations for a pose's angle. The nearest skin changes as a limb turns; 2 to 4 suffice."""
 
 SPREAD_ANGLE_TOLERANCE = np.deg2rad(0.1)
-"""Change of the angle that ends the search [rad]."""
+"""Change of the angle at which the search ends [rad]."""
 
 MIN_LEG_WEIGHT_SHARE = 0.3
-"""Smallest share of a leg in the skinning weights of a face that belongs to the leg. The inside of a thigh is half the
-pelvis'."""
+"""Smallest weight share of a leg in a face of that leg. The inner thigh has half of its weights from the pelvis."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +50,8 @@ class ClearedMotion:
 
     Attributes:
         track: The motion.
-        angles: By which limbs of `LIMB_GROUPS` are spread in each pose of the track [rad], shape [pose_count, 3].
-        missed: Poses in which `MAX_LIMB_SPREAD_ANGLE` was less than what clears all, shape [pose_count, 3].
+        angles: By which the limbs of `LIMB_GROUPS` are spread in each pose of the track [rad], shape [pose_count, 3].
+        missed: Poses in which `MAX_LIMB_SPREAD_ANGLE` is too small to clear all, shape [pose_count, 3].
     """
 
     track: Track
@@ -62,21 +60,19 @@ class ClearedMotion:
 
 
 def clear_limbs(track: Track, body: Body, covered: np.ndarray, begin: float, end: float) -> ClearedMotion:
-    """Return a motion in which limbs keep clear of the rest of the wearer, as far as turning them outwards does it.
+    """Spread limbs so that they clear the rest of the wearer, as far as turning them outward does.
 
-    In each pose every arm, and both legs, are turned outwards by the least angle that leaves room for the cloth on the
-    skin that faces (`CLOTH_LAYER_CLEARANCE` for each that is covered, none for bare skin), at most
-    `MAX_LIMB_SPREAD_ANGLE`. Over time the largest angle within `SPREAD_SMOOTHING_TIME` holds, averaged over as long, so
-    that it is never less than what a pose needs and changes smoothly. Feet keep their direction, and the lower one its
-    height. Creases near joints stay (`MIN_GAP_WIDENING`).
+    In each pose every arm, and both legs together, turn outward by the least angle that leaves room for the cloth on
+    the facing skins (`CLOTH_LAYER_CLEARANCE` for each covered one, 0 for bare skin), at most `MAX_LIMB_SPREAD_ANGLE`.
+    Over time the largest angle within `SPREAD_SMOOTHING_TIME` applies, averaged over the same time: smooth and never
+    less than needed. Feet keep their direction, and the lower one its height. Creases near joints are ignored.
 
     Args:
         track: The motion.
         body: The wearer.
-        covered: Whether cloth lies on each vertex, shape [vertex_count].
-        begin: First time that is asked for [s].
-        end: Last one [s]; poses further from these than `SPREAD_SMOOTHING_TIME` asks for are left alone, unless the
-            motion loops.
+        covered: Whether cloth covers each vertex, shape [vertex_count].
+        begin: First time of interest [s].
+        end: Last one [s]; poses that cannot influence this interval are not changed, unless the motion loops.
     """
     count = len(track.turns)
     first, last = 0, count - 1
@@ -102,7 +98,7 @@ def clear_limbs(track: Track, body: Body, covered: np.ndarray, begin: float, end
 
 
 def spread_limbs(pose: Pose, rest_joints: np.ndarray, angles: np.ndarray) -> Pose:
-    """Return a pose with the limbs of `LIMB_GROUPS` turned outwards by angles [rad], shape [3].
+    """Return a pose with the limbs of `LIMB_GROUPS` turned outward by angles [rad], shape [3].
 
     Args:
         pose: The pose.
@@ -128,7 +124,7 @@ _FOOT = ("ankle", "foot")
 
 @dataclass(frozen=True)
 class _Search:
-    """Describe what the search for the least angles needs of a wearer: faces of each limb, and of what it may meet."""
+    """Describe the wearer for the search of the least angles: faces of each limb, and of the skin that it may meet."""
 
     mover: MovingBody
     gaps: LimbGaps
@@ -153,8 +149,7 @@ class _Search:
         return cls(MovingBody(body), gaps, covered, parts)
 
     def least(self, pose: Pose) -> np.ndarray:
-        """Return the least angle of each group that clears it [rad], shape [3], searched up to twice
-        `MAX_LIMB_SPREAD_ANGLE`."""
+        """Return the least angle of each group that clears it [rad], shape [3], up to twice `MAX_LIMB_SPREAD_ANGLE`."""
         angles = np.zeros(len(LIMB_GROUPS))
         for turn in range(MAX_SPREAD_ITERATIONS):
             joints = self.mover.body.rest_joints
@@ -168,7 +163,7 @@ class _Search:
         return angles
 
     def _need(self, body: Body, limbs: tuple[Limb, ...], part: tuple[np.ndarray, np.ndarray]) -> float:
-        """Return by how much more a group must be spread [rad]; less than none where it may go back."""
+        """Return the missing spread of a group [rad]; negative where it is spread further than needed."""
         found = self.gaps.measure(body, limbs, *part)
         wide = found.widening > MIN_GAP_WIDENING
         if not wide.any():
@@ -178,7 +173,7 @@ class _Search:
 
 
 def _smooth(wanted: np.ndarray, track: Track, stride: int) -> np.ndarray:
-    """Return angles that are nowhere less than those wanted [rad], [n, k], and change smoothly."""
+    """Return angles that change smoothly and are nowhere less than those wanted [rad], [n, k]."""
     from scipy.ndimage import convolve1d, maximum_filter1d
 
     half = max(int(np.ceil(SPREAD_SMOOTHING_TIME * track.rate)), stride)

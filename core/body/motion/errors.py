@@ -1,4 +1,4 @@
-"""What can be wrong with a motion."""
+"""Errors of motions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ...run.errors import BadInput
 
 
 class MotionBad(BadInput):
-    """The file is no motion that is understood; give BVH, .npz of poses, or JSON keys (docs/howto/animate.md)."""
+    """The file is not a known kind of motion; give BVH, .npz of poses, or JSON keys (docs/howto/animate.md)."""
 
     code = "motion.bad"
 
@@ -18,6 +18,6 @@ class MotionTooLarge(BadInput):
 
 
 class MotionForeign(BadInput):
-    """The skeleton is not understood; give one whose hips, knees and feet are named as docs/howto/animate.md says."""
+    """The skeleton is not recognised; give one whose hips, knees and feet are named as docs/howto/animate.md says."""
 
     code = "motion.foreign"

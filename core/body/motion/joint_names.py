@@ -1,4 +1,4 @@
-"""Find our joints among a foreign skeleton's: by names, and where names do not tell, by the tree and the rest pose."""
+"""Match a foreign skeleton's joints to `JOINTS`: by their names, else by the tree and the rest pose."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ SIDES = ("left", "right")
 
 LEG = ("hip", "knee", "ankle", "foot")
 ARM = ("collar", "shoulder", "elbow", "wrist")
-"""Our joints of a leg and of an arm, from the trunk outwards."""
+"""The joints of a leg and of an arm, from the trunk outwards."""
 
 BONES = ("hip", "knee", "collar", "shoulder", "elbow")
-"""Joints whose bone may be shared among several of a foreign skeleton's; the last of these carries the next joint."""
+"""Joints whose bone may be divided among several foreign joints; the last of these carries the next joint."""
 
 PART_JOINT_SCORES: dict[Part, dict[str, float]] = {
     Part.HIP: {"hip": 0.8},
@@ -36,15 +36,14 @@ PART_JOINT_SCORES: dict[Part, dict[str, float]] = {
     Part.WRIST: {"wrist": 1.0},
     Part.HAND: {"wrist": 0.9},
 }
-"""Which of our joints a part of a name may be, and how well: `hip` is the hip's joint but where a thigh follows, `foot`
-the ankle but where an ankle precedes, `shoulder` the collar where an arm follows."""
+"""Score of each joint for each part of a name: `hip` is the hip joint unless a thigh follows, `foot` the ankle unless
+an ankle precedes, `shoulder` the collar if an arm follows."""
 
 TWIST_JOINT_SCORE_FACTOR = 0.3
-"""Factor on the name score of a joint that shares out a twist: it lies on the bone, not at its end."""
+"""Factor on the name score of a twist joint: it is along the bone, not at its end."""
 
 STILL_JOINT_SCORE_FACTOR = 0.95
-"""Factor on the name score of a joint that never turns. Of two joints by one name it is the socket, the other the
-joint."""
+"""Factor on the name score of a joint that never turns; of two joints of one name it is not the one that moves."""
 
 MIN_HANGING_LEG_COSINE = 0.7
 """Smallest cosine between a leg and the way from chest to pelvis at which the leg hangs below the trunk: 45 degrees."""
@@ -52,12 +51,12 @@ MIN_HANGING_LEG_COSINE = 0.7
 
 @dataclass
 class JointMapping:
-    """Describe which joints of a foreign skeleton are ours.
+    """Describe the mapping from `JOINTS` to the joints of a foreign skeleton.
 
     Attributes:
-        at: Index of the joint that is where ours is, by our name.
-        carried: Index of the joint whose turn our bone has: the last one of several that share the bone.
-        notes: What was understood by place alone, one sentence each.
+        at: Index of the joint at the same place, by the name in `JOINTS`.
+        carried: Index of the joint whose rotation our bone has: the last one of several that divide the bone.
+        notes: What was recognised by place alone, one sentence each.
     """
 
     at: dict[str, int] = field(default_factory=dict)
@@ -66,15 +65,15 @@ class JointMapping:
 
 
 def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> JointMapping:
-    """Return our joints' names with the joints of a foreign skeleton that are meant.
+    """Match the joints of a foreign skeleton to `JOINTS`.
 
-    Legs and arms are the chains whose names fit best; what names leave open is filled by place: the two longest bones.
-    The pelvis is where both legs branch, the chest where the arms do; joints between are shared among the spine's
-    three, and those above the chest are neck and head.
+    Legs and arms are the chains whose names fit best; those without usable names are found by place: the two longest
+    bones. The pelvis is where both legs branch, the chest where the arms do; joints between are divided among the
+    spine's three, and those above the chest are neck and head.
 
     Args:
         tree: The skeleton.
-        still: Joints that never turn in the motion; of the spine they do not count, and of limbs little.
+        still: Joints that never turn in the motion: ignored in the spine, of low score in limbs.
     """
     found = JointMapping()
     for limb in (LEG, ARM):
@@ -91,11 +90,8 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> JointMa
 
 
 def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozenset[int]) -> dict[str, int]:
-    """Return the joints of a limb along the chain whose names fit best.
-
-    For each joint, and each number of the limb's joints taken on the way to it, the best claims so far are kept; of
-    equal ones those nearer to the trunk.
-    """
+    """Find the joints of a limb along the chain whose names fit best. Dynamic programming: for each joint, and each
+    number of the limb's joints assigned so far, the best assignment is kept; of equal ones that nearer to the trunk."""
     none: tuple[float, tuple[tuple[str, int], ...]] = (0.0, ())
     best = [[none] * (len(limb) + 1) for _ in tree.parents]
     top = none
@@ -123,7 +119,7 @@ def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozens
 
 
 def _fill_limbs(tree: JointTree, found: JointMapping) -> None:
-    """Find by place what names left open of legs and arms."""
+    """Find the joints of legs and arms that names do not give, by place."""
     for limb in (LEG, ARM):
         three = limb[:3] if limb is LEG else limb[1:]
         for side, other in (SIDES, SIDES[::-1]):
@@ -137,7 +133,7 @@ def _fill_limbs(tree: JointTree, found: JointMapping) -> None:
 
 
 def _fill_ends(tree: JointTree, found: JointMapping) -> None:
-    """Find by place collars, between where the arms branch and their shoulders, and toes, beyond the ankles."""
+    """Find by place the collars, between the arms' fork and their shoulders, and the toes, beyond the ankles."""
     shoulders = [found.at[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in found.at]
     chest = tree.fork(shoulders) if len(shoulders) == 2 else -1
     for side in SIDES:
@@ -153,7 +149,7 @@ def _fill_ends(tree: JointTree, found: JointMapping) -> None:
 
 
 def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
-    """Return the chain that holds some joints of a limb, without what it shares with the other side or the trunk."""
+    """Return the chain with some joints of a limb, without what it shares with the other side or the trunk."""
     way = [*tree.way_to(own[-1])[:-1], *tree.chain_below(own[-1])]
     shared = {joint for other in across for joint in tree.way_to(other)}
     first = next((n for n, joint in enumerate(way) if joint not in shared), 0) if shared else 0
@@ -163,7 +159,7 @@ def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
 def _assign_joints(
     tree: JointTree, found: JointMapping, side: str, names: tuple[str, ...], three: tuple[int, ...] | None
 ) -> None:
-    """Note the three joints of a limb that were found by place."""
+    """Store the joints of a limb that were found by place, with a note for each."""
     for name, joint in zip(names, three or (), strict=False):
         if f"{side}_{name}" not in found.at:
             found.at[f"{side}_{name}"] = joint
@@ -171,11 +167,8 @@ def _assign_joints(
 
 
 def _find_mirrored(tree: JointTree, found: JointMapping) -> None:
-    """Find legs and arms whose names tell nothing: two pairs of chains, each other's mirror image.
-
-    Legs hang below the way from where the arms branch to where they do. The left side is that of limbs whose names tell
-    it, else by the toes, which point ahead.
-    """
+    """Find legs and arms without usable names: two pairs of chains, each other's mirror image. Legs hang below the way
+    from the arms' fork to theirs. The left side is by named limbs, else by the toes' direction."""
     lacking = [limb for limb in (LEG[:3], ARM[1:]) if not any(f"{side}_{limb[0]}" in found.at for side in SIDES)]
     if not lacking:
         return
@@ -206,7 +199,7 @@ def _hangs_below_trunk(tree: JointTree, pair: MirroredChains, chest: int) -> boo
 
 
 def _left_direction(tree: JointTree, found: JointMapping, legs: MirroredChains | None) -> np.ndarray:
-    """Return a direction to the left in the rest pose, shape [3]; zeros where nothing tells it."""
+    """Return a direction to the left in the rest pose, shape [3]; zeros where it is unknown."""
     for name in ("hip", "shoulder", "knee", "elbow"):
         if all(f"{side}_{name}" in found.at for side in SIDES):
             return np.asarray(tree.places[found.at[f"left_{name}"]] - tree.places[found.at[f"right_{name}"]])
@@ -219,7 +212,7 @@ def _left_direction(tree: JointTree, found: JointMapping, legs: MirroredChains |
 
 
 def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> None:
-    """Find spine, neck and head: the joints between where legs and arms branch, and those above."""
+    """Find spine, neck and head: the joints between the forks of legs and arms, and those above."""
     tops = [
         next((found.at[f"{side}_{name}"] for name in ARM[:2] if f"{side}_{name}" in found.at), -1) for side in SIDES
     ]
@@ -246,7 +239,7 @@ def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> 
 
 
 def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> list[int]:
-    """Return the joints from the neck to the head, those above the chest that bear no arm; the last is the head."""
+    """Return the joints from neck to head: those above the chest that carry no arm. The last is the head."""
     if head >= 0:
         way = tree.way_to(head)
         return way[way.index(chest) + 1 :] if chest in way else [head]
@@ -260,12 +253,12 @@ def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> l
 
 
 def _is_side_branch(tree: JointTree, joint: int, tops: list[int]) -> bool:
-    """Check whether a joint above the chest leads to an arm, has a side, or is a mere end."""
+    """Check whether a joint above the chest leads to an arm, has a side, or is only an end of a chain."""
     return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.way_to(top) for top in tops)
 
 
 def _rotation_source(tree: JointTree, at: dict[str, int], name: str) -> int:
-    """Return the joint whose turn one of our bones has."""
+    """Return the joint whose rotation one of our bones has."""
     side = name.partition("_")[0]
     ends = {"neck": "head", **{f"{side}_{first}": f"{side}_{second}" for limb in (LEG, ARM)
             for first, second in pairwise(limb) if first in BONES}}  # fmt: skip

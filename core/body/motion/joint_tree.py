@@ -1,4 +1,4 @@
-"""The tree of a foreign skeleton's joints, and where they are in its rest pose."""
+"""The tree of a foreign skeleton's joints, with their places in its rest pose."""
 
 from __future__ import annotations
 
@@ -12,23 +12,15 @@ from ...geometry.geometry import unit
 from .joint_words import HELPER_WORDS, Part, name_part, split_name
 
 MIN_BONE_LENGTH_RATIO = 0.6
-"""Smallest ratio of the lengths of a limb's two bones. Of thigh and shin, and of upper arm and forearm, it is 0.8 to 1.
-A twist bone ends halfway."""
+"""Smallest length ratio of a limb's two bones: thigh and shin, upper arm and forearm 0.8 to 1, a twist bone 0.5."""
 
 MIRROR_LIKENESS = 0.9
-"""One minus the share of a joint's distance from a fork within which its mirror image is the other chain's: rest poses
-of persons who were measured are alike on both sides to 5 %."""
+"""One minus the relative error [of the distance from the fork] of mirrored chains: persons are symmetric to 5 %."""
 
 
 @dataclass(frozen=True)
 class MirroredChains:
-    """Describe two chains of joints that are each other's mirror image.
-
-    Attributes:
-        fork: The joint that they branch from.
-        first: Its child, and so on to the end of one.
-        second: Those of the other.
-    """
+    """Describe mirrored chains: the joint from which they branch, and their joints from its child to the end."""
 
     fork: int
     first: tuple[int, ...]
@@ -37,13 +29,8 @@ class MirroredChains:
 
 @dataclass(frozen=True)
 class JointTree:
-    """Describe the joints of a foreign skeleton.
-
-    Attributes:
-        names: Of its joints.
-        parents: Index of each joint's parent, before its own, -1 for the root.
-        places: In the rest pose, in the file's unit and axes, shape [joint_count, 3].
-    """
+    """Describe the joints of a foreign skeleton: names, indices of parents, which come first (-1: the root), and places
+    in the rest pose, in the file's unit and axes, shape [joint_count, 3]."""
 
     names: tuple[str, ...]
     parents: tuple[int, ...]
@@ -56,7 +43,7 @@ class JointTree:
 
     @cached_property
     def parts(self) -> list[Part | None]:
-        """Return what each joint's name speaks of."""
+        """Return the part of the body that each joint's name has."""
         return [name_part(words) for _, words in self.words]
 
     @cached_property
@@ -79,7 +66,7 @@ class JointTree:
         return found
 
     def is_end(self, joint: int) -> bool:
-        """Return whether a joint is named as an end of a chain, or as a handle."""
+        """Check whether a joint is named as an end of a chain, or as a handle."""
         return any(word in HELPER_WORDS for word in self.words[joint][1])
 
     def length(self, first: int, second: int) -> float:
@@ -94,7 +81,7 @@ class JointTree:
         return chain[::-1]
 
     def fork(self, joints: list[int]) -> int:
-        """Return the joint from which the ways to some joints branch, -1 where they share none."""
+        """Return the joint at which the chains to some joints branch, -1 where they share none."""
         ways = [self.way_to(joint) for joint in joints]
         shared = [joint for joint in ways[0] if all(joint in way for way in ways)]
         return shared[-1] if shared else -1
@@ -108,10 +95,10 @@ class JointTree:
         return chain
 
     def three_of(self, chain: list[int], known: tuple[int, int, int]) -> tuple[int, int, int] | None:
-        """Return the joints at both ends of a limb's two bones, by place; None where the chain has none.
+        """Find the three joints at the ends of a limb's two bones, by place; None where the chain has none.
 
-        Next to a known bone lies the first joint that makes another one of like length, between two known ends that
-        which halves them best; where less is known, the bones are the two that follow each other and are longest.
+        Beside one known bone the other is the first of similar length; between two known ends the middle joint is that
+        which halves them best; otherwise the bones are the two consecutive ones that are longest.
 
         Args:
             chain: The joints along the limb.
@@ -138,10 +125,7 @@ class JointTree:
         return max(threes, key=lambda t: min(self.length(t[0], t[1]), self.length(t[1], t[2])), default=None)
 
     def mirrored(self) -> list[MirroredChains]:
-        """Return pairs of chains that are each other's mirror image, the longest first.
-
-        They are of three bones at least, for legs and arms have as many.
-        """
+        """Return pairs of mirrored chains, the longest first, of at least three bones as legs and arms have."""
         found = []
         for joint, children in enumerate(self.children):
             chains = [tuple(self.chain_below(child)) for child in children]
@@ -151,7 +135,7 @@ class JointTree:
         return sorted(found, key=lambda pair: -self.depths[pair.first[0]])
 
     def _is_mirror(self, fork: int, first: tuple[int, ...], second: tuple[int, ...]) -> bool:
-        """Check whether two chains that branch from a joint are alike, and lie on two sides of it."""
+        """Check whether two chains that branch from a joint are each other's mirror image."""
         across = unit(self.places[first[0]] - self.places[second[0]])
         if not across.any():
             return False

@@ -1,4 +1,4 @@
-"""Split the names that skeletons give to their joints into a side and a part of the body."""
+"""Split the names of a skeleton's joints into a side and a part of the body."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import lru_cache
 
 
 class Part(StrEnum):
-    """List what a joint's name may speak of."""
+    """List the parts of the body in joints' names."""
 
     HIP = "hip"
     THIGH = "thigh"
@@ -48,21 +48,21 @@ PART_WORDS = {
     Part.NECK: ("neck",),
     Part.HEAD: ("head", "skull"),
 }
-"""The words of each part; of a name that holds several the last part of this list counts, for it lies furthest out."""
+"""The words of each part; in a name with several the last part of this list counts, the outermost one."""
 
 UPPER_HALF_WORDS, LOWER_HALF_WORDS = ("up", "upper", "u"), ("low", "lower", "fore", "f")
-"""Words that make a thigh or an upper arm, a shin or a forearm of a leg or an arm, wherever in the name they stand."""
+"""Words that make an arm or a leg its upper or its lower half, anywhere in the name."""
 
 SIDE_WORDS = {"left": "left", "l": "left", "lf": "left", "lft": "left", "lt": "left",
          "right": "right", "r": "right", "rt": "right", "rgt": "right"}  # fmt: skip
 """Words of a side."""
 
 SIDE_AFFIXES = ("left", "right", "l", "r")
-"""Words of a side that may be glued to other known words: `lhip`, `RightUpLeg` in one case, `thighL`."""
+"""Words of a side that may be joined to other known words: `lhip`, `RightUpLeg` in one case, `thighL`."""
 
 FINE_PART_WORDS = ("finger", "thumb", "index", "middle", "ring", "pinky", "palm", "metacarpal", "metacarpals", "carpal",
         "eye", "jaw", "brow", "lip", "tongue", "cheek", "ear", "nose", "teeth", "lid", "hair")  # fmt: skip
-"""Fingers and what a face consists of."""
+"""Fingers and parts of a face."""
 
 HELPER_WORDS = (
     "end",
@@ -79,13 +79,13 @@ HELPER_WORDS = (
     "effector",
     "prop",
 )
-"""Words of what is no joint of a body: ends of chains, handles of those who animate."""
+"""Words of joints that are not the body's: ends of chains, handles of animators."""
 
 TWIST_WORDS = ("twist", "roll")
-"""Words of joints that share out a turn about a bone's length."""
+"""Words of joints that divide a rotation about a bone's length."""
 
 FILLER_WORDS = ("base", "bend", "joint", "jnt", "bone", "pelvis", "center", "mid", "big", "small", "in")
-"""Further words that glue to others and tell nothing."""
+"""Further words that are joined to others and have no meaning here."""
 
 KNOWN_WORDS = frozenset(
     [
@@ -101,18 +101,16 @@ KNOWN_WORDS = frozenset(
 )
 
 WORD_PATTERN = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
-"""A word of a name by its case."""
+"""Pattern of a word in a name, by case."""
 
 LIMB_HALF_PATTERN = re.compile(r"([LR])([UF])(Arm|Leg)")
 """A side, a half and a limb in capitals: `LUArm`, `RFArm`."""
 
 
 def split_name(name: str) -> tuple[str, tuple[str, ...]]:
-    """Return the side, `left`, `right` or none, and the other words of a joint's name, in lower case.
-
-    What stands before a colon or a bar is no part of the name. Words end at signs, digits and capitals; one that holds
-    several known words, and perhaps a side's letter first or last, is split in these. The first word of a side counts.
-    """
+    """Return the side, `left`, `right` or none, and the other words of a joint's name, in lower case. What precedes a
+    colon or a bar is not part of the name. Words end at signs, digits and capitals; a word of several known words, with
+    or without a side's letter at either end, is split into them. The first side counts."""
     bare = re.split(r"[:|]", name)[-1] or name
     words: list[str] = []
     for piece in WORD_PATTERN.findall(LIMB_HALF_PATTERN.sub(r"\1 \2 \3", bare)):
@@ -122,7 +120,7 @@ def split_name(name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def name_part(words: tuple[str, ...]) -> Part | None:
-    """Return the part of the body that the words of a name speak of; None for fingers, faces and helpers too."""
+    """Return the part of the body that a name's words mean; None for fingers, faces and helpers too."""
     if any(word in FINE_PART_WORDS or word in HELPER_WORDS for word in words):
         return None
     parts = [part for part, spoken in PART_WORDS.items() if any(word in spoken for word in words)]
@@ -139,7 +137,7 @@ def name_part(words: tuple[str, ...]) -> Part | None:
 
 @lru_cache(maxsize=4096)
 def _split_compound(piece: str) -> tuple[str, ...]:
-    """Return the known words that a piece of a name consists of, the longest first one first; itself where none do."""
+    """Return the known words in a piece of a name, the longest first one first; the piece itself if none."""
     if piece in SIDE_WORDS or piece in KNOWN_WORDS:
         return (*_split_limb_half(piece),)
     for side in ("", *SIDE_AFFIXES):
@@ -155,7 +153,7 @@ def _split_compound(piece: str) -> tuple[str, ...]:
 
 
 def _segment_words(text: str) -> tuple[str, ...]:
-    """Return the known words whose string a text is; none where it is none."""
+    """Segment a text into known words; return an empty tuple where that fails."""
     found: dict[int, tuple[str, ...]] = {0: ()}
     for end in range(1, min(len(text), 80) + 1):
         for start in range(max(0, end - 11), end):
@@ -165,7 +163,7 @@ def _segment_words(text: str) -> tuple[str, ...]:
 
 
 def _split_limb_half(word: str) -> tuple[str, ...]:
-    """Return a known word, with what it says of an arm's or a leg's half apart."""
+    """Split a known word into the half and the limb where it has both."""
     for part in ("arm", "leg"):
         if word != part and word.endswith(part) and word.removesuffix(part) in (*UPPER_HALF_WORDS, *LOWER_HALF_WORDS):
             return word.removesuffix(part), part

@@ -1,4 +1,4 @@
-"""Motions as JSON: poses at chosen times, by name or by joint angles."""
+"""Motions as JSON: poses at given times, by name or by joint angles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_KEYS_FILE_BYTES = 8 * 1024**2
 """Largest size of a JSON file of keys [bytes]: a thousand poses of all joints are 1 MB."""
 
 FRAME_RATE_RANGE = (1.0, 240.0)
-"""Range of accepted frame rates [1/s], of keys and of `.npz` files; of a BVH file the lower bound alone counts."""
+"""Accepted frame rates [1/s] of keys and `.npz` files; of a BVH file the lower bound alone applies."""
 
 
 def read_keys(path: Path) -> Recording:
@@ -26,10 +26,10 @@ def read_keys(path: Path) -> Recording:
 
         {"fps": 30, "loop": false, "keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [60, 0, 0]}}]}
 
-    A pose is one of `POSES`, or angles in degrees by joint: [x, y, z] turns about z first, then y, then x, in the axes
-    of the parent in the T-pose; what is not named is as in the T-pose, or as in the pose that "base" names. "move"
-    beside a key's pose is the way of the pelvis from its place [legs' lengths]; without any the lower foot stays on the
-    floor. Between keys joints turn by slerp.
+    A pose is one of `POSES`, or angles in degrees by joint: [x, y, z] rotates about z first, then y, then x, in the
+    axes of the parent in the T-pose; other joints are as in the T-pose, or as in the pose that "base" names. A key's
+    "move" is the offset of the pelvis from its place [leg lengths]; without any the lower foot stays on the floor.
+    Between keys joints are interpolated by slerp.
 
     Raises:
         MotionBad: where the file is something else, with the key that is wrong.
@@ -80,7 +80,7 @@ def build_keys(given: Any, name: str) -> Recording:
 
 
 def _slerp(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Return rotations [n, 24, 3, 3] a share [n] of the way from the first to the second (slerp)."""
+    """Interpolate rotations [n, 24, 3, 3] by shares [n] from the first to the second (slerp)."""
     start = Rotation.from_matrix(first.reshape(-1, 3, 3))
     way = (start.inv() * Rotation.from_matrix(second.reshape(-1, 3, 3))).as_rotvec()
     turned = start * Rotation.from_rotvec(np.repeat(share, 24)[:, None] * way)
@@ -88,7 +88,7 @@ def _slerp(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarr
 
 
 def chain_rotations(local: np.ndarray) -> np.ndarray:
-    """Return rotations in the world's axes from those relative to the parent, shape [n, 24, 3, 3]."""
+    """Return world rotations from rotations relative to the parent, shape [n, 24, 3, 3]."""
     world = np.empty_like(local)
     for joint, parent in enumerate(JOINT_PARENTS):
         world[:, joint] = local[:, joint] if parent < 0 else world[:, parent] @ local[:, joint]

@@ -15,20 +15,18 @@ MAX_LIMB_GAP = 0.05
 """Largest width of a gap, and largest depth of an overlap, that is measured [m]: a third of a thigh's width."""
 
 LIMB_FACING_COSINE = 0.3
-"""Cosine between the normals of both skins below which they face each other; a shoulder beside a neck does not."""
+"""Cosine between the normals of two skins below which they face each other; a shoulder beside a neck does not."""
 
 MIN_GAP_NORMAL_COSINE = 0.5
-"""Smallest cosine between the direction of a gap and the normal of the skin at its foot. At the rim where a limb was
-cut off, the nearest skin is no skin that the limb meets."""
+"""Smallest cosine between a gap's direction and the normal at its foot; feet on the limb's cut rim have less."""
 
 MIN_GAP_WIDENING = 0.08
-"""Smallest widening of a gap as a limb turns [m/rad]: 1.4 mm a degree. Nearer to the joint skin folds in a crease
-whatever the angle. An arm 35 degrees off the trunk, beside which a T-shirt has room, has creases there that ask for 4
-to 8 degrees more."""
+"""Smallest widening of a gap as a limb turns [m/rad]: 1.4 mm a degree. Nearer to the joint skin creases at every angle:
+at an arm 35 degrees from the trunk, beside which a T-shirt has room, creases would require 4 to 8 degrees more."""
 
 MIN_SPREAD_AXIS_SINE = 0.5
-"""Sine of the angle between a limb and the sideways axis below which the limb spreads by less than the angle asked for.
-An arm that is held out has no way outwards; motions through that direction so stay smooth."""
+"""Sine of the angle between a limb and the sideways axis below which the limb spreads by less than the given angle. A
+limb along that axis has no outward direction; this keeps motions through it smooth."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +34,9 @@ class Limb:
     """Describe a limb that can be spread.
 
     Attributes:
-        joint: Index of the joint that it turns about.
+        joint: Index of the joint about which it turns.
         end: Index of the joint at the end of its first bone.
-        centre: Index of the joint whose sideways axis it is spread along.
+        centre: Index of the joint along whose sideways axis it is spread.
         side: +1 where that axis points along +x in the T-pose, else -1.
     """
 
@@ -64,7 +62,7 @@ class Limb:
         return tuple(sorted(chosen))
 
     def axis(self, transforms: np.ndarray, joints: np.ndarray) -> np.ndarray:
-        """Return the axis about which it is spread, of unit length at most, in a pose's world axes, shape [3].
+        """Return the axis of its spreading, of unit length at most, in a pose's world axes, shape [3].
 
         Args:
             transforms: From rest space to the pose, shape [24, 4, 4].
@@ -81,8 +79,8 @@ class Gaps:
 
     Attributes:
         width: Distance of the two skins, negative where they overlap [m], shape [n].
-        widening: How it grows as the limb (of two legs, each of them) is spread [m a radian], shape [n].
-        ends: Vertices that a point of the limb is the middle of, and those around its foot, shape [n, 2, 3].
+        widening: Its derivative by the angle of the limb, or of both legs [m/rad], shape [n].
+        ends: Vertices whose mean is the limb's point, and those around its foot, shape [n, 2, 3].
     """
 
     width: np.ndarray
@@ -94,23 +92,23 @@ class LimbGaps:
     """Measure gaps between parts of a wearer in any pose.
 
     Args:
-        wearer: The wearer in any pose; of it only faces and skinning weights count.
+        wearer: The wearer in any pose; only faces and skinning weights are used.
     """
 
     def __init__(self, wearer: Body) -> None:
         self._weights, self._faces = wearer.weights, wearer.faces
 
     def share(self, limbs: tuple[Limb, ...]) -> np.ndarray:
-        """Return the share of each vertex that moves with any of some limbs, shape [vertex_count]."""
+        """Return the share of each vertex that moves with some limbs, shape [vertex_count]."""
         return np.asarray(self._weights[:, [joint for limb in limbs for joint in limb.joints]].sum(axis=1))
 
     def measure(self, body: Body, moved: tuple[Limb, ...], own: np.ndarray, other: np.ndarray) -> Gaps:
-        """Return the gaps between faces of a limb and other skin.
+        """Measure the gaps between faces of a limb and other skin.
 
         Args:
             body: The wearer in a pose.
             moved: The limbs that are spread together.
-            own: Faces of the limb, at whose corners and middles gaps are measured, shape [own_count].
+            own: Faces of the limb, at whose corners and centres gaps are measured, shape [own_count].
             other: Faces of the other skin, shape [other_count].
         """
         vertices = body.vertices
@@ -126,7 +124,7 @@ class LimbGaps:
         way = points - found.foot
         width = np.where((way * outward).sum(axis=1) < 0, -1.0, 1.0) * found.distance
         along = outward.copy()
-        far = found.distance > 1e-9  # nearer, the way has no direction left
+        far = found.distance > 1e-9  # nearer, the direction is inaccurate
         along[far] = way[far] / width[far, None]
         kept = np.flatnonzero(
             (found.distance < MAX_LIMB_GAP)
@@ -144,7 +142,7 @@ class LimbGaps:
         return Gaps(width[kept], widening[kept], np.stack([corners, beyond], axis=1)[kept])
 
     def _near(self, vertices: np.ndarray, own: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the faces of both parts that lie in each other's box."""
+        """Return the faces of both parts that are in each other's bounding box."""
         middles = vertices[self._faces].mean(axis=1)
         for _ in range(2):
             if len(own):

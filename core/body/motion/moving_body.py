@@ -14,17 +14,13 @@ from .track import Pose
 
 @dataclass(frozen=True)
 class MovingBody:
-    """Pose a wearer's own mesh by linear blend skinning; in the wearer's own pose it is that mesh to round-off.
-
-    Attributes:
-        body: The wearer.
-    """
+    """Pose a wearer's own mesh by linear blend skinning; the wearer's own pose gives that mesh to round-off."""
 
     body: Body
 
     @cached_property
     def at_rest(self) -> np.ndarray:
-        """Return the wearer's own mesh carried back to the T-pose [m], shape [vertex_count, 3]."""
+        """Return the wearer's own mesh mapped back to the T-pose [m], shape [vertex_count, 3]."""
         return unskin(self.body.vertices, self.body.weights, self.body.transforms)
 
     def transforms(self, pose: Pose) -> np.ndarray:

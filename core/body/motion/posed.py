@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 MAX_STILL_JOINT_ANGLE = float(np.deg2rad(0.05))
-"""Angle within which a joint does not turn [rad]: files round to a hundredth of a degree, or a thousandth."""
+"""Angle within which a joint counts as not turning [rad]: files round to 0.01 or 0.001 degrees."""
 
 
 @dataclass(frozen=True)
@@ -16,11 +16,10 @@ class SkeletonMotion:
 
     Attributes:
         names: Of its joints.
-        parents: Index of each joint's parent, before its own, -1 for the root.
+        parents: Index of each joint's parent, which comes first; -1 for the root.
         offsets: From the parent in the rest pose, shape [joint_count, 3].
         turns: Rotation of each joint in the world, shape [n, joint_count, 3, 3].
-        moves: Place of a joint from its parent, in the parent's axes, by the joint's index, of joints whose place each
-            pose has, shape [n, 3]; of the root in the world.
+        moves: Offsets that change, by joint index, from the parent in its axes, of the root in the world, shape [n, 3].
     """
 
     names: tuple[str, ...]
@@ -30,7 +29,7 @@ class SkeletonMotion:
     moves: dict[int, np.ndarray] = field(default_factory=dict)
 
     def places(self, turns: np.ndarray) -> np.ndarray:
-        """Return the joints of one pose (rotations in the world, [joint_count, 3, 3]), the root at 0."""
+        """Return the joints of one pose (world rotations, [joint_count, 3, 3]), the root at 0."""
         found = np.zeros_like(self.offsets)
         for joint, parent in enumerate(self.parents):
             if parent >= 0:
@@ -47,7 +46,7 @@ class SkeletonMotion:
         return found
 
     def still(self) -> frozenset[int]:
-        """Return the joints that never turn against their parents, from the rest pose on."""
+        """Return the joints that never turn relative to their parents, from the rest pose on."""
         found = set()
         for joint, parent in enumerate(self.parents):
             before = self.turns[:, parent] if parent >= 0 else np.eye(3)
@@ -56,7 +55,7 @@ class SkeletonMotion:
         return frozenset(found)
 
     def turn_above(self, joint: int) -> np.ndarray | None:
-        """Return the rotation [3, 3] of a joint's parent in the world, where it is the same in all poses, else None."""
+        """Return the world rotation [3, 3] of a joint's parent if it is the same in all poses, else None."""
         parent = self.parents[joint]
         if parent < 0:
             return np.eye(3)

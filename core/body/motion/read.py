@@ -1,4 +1,4 @@
-"""Read a motion's file by its kind."""
+"""Read a motion from a file of any known kind."""
 
 from __future__ import annotations
 
@@ -13,19 +13,18 @@ from .recording import Recording
 from .smpl_motion import read_smpl_motion
 
 READERS = {".json": read_keys, ".bvh": read_bvh, ".npz": read_smpl_motion}
-"""Reader of each kind of file, by its ending."""
+"""Reader of each file extension."""
 
 MAX_PELVIS_SPEED = 50.0
-"""Largest speed of the pelvis [leg lengths/s]: 40 m/s, three times a sprinter's. There are as many steps as the way
-needs, so that a file with a leap over kilometres would never be finished."""
+"""Largest speed of the pelvis [leg lengths/s]: 40 m/s, three times a sprinter's. The number of simulation steps grows
+with the distance, so a leap over kilometres would never finish."""
 
 
 def load_motion(path: Path) -> Recording:
     """Read a motion: BVH, `.npz` of `poses` and `trans`, or JSON keys.
 
     Raises:
-        MotionBad, MotionTooLarge, MotionForeign: where the file is none that is understood, or moves as no body does;
-            says why.
+        MotionBad, MotionTooLarge, MotionForeign: where the file cannot be read or is no body's motion, with the reason.
     """
     reader = READERS.get(Path(path).suffix.lower())
     if reader is None:
@@ -36,11 +35,7 @@ def load_motion(path: Path) -> Recording:
 
 
 def _check(recording: Recording, name: str) -> None:
-    """Check that a motion is one that a body can make.
-
-    Raises:
-        MotionBad: where a number is too large to be reckoned with, or the pelvis leaps.
-    """
+    """Check that a body can make a motion; raise `MotionBad` where a number is out of range or the pelvis leaps."""
     numbers = [recording.turns[:, recording.known], recording.bones]
     if recording.root is not None:
         numbers.append(recording.root)

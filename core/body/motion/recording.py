@@ -1,4 +1,4 @@
-"""A motion as a file holds it, in our axes and by our joints, before it is fitted to a wearer."""
+"""A motion as a file has it, in our axes and by our joints, before it is fitted to a wearer."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ ESSENTIAL_JOINTS = tuple(
     for name in JOINTS
     if name not in ("left_collar", "right_collar", "left_foot", "right_foot", "left_hand", "right_hand", "neck")
 )
-"""Joints without which a limb, the trunk or the head stays stiff. Collars, necks, toes and fingers are missing from
-good skeletons too: what hangs on them follows the next joint."""
+"""Joints without which a limb, the trunk or the head is stiff. Good skeletons may lack collars, necks, toes and
+fingers; what they carry follows the next joint."""
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,12 @@ class Recording:
 
     Attributes:
         rate: Poses a second [1/s].
-        turns: Rotation of each joint from the rest pose, in the world's axes (not relative to the parent), shape
-            [pose_count, 24, 3, 3]; of joints that the skeleton lacks, undefined.
+        turns: World rotation of each joint from the rest pose, shape [pose_count, 24, 3, 3]; undefined if unknown.
         known: Which joints the skeleton has, shape [24].
-        bones: Unit direction from each joint to its child in the rest pose, zeros where our T-pose is the rest pose,
-            shape [24, 3].
-        root: Place of the pelvis, in legs' lengths, shape [pose_count, 3]; None: the lower foot stays on the floor.
-        loops: Whether the first pose follows the last one, which is like it.
-        notes: How the file was understood, and what of it was not used, one sentence each.
+        bones: Unit direction from each joint to its child in the rest pose, shape [24, 3]; 0 where that is our T-pose.
+        root: Place of the pelvis [leg lengths], shape [pose_count, 3]; None: the lower foot stays on the floor.
+        loops: Whether the first pose follows the last one, which equals it.
+        notes: How the file was interpreted, and what was not used, one sentence each.
     """
 
     rate: float
@@ -49,7 +47,7 @@ class Recording:
         return tuple(name for name in ESSENTIAL_JOINTS if not self.known[JOINTS.index(name)])
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what stays stiff in every pose, one sentence; nothing where all limbs and the trunk move."""
+        """Return a sentence on what is stiff in every pose; empty where all limbs and the trunk move."""
         missing = self.missing()
         if not missing:
             return ()

@@ -1,4 +1,4 @@
-"""Fit a recorded motion to a wearer: other bones, another rest pose, another size, another place."""
+"""Fit a recorded motion to a wearer with other bones, rest pose, size and place."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from .recording import Recording
 from .track import Pose, Track
 
 BONE_END_JOINTS = {"hip": "knee", "knee": "ankle", "shoulder": "elbow", "elbow": "wrist"}
-"""The joints whose bone is turned into the recording's direction, and the joint at the bone's end. Trunks, heads and
-feet stand alike in every rest pose; only limbs differ (T, A, legs apart)."""
+"""Joints whose bone is aligned with the recording's, and the joint at the bone's end. Only limbs differ between rest
+poses (T, A, legs apart); trunk, head and feet do not."""
 
 POSE_BLOCK_SIZE = 4096
-"""Number of poses whose feet are examined together: 13 MB for a foot of 400 vertices, however long the motion is."""
+"""Number of poses whose feet are examined together: 13 MB for a foot of 400 vertices, for motions of any length."""
 
 PARENT_ALIGNED_JOINTS = ("wrist", "hand")
-"""Joints whose rest pose differs from ours as their parent's does."""
+"""Joints whose rest pose differs from ours by the same rotation as their parent's."""
 
 
 def retarget(recording: Recording, body: Body, begin: float = 0.0) -> Track:
-    """Return a recording as a motion of a wearer, who is at the own place in the own heading at its time `begin` [s].
+    """Retarget a recording to a wearer, who is at the own place in the own heading at its time `begin` [s].
 
     A joint's rotation in the world is W A: W the recording's from its rest pose, A the least rotation that turns our
-    bone in the T-pose into the recording's in its rest pose; so bones point as they do in the recording. Joints that it
-    lacks keep to their parents. The pelvis goes its way in legs' lengths. The motion is turned about the vertical and
-    moved so that it has the wearer's heading and place at `begin`; its lowest foot of all poses stands on the wearer's
-    floor, or the lower foot of each pose where the recording has no way of the pelvis.
+    bone in the T-pose into the recording's in its rest pose, so that bones point as in the recording. Joints that it
+    lacks follow their parents. The pelvis moves in leg lengths. The motion is rotated about the vertical and translated
+    so that it has the wearer's heading and place at `begin`. Its lowest foot of all poses stands on the wearer's floor;
+    the lower foot of each pose does where the recording has no place of the pelvis.
     """
     world = _world_turns(recording, body)
     local = np.empty_like(world)
@@ -48,7 +48,7 @@ def retarget(recording: Recording, body: Body, begin: float = 0.0) -> Track:
 
 
 def _place(track: Track, start: Pose, begin: float) -> Track:
-    """Return a motion turned about the vertical and moved on the floor so that it goes through a pose's at `begin`."""
+    """Rotate a motion about the vertical and translate it on the floor so that it agrees with a pose at `begin`."""
     joined = track.at(begin)
     heading = _yaw(start.turns[0]) * _yaw(joined.turns[0]).inv()
     turns = track.turns.copy()
@@ -98,13 +98,13 @@ def shortest_rotation(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _yaw(turn: np.ndarray) -> Rotation:
-    """Return the part about the vertical of a rotation [3, 3]: the heading of its +z."""
+    """Return the rotation about the vertical of a rotation [3, 3]: the heading of its +z."""
     front = turn @ np.array([0.0, 0.0, 1.0])
     return Rotation.from_rotvec([0.0, float(np.arctan2(front[0], front[2])), 0.0])
 
 
 def _lowest_foot_heights(world: np.ndarray, body: Body) -> np.ndarray:
-    """Return the height of the lowest point of both feet over the pelvis [m] in each pose, shape [n]."""
+    """Return the height of the lowest point of both feet above the pelvis [m] in each pose, shape [n]."""
     joints = body.rest_joints
     posed = np.zeros((len(world), 24, 3))
     for joint, parent in enumerate(JOINT_PARENTS):
@@ -126,5 +126,5 @@ def _lowest_foot_heights(world: np.ndarray, body: Body) -> np.ndarray:
 
 
 def _floor(body: Body) -> float:
-    """Return the height of the floor on which a wearer stands [m]: the lowest of the mesh."""
+    """Return the height of the wearer's floor [m]: the lowest vertex of the mesh."""
     return float(body.vertices[:, 1].min())

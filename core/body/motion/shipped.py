@@ -1,4 +1,4 @@
-"""The motions that come with garmentq: our own, under CC0."""
+"""The motions that come with garmentq, under CC0."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ SHIPPED_MOTIONS = ("walk", "jumping-jack")
 
 
 def find_shipped_motion(name: str) -> Path | None:
-    """Return the file of a shipped motion, or None where there is none of that name."""
+    """Return the file of a shipped motion, or None if no motion has that name."""
     return FOLDER / f"{name}.json" if name in SHIPPED_MOTIONS else None

@@ -1,4 +1,4 @@
-"""Understand a foreign skeleton: which of its joints are ours, where its front is, how long its legs are."""
+"""Map a foreign skeleton to ours: its joints, its axes, the length of its legs."""
 
 from __future__ import annotations
 
@@ -16,18 +16,16 @@ from .unused_joints import describe_unused_joints
 from .upward import SampledPoses, find_up
 
 MIN_UPRIGHT_COSINE = 0.7
-"""Least cosine between trunk and legs of a pose in which a person stands: 45 degrees."""
+"""Smallest cosine between trunk and legs of a standing pose: 45 degrees."""
 
 AXIS_SNAP_COSINE = 0.94
-"""Cosine to one of the file's axes above which a skeleton's up and side are that axis: 20 degrees, which a rest pose
-may lean."""
+"""Cosine to a file's axis above which a skeleton's up and side snap to it: 20 degrees, the lean of a rest pose."""
 
 UNITS = {"metres": 1.0, "decimetres": 10.0, "inches": 100.0 / 2.54, "centimetres": 100.0, "millimetres": 1000.0}
 """Units of files, and how many of each make a metre."""
 
 LEG_LENGTH_RANGE = (0.62, 1.1)
-"""Range of the length from hip to ankle of grown persons of 1.4 to 2.2 m [m]. The units that are in use lie further
-apart."""
+"""Length from hip to ankle of adults of 1.4 to 2.2 m [m]: a range narrower than the ratio of the units in use."""
 
 UP_SAMPLE_COUNT = 200
 """Number of poses, spread over a motion, from which the up direction is found."""
@@ -36,9 +34,9 @@ UP_SAMPLE_COUNT = 200
 def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
     """Return the recording of a foreign skeleton.
 
-    The rest pose is that of the offsets, turned as what lies above the pelvis is where that does not turn; where nobody
-    stands so (joints with turned axes), the first pose in which somebody does. The left side is from the right hip to
-    the left one; up is judged over rest pose and motion (`find_up`).
+    The rest pose is that of the offsets, rotated like the joints above the pelvis where these do not turn; if it is not
+    a standing pose (joints with rotated axes), the first standing pose replaces it. The left side is from the right hip
+    to the left one; up is found from rest pose and motion (`find_up`).
 
     Raises:
         MotionForeign: where hips and knees are not found, or no pose stands upright.
@@ -81,7 +79,7 @@ def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
 
 
 def _sample(posed: SkeletonMotion, found: JointMapping, way: np.ndarray) -> SampledPoses:
-    """Return how a person is held in poses spread over the motion; `way` is the pelvis' in legs' lengths, [n, 3]."""
+    """Sample the person's posture over the motion; `way` is the pelvis' place in leg lengths, [n, 3]."""
     uprights, joints = [], []
     for pose in _spread_pose_indices(posed):
         places = _places(posed, found, posed.turns[pose])
@@ -91,12 +89,12 @@ def _sample(posed: SkeletonMotion, found: JointMapping, way: np.ndarray) -> Samp
 
 
 def _spread_pose_indices(posed: SkeletonMotion) -> np.ndarray:
-    """Return the indices of poses spread over a motion, the first one first."""
+    """Return the indices of poses spread over a motion, beginning with the first."""
     return np.unique(np.linspace(0, len(posed.turns) - 1, UP_SAMPLE_COUNT).astype(np.int64))
 
 
 def _places(posed: SkeletonMotion, found: JointMapping, turns: np.ndarray) -> dict[str, np.ndarray]:
-    """Return our joints in one pose, by their names; `turns` are its rotations in the world, [joint_count, 3, 3]."""
+    """Return our joints in one pose, by name; `turns` are its world rotations, [joint_count, 3, 3]."""
     places = posed.places(turns)
     return {name: places[index] for name, index in found.at.items()}
 
@@ -166,7 +164,7 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
 
 
 def _describe_names(found: JointMapping, posed: SkeletonMotion) -> tuple[str, ...]:
-    """Describe which joints were taken for ours, where any is called otherwise, and what lies above the pelvis."""
+    """Describe which joints were matched to ours under other names, and what is above the pelvis."""
     called = {name: posed.names[index] for name, index in found.at.items()}
     foreign = [f"{name} is {other}" for name, other in called.items() if other.lower() != name]
     told = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
@@ -177,7 +175,7 @@ def _describe_names(found: JointMapping, posed: SkeletonMotion) -> tuple[str, ..
 
 
 def _describe_unit(leg: float) -> str:
-    """Describe what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
+    """Describe the file's unit as it follows from a leg's length in it; the motion is scaled by the leg in any case."""
     likely = [unit for unit, many in UNITS.items() if LEG_LENGTH_RANGE[0] <= leg / many <= LEG_LENGTH_RANGE[1]]
     taken = f"{likely[0]} by that" if likely else "a unit that is not known"
     return (

@@ -1,4 +1,4 @@
-"""Motions of SMPL's format: axis-angle of each joint and the way of the pelvis, as plain arrays in an `.npz` file."""
+"""Motions in SMPL's format: axis-angles of the joints and places of the pelvis, as plain arrays in an `.npz` file."""
 
 from __future__ import annotations
 
@@ -14,31 +14,30 @@ from .keys import FRAME_RATE_RANGE, chain_rotations
 from .recording import MAX_MOTION_FRAME_COUNT, Recording
 
 RATE_NAMES = ("mocap_framerate", "mocap_frame_rate", "fps", "framerate")
-"""Names under which files hold their rate [1/s]; without any it is 30."""
+"""Names of the frame rate [1/s] in files; without any it is 30."""
 
 MAX_POSE_VALUE_COUNT = 400
 """Largest number of values of one pose: SMPL-X has 165."""
 
 SMPL_LEG_LENGTH = 0.8
-"""Length of thigh and shin of SMPL's mean body [m]: what `trans` is measured in."""
+"""Length of thigh and shin of SMPL's mean body [m], by which `trans` is scaled."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""From z up to y up."""
+"""Rotation from z up to y up."""
 
 POSE_PART_NAMES = (("root_orient", "global_orient"), ("pose_body", "body_pose"))
-"""Names under which files hold the turn of the pelvis [n, 3] and those of the 21 joints after it [n, 63], where they
-hold no `poses`."""
+"""Names, in files without `poses`, of the rotation of the pelvis [n, 3] and those of the 21 joints after it [n, 63]."""
 
 TRANSLATION_NAMES = ("trans", "transl")
-"""Names under which files hold the way of the pelvis."""
+"""Names of the places of the pelvis in files."""
 
 
 def read_smpl_motion(path: Path) -> Recording:
     """Read `poses` [n, 72 or more], or `root_orient` [n, 3] and `pose_body` [n, 63] (rad), and `trans` [n, 3] (m).
 
-    The first 24 joints count; where there are more than 72 values a pose (hands, a face), the first 22, and the hands'
-    bones keep to the wrists. Up is y or z, as the pelvis is held on the mean of the whole motion; a motion with z up,
-    as in most collections, is turned. Nothing is unpickled.
+    The first 24 joints are used; with more than 72 values a pose (hands, a face) the first 22, and the hands' bones
+    follow the wrists. Up is y or z, by the mean posture of the whole motion; a motion with z up, as in most
+    collections, is rotated. Nothing is unpickled.
 
     Raises:
         MotionBad: where an array is missing or of another shape or kind.
@@ -68,11 +67,7 @@ def read_smpl_motion(path: Path) -> Recording:
 
 
 def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
-    """Return the axis-angles of each pose, shape [n, 66 or more].
-
-    Raises:
-        MotionBad: where they have another shape, or are no numbers.
-    """
+    """Return the axis-angles of each pose, shape [n, 66 or more]; raise `MotionBad` where shape or kind are wrong."""
     names = ("poses",) if "poses" in arrays else [each for piece in POSE_PART_NAMES for each in piece if each in arrays]
     given = [arrays[each] for each in names]
     shapes = ", ".join(str(each.shape) for each in given)

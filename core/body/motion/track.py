@@ -1,4 +1,4 @@
-"""A wearer's motion in time: the rotation of every joint and the place of the pelvis, at any moment."""
+"""A wearer's motion in time: the rotation of every joint and the place of the pelvis at any time."""
 
 from __future__ import annotations
 
@@ -14,19 +14,15 @@ from ..template import articulate, transforms_of
 
 @dataclass(frozen=True)
 class Pose:
-    """Describe one pose of a skeleton.
-
-    Attributes:
-        turns: Rotation of each joint relative to its parent, identities are the T-pose, shape [24, 3, 3].
-        pelvis: Place of the pelvis [m], shape [3].
-    """
+    """Describe one pose of a skeleton: each joint's rotation relative to its parent, shape [24, 3, 3], where identities
+    are the T-pose; and the place of the pelvis [m], shape [3]."""
 
     turns: np.ndarray
     pelvis: np.ndarray
 
     @classmethod
     def of(cls, body: Body) -> Pose:
-        """Return the pose in which a body stands."""
+        """Return a body's own pose."""
         world = body.transforms[:, :3, :3]
         turns = np.stack([world[j] if p < 0 else world[p].T @ world[j] for j, p in enumerate(JOINT_PARENTS)])
         return cls(turns, world[0] @ body.rest_joints[0] + body.transforms[0, :3, 3])
@@ -36,7 +32,7 @@ class Pose:
         return transforms_of(*articulate(self.turns, joints, self.pelvis - joints[0]), joints)
 
     def towards(self, other: Pose, share: float) -> Pose:
-        """Return the pose a share of the way to another: each joint turns by that share of the angle (slerp)."""
+        """Interpolate to another pose by a share: each joint turns by that share of the angle (slerp)."""
         start = Rotation.from_matrix(self.turns)
         way = (start.inv() * Rotation.from_matrix(other.turns)).as_rotvec()
         turned = start * Rotation.from_rotvec(share * way)
@@ -45,13 +41,13 @@ class Pose:
 
 @dataclass(frozen=True)
 class Track:
-    """Describe a motion as poses at a steady rate; between them joints turn by slerp.
+    """Describe a motion as poses at a constant rate; between them joints are interpolated by slerp.
 
     Attributes:
         rate: Poses a second [1/s].
         turns: As in `Pose`, shape [pose_count, 24, 3, 3].
         pelvis: Places of the pelvis [m], shape [pose_count, 3].
-        loops: True where the first pose follows the last one again, moved on by the way between them.
+        loops: Whether the first pose follows the last one again, translated by the way between them.
     """
 
     rate: float
@@ -65,10 +61,8 @@ class Track:
         return (len(self.turns) - 1) / self.rate
 
     def at(self, time: float) -> Pose:
-        """Return the pose at a time [s] after the first; before the first and after the last the motion stands still.
-
-        A motion that loops ends with the pose that it begins with, and goes on for ever.
-        """
+        """Return the pose at a time [s] after the first; outside of the motion its first or last pose. A motion that
+        loops ends with the pose that it begins with, and continues without end."""
         rounds = 0.0
         if self.loops and self.seconds > 0:
             rounds = float(np.floor(time / self.seconds))
@@ -89,7 +83,7 @@ class LeadIn:
         start: The wearer's own pose.
         track: The motion.
         begin: Time of the motion at which it is joined [s].
-        seconds: How long that takes [s]; 0 for a motion that begins in the wearer's own pose.
+        seconds: Duration of the blend [s]; 0 for a motion that begins in the wearer's own pose.
     """
 
     start: Pose
@@ -98,10 +92,8 @@ class LeadIn:
     seconds: float = 1.0
 
     def at(self, time: float) -> Pose:
-        """Return the pose at a time of the motion [s]; before `begin` the wearer is on the way there.
-
-        The share s (3 - 2 s) s of the way has been gone after the share s of the time: the wearer sets out from rest.
-        """
+        """Return the pose at a time of the motion [s]; before `begin` that of the blend. After the share s of the
+        duration (3 - 2 s) s^2 of the way is done, so that the wearer starts from rest."""
         if self.seconds <= 0 or time >= self.begin:
             return self.track.at(time)
         share = float(np.clip(1.0 + (time - self.begin) / self.seconds, 0.0, 1.0))

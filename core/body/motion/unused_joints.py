@@ -14,10 +14,8 @@ OUTERMOST_JOINTS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle", "l
 
 
 def describe_unused_joints(posed: SkeletonMotion, found: JointMapping) -> tuple[str, ...]:
-    """Describe which joints were not used: those of trunk and limbs that turn, and all others, in a sentence each.
-
-    What lies on a chain to a joint that was used is used with it, and so is what lies above the pelvis.
-    """
+    """Describe the unused joints: those of trunk and limbs that turn, and all others, in a sentence each. Joints on a
+    chain to a used joint count as used, and so do those above the pelvis."""
     used: set[int] = set()
     for index in found.at.values():
         while index >= 0 and index not in used:

@@ -1,1 +1,1 @@
-"""Contact of cloth with cloth: near pairs, the barrier between them, and steps that cross nothing."""
+"""Contact of cloth with cloth: near pairs, the barrier between them, and steps without intersections."""

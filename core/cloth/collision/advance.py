@@ -1,4 +1,4 @@
-"""How far cloth may go along straight lines before any two parts of it touch."""
+"""Compute how far cloth can move along straight lines before any two parts of it touch."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from numba import njit
 from .closest import closest_weights, pair_distance
 
 KEPT_DISTANCE_SHARE = 0.2
-"""Share of a pair's distance that one step leaves (Li et al. 2021 leave 0.1 to 0.2): twelve steps in a row, each cut
-short by the same pair, still leave what double precision can tell from nothing."""
+"""Share of a pair's distance that one step keeps (Li et al. 2021 keep 0.1 to 0.2): after twelve consecutive steps that
+the same pair limits, the distance is still above double precision's round-off."""
 
 MIN_PAIR_REACH_SHARE = 1e-3
-"""Share of its reach that motion which no energy opposes (of pins) leaves between a pair: 2 micrometres. Pins that go
-on and on would otherwise leave a fifth of a fifth, until double precision cannot tell it from nothing and cloth passes
-through: a rope of ten turns did at 1e-17 m. At this share the barrier pushes a thousand times as hard as where cloth
-begins to touch, so what can move away does."""
+"""Least distance of a pair as a share of its reach, for motion that no energy opposes (of pins): 2 micrometres. Pins
+that move on would otherwise keep a fifth of the distance each time, until it is round-off and cloth passes through: at
+1e-17 m for a rope of ten turns. At this share the barrier's force is a thousand times that at first contact, so cloth
+that can move away does."""
 
 _MAX_ADVANCE_ITERATIONS = 200
-"""Largest number of advances of one pair, after which the way gone so far counts. Each takes most of what is left."""
+"""Largest number of advances of one pair, after which the share so far is taken. Each covers most of the rest."""
 
 
 @njit(cache=True)
 def collision_free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
-    """Return the largest share, 0 to 1, of a step [m], shape [node_count, 3], that leaves every pair some distance.
+    """Return the largest share, 0 to 1, of a step [m], shape [node_count, 3], that keeps every pair apart.
 
     Additive advancement (Li, Kaufman and Jiang 2021, codimensional incremental potential contact): the nearest points
-    of a pair approach by at most l = max |p_a| + max |p_b| over the time t, p the motions less their mean, so
-    (d - KEEP d_0) / l may pass before it is looked at again. What is found so never lets a pair touch. No pair comes
-    nearer than the share `least` of its reach: where one is, there is no way.
+    of a pair approach by at most l = max |p_a| + max |p_b| over the time t, p the motions less their mean, so that the
+    time (d - `KEPT_DISTANCE_SHARE` d_0) / l may pass before the distance is computed again. No pair touches within the
+    share. No pair comes nearer than `least` times its reach; where one already is, the share is 0.
     """
     kinds, nodes, sizes = pairs
     share = 1.0
@@ -70,7 +70,7 @@ def collision_free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-
 
 @njit(cache=True)
 def max_approach_speed(motion, kind):  # type: ignore[no-untyped-def]
-    """Return how fast the two parts of a pair may approach at most."""
+    """Return the largest speed at which the two parts of a pair can approach."""
     first = 0.0
     split = 1 if kind == 0 else 2
     second = 0.0

@@ -1,4 +1,4 @@
-"""Which patches of a cloth stay apart on a way, and which are to be looked into part by part."""
+"""Find the pairs of patches of a cloth that may come near each other on a path."""
 
 from __future__ import annotations
 
@@ -12,13 +12,9 @@ from .patches import Patches
 
 
 class Bounds(NamedTuple):
-    """How patches move on a path.
-
-    Attributes:
-        boxes: Lowest and highest corners of all their places [m], shape [patch_count, 6].
-        middles: Mean of the nodes at each place [m], shape [patch_count, place_count, 3].
-        spread: How far a node is off how the mean moves, at most [m], shape [patch_count].
-    """
+    """Bounds of the motion of patches on a path: `boxes`, lowest and highest corners of all their positions [m], shape
+    [patch_count, 6]; `middles`, mean of the nodes at each place [m], shape [patch_count, place_count, 3]; `spread`,
+    largest deviation of a node's displacement from that of the mean [m], shape [patch_count]."""
 
     boxes: np.ndarray
     middles: np.ndarray
@@ -30,19 +26,19 @@ def find_close_patches(
 ) -> np.ndarray:
     """Find all pairs of patches of which parts that share no node may come within a distance on a path.
 
-    Patches that join are compared with how they lie in a plane. Let Y be the places there, B the slope of x by Y
-    (least squares) and P the projection on the columns of B. For two points a and b of them
+    Joined patches are compared with their layout in a plane. Let Y be the positions there, B the slope of x by Y (least
+    squares) and P the projection on the columns of B. For two points a and b of them
 
         |x_a - x_b| >= |P (x_a - x_b)| >= sigma_min(B) |Y_a - Y_b| - |v_a| - |v_b|,   v = P (x - mean) - B (Y - mean),
 
-    whatever Y is; v is linear along each step, and so largest at its ends. Cloth may bend by this and stay apart from
-    itself, for what v sees of a bend is of third order. Patches that do not join are compared along the line of their
-    middles: of two that move together neither sees the motion.
+    for any Y; v is linear along each step, and so largest at its ends. Bends change v in third order only, so that bent
+    cloth still passes the test. Patches that are not joined are compared along the line between their means, where a
+    common motion cancels.
 
     Args:
         patches: Of the cloth.
-        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
-        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6]; see `remove_mean_motion`.
+        path: Positions between which the cloth moves straight [m], shape [place_count, node_count, 3].
+        spans: Lowest and highest corner of each node's positions [m], shape [node_count, 6]; see `remove_mean_motion`.
         need: The distance [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
 
@@ -59,10 +55,8 @@ def find_close_patches(
 
 @njit(cache=True)
 def remove_mean_motion(path):  # type: ignore[no-untyped-def]
-    """Return a path [m], [place_count, node_count, 3], less its mean motion, and the box of each node on it.
-
-    How the whole moves brings nothing nearer to anything. The boxes are lowest and highest corners, [node_count, 6].
-    """
+    """Return a path [m], [place_count, node_count, 3], less its mean motion, which changes no distance, and each node's
+    box. The boxes are lowest and highest corners, [node_count, 6]."""
     places, count = path.shape[:2]
     steadied, spans, mean = path.copy(), np.zeros((count, 6)), np.zeros(3)
     spans[:, :3], spans[:, 3:] = path[0], path[0]
@@ -82,7 +76,7 @@ def remove_mean_motion(path):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _bound_patches(path, spans, corners, moved):  # type: ignore[no-untyped-def]
-    """Return the `Bounds` of patches, and which of them have a node that moved; all where none are told."""
+    """Return the `Bounds` of patches, and which patches have a node of `moved`; all where `moved` is empty."""
     starts, members = corners
     count, places = len(starts) - 1, len(path)
     boxes, middles, spread = np.zeros((count, 6)), np.zeros((count, places, 3)), np.zeros(count)
@@ -113,7 +107,7 @@ def _bound_patches(path, spans, corners, moved):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
-    """Return how far points of two patches may approach on the path at most [m]."""
+    """Return the largest distance by which points of two patches can approach on the path [m]."""
     _, middles, spread = bounds
     most = 0.0
     for j in range(1, middles.shape[1]):
@@ -127,7 +121,7 @@ def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _find_near_disjoint(path, patches, bounds, found, need):  # type: ignore[no-untyped-def]
-    """Return those pairs of patches of overlapping boxes that share no node and may come within a distance."""
+    """Return the pairs of patches with overlapping boxes that share no node and may come within a distance."""
     overlapping, active = found
     starts, members = patches.corners
     around, others = patches.around
@@ -170,8 +164,7 @@ def _find_near_disjoint(path, patches, bounds, found, need):  # type: ignore[no-
 
 @njit(cache=True)
 def _find_near_joined(path, patches, bounds, active, need):  # type: ignore[no-untyped-def]
-    """Return which joined pairs of patches may come within a distance, shape [joined_count]; see
-    `find_close_patches`."""
+    """Return which joined pairs of patches may come within a distance, [joined_count]; see `find_close_patches`."""
     starts, members = patches.laid
     layout, joined, gaps = patches.layout, patches.joined, patches.gaps
     near = np.zeros(len(joined), np.bool_)

@@ -1,4 +1,4 @@
-"""The energy that keeps two pieces of cloth apart: a barrier of their distance."""
+"""Barrier energy of the distance between two parts of cloth."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..block_pattern import ABSENT_BLOCK_SLOT, add_block
 from .closest import EDGE_EDGE, closest_weights, cross_product_hessian, distance_hessian, mollify, pair_distance
 
 COINCIDENT_REACH_SHARE = 1e-4
-"""Share of its reach under which a pair has no room: 0.2 micrometres. Its barrier is ten thousand times as stiff as
-where cloth begins to touch, and a step goes by fifths of what is left."""
+"""Distance, as a share of its reach, up to which a pair counts as coincident: 0.2 micrometres. Its barrier is ten
+thousand times as stiff as at first contact, and each step keeps a fifth of the distance."""
 
 
 @njit(cache=True, inline="always")
 def barrier_function(ratio):  # type: ignore[no-untyped-def]
-    """Return b = -(1 - s)^2 ln s, b' and b'' at s in 0 .. 1: infinite at 0, two continuous derivatives at 1."""
+    """Return b = -(1 - s)^2 ln s, b' and b'' at s in 0 .. 1: infinite at 0, twice continuously differentiable at 1."""
     rest, log = 1.0 - ratio, math.log(ratio)
     return (
         -rest * rest * log,
@@ -30,8 +30,8 @@ def barrier_function(ratio):  # type: ignore[no-untyped-def]
 def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ignore[no-untyped-def]
     """Add the gradient (order >= 1) and Hessian blocks (order 2) of contact between pairs and return its energy [J].
 
-    E = w K h m b(d / h),  b(s) = -(1 - s)^2 ln s where s < 1, else 0:  the pressure K |b'(d / h)| is 3 K (1 - s)^2
-    where cloth begins to touch, 12 K at a tenth of h, infinite at 0 (Li et al. 2020, incremental potential contact).
+    E = w K h m b(d / h),  b(s) = -(1 - s)^2 ln s where s < 1, else 0:  the pressure K |b'(d / h)| is 3 K (1 - s)^2 at
+    first contact, 12 K at a tenth of h, infinite at 0 (Li et al. 2020, incremental potential contact).
 
     Notation: `pairs` a `PairElements`: kinds and nodes; weights w [m2], reaches h [m], limits of the mollifier m of
     nearly parallel edges [m4]; d the least distance of the pair; `pressure` K [Pa]; `places`: `slots` [pair_count, 10]
@@ -39,7 +39,7 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
     [node_count].
 
     The PSD form is E'' grad d grad d^T: it drops the curvatures of d and m, as contact with the body does. Where the
-    matrix has no place it is the diagonal matrix of blocks above it: |w_a| sum_b |w_b| E'' n n^T.
+    matrix has no place, the block-diagonal upper bound |w_a| sum_b |w_b| E'' n n^T is added.
 
     **Deviation**: the law is of the distance, not of its square, so that K is a pressure.
     """
@@ -123,11 +123,9 @@ def measure_pairs(x, pairs):  # type: ignore[no-untyped-def]
 
 
 def find_coincident_nodes(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
-    """Return the nodes of pairs that have no room left at nodes [m], shape [node_count, 3]: contact cannot part them.
-
-    Two nodes may lie in one place without a face that crosses another, where cloth was taken out of the crease of a
-    body. `pairs` are `PairElements`.
-    """
+    """Return the nodes of coincident pairs at nodes [m], shape [node_count, 3], which contact cannot separate. Two
+    nodes may coincide without crossing faces, where cloth was projected out of a crease of the body. `pairs` are
+    `PairElements`."""
     if not len(pairs[0]):
         return np.zeros(0, np.int64)
     distances, weights = measure_pairs(nodes, pairs)

@@ -1,4 +1,4 @@
-"""Boxes that overlap, found on a uniform grid, and parts of two patches that do."""
+"""Find overlapping boxes on a uniform grid, and overlapping parts of two patches."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import numpy as np
 from numba import njit
 
 _MAX_BOX_CELL_COUNT = 2**18
-"""Largest number of cells of a grid: 2 MB, cleared in a tenth of a millisecond. Wider cloth gets larger cells."""
+"""Largest number of cells of a grid: 2 MB, cleared in 0.1 ms. Larger cloth gets larger cells."""
 
 _GRID_CELL_SIZE_RATIO = 1.5
-"""Side of a grid cell [mean extents of a box]. Smaller cells hold each box more often, larger ones test more pairs: at
+"""Side of a grid cell [mean extents of a box]. Smaller cells list each box more often, larger ones test more pairs: at
 4000 nodes 0.5 to 1.5 took 9.3, 5.7, 4.1 and 3.5 ms."""
 
 
 _MAX_BRUTE_FORCE_TESTS = 2**16
-"""Largest number of pairs of boxes up to which each pair is tested: as quick as to fill a grid."""
+"""Largest number of pairs of boxes that are all tested: as fast as filling a grid."""
 
 
 class Grid(NamedTuple):
-    """A uniform grid: lowest corner [m], shape [3], side [m] and cells along each axis, shape [3]."""
+    """Uniform grid: lowest corner [m], shape [3], side [m] and cells along each axis, shape [3]."""
 
     origin: np.ndarray
     side: float
@@ -28,7 +28,7 @@ class Grid(NamedTuple):
 
     @classmethod
     def of(cls, bounds: np.ndarray) -> Grid:
-        """Lay a grid over boxes, of cells that suit their size."""
+        """Return a grid over boxes, with cells that suit their size."""
         low, high = bounds[:, :3], bounds[:, 3:]
         origin, side = low.min(axis=0), _GRID_CELL_SIZE_RATIO * float((high - low).mean())
         extent = np.maximum(high.max(axis=0) - origin, side)
@@ -41,7 +41,7 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
 
     Args:
         bounds: Lowest and highest corners [m], shape [box_count, 6].
-        inflation: How far each box reaches beyond them [m].
+        inflation: Distance by which each box is enlarged [m].
         active: Boxes of which every pair has one or both, shape [box_count].
     """
     if int(active.sum()) * len(bounds) <= _MAX_BRUTE_FORCE_TESTS:
@@ -52,14 +52,14 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
 
 @njit(cache=True, inline="always")
 def _inflate_box(boxes, m, need):  # type: ignore[no-untyped-def]
-    """Return the lowest and the highest corner of a box, moved outwards by `need` [m]."""
+    """Return the lowest and the highest corner of a box that is enlarged by `need` [m]."""
     low = (boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need)
     return low, (boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need)
 
 
 @njit(cache=True, inline="always")
 def _is_beside_box(boxes, m, low, high):  # type: ignore[no-untyped-def]
-    """Check whether a box lies beside the one between two corners [m]."""
+    """Check whether a box and the one between two corners [m] do not overlap."""
     return (
         boxes[m, 0] > high[0]
         or boxes[m, 3] < low[0]
@@ -72,7 +72,7 @@ def _is_beside_box(boxes, m, low, high):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
-    """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
+    """Return the pairs of boxes, of which one is active, that are within `need` [m] of each other, [pair_count, 2]."""
     pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
     for a in np.flatnonzero(active):
         low, high = _inflate_box(bounds, a, need)
@@ -88,7 +88,7 @@ def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
-    """Return the indices of all boxes that overlap active ones, [pair_count, 2], each pair once."""
+    """Return the pairs of overlapping boxes, of which one is active, each pair once, [pair_count, 2]."""
     starts, members, copies = _fill_cells(bounds, grid)
     origin, side, counts = grid
     pairs, found = np.zeros((1024, 2), np.int64), 0
@@ -117,7 +117,7 @@ def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _fill_cells(bounds, grid):  # type: ignore[no-untyped-def]
-    """Return where each cell of a grid begins, its boxes and their bounds, in ascending order."""
+    """Return where each cell of a grid begins, its boxes in ascending order, and their bounds."""
     origin, side, counts = grid
     span = np.zeros((len(bounds), 6), np.int64)
     starts = np.zeros(counts[0] * counts[1] * counts[2] + 1, np.int64)
@@ -149,19 +149,19 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
     """Return the indices of parts of two patches whose boxes overlap and that share no node, [pair_count, 2].
 
     Args:
-        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6].
+        spans: Lowest and highest corner of each node's positions [m], shape [node_count, 6].
         close: The pairs of patches, shape [close_count, 2].
-        lists: The parts of each patch, of the first kind and of the second: `Lists` both.
+        lists: The parts of each patch, of the first kind and of the second: `RaggedLists` both.
         groups: The nodes of each part of either kind, shape [part_count, k].
-        chosen: Which parts of either kind count, [part_count] each, and the nodes of which each pair has one or more,
-            [node_count], or no entries.
-        need: How near two boxes are to be to overlap [m].
+        chosen: Which parts of either kind are tested, [part_count] each, and the nodes of which each pair has one or
+            more, [node_count], or no entries.
+        need: Distance below which two boxes overlap [m].
     """
     (starts, members), (other_starts, other_members) = lists
     nodes, others = groups
     first, second, moved = chosen
     same = nodes.shape[1] == others.shape[1]
-    # by place in the lists, so that those of a patch lie together
+    # in the order of the lists, so that the boxes of a patch are contiguous
     boxes = np.zeros((len(members), 6))
     other_boxes = boxes if same else np.zeros((len(other_members), 6))
     wholes, other_wholes = np.zeros((len(starts) - 1, 6)), np.zeros((len(starts) - 1, 6))
@@ -211,7 +211,7 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
 
 @njit(cache=True)
 def _fill_boxes(spans, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
-    """Fill the boxes [m] of a run of groups of nodes, and the box around all of them, by the boxes of the nodes."""
+    """Fill the boxes [m] of a run of groups of nodes, and the box around all of them, from the nodes' boxes."""
     whole[:3], whole[3:] = np.inf, -np.inf
     for m in range(run[0], run[1]):
         for d in range(3):

@@ -1,4 +1,4 @@
-"""The nearest points of a node and a face, and of two edges, and how they follow the nodes."""
+"""Closest points of a node and a face and of two edges, and their derivatives by the nodes."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 from numba import njit
 
 NODE_FACE, EDGE_EDGE = 0, 1
-"""Kinds of pairs as the kernels take them. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
+"""Kinds of pairs in the kernels. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
 
 PARALLEL_EDGE_SHARE = 1e-3
 """Share of |e1|^2 |e2|^2 at rest under which |e1 x e2|^2 counts as nearly parallel (Li et al. 2020, 6.3)."""
 
 _DEGENERATE_AREA_SHARE = 1e-20
-"""Share of the squared lengths under which a triangle or a pair of edges has no direction of its own."""
+"""Share of the squared lengths under which a triangle or a pair of edges has no defined direction."""
 
 
 @njit(cache=True, inline="always")
@@ -29,11 +29,8 @@ def _dot(x, i, j, k, m):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def closest_weights(x, pair, kind, weights, rates):  # type: ignore[no-untyped-def]
-    """Find the nearest points of a pair: fill the four weights of r = sum_k w_k x_k, the vector between them.
-
-    The `rates` [2, 4] are dw/dp by the parameters p that are free (not at an end of their range); their number is
-    returned, 0 to 2.
-    """
+    """Find the closest points of a pair: fill the four weights of r = sum_k w_k x_k, the vector between them. `rates`
+    [2, 4] are dw/dp by the free parameters p (not at an end of their range); returns their number, 0 to 2."""
     weights[:] = 0.0
     rates[:] = 0.0
     if kind == NODE_FACE:
@@ -43,7 +40,7 @@ def closest_weights(x, pair, kind, weights, rates):  # type: ignore[no-untyped-d
 
 @njit(cache=True)
 def _closest_weights_face(x, p, a, b, c, weights, rates):  # type: ignore[no-untyped-def]
-    """Find the point of a triangle that is nearest to a node, by its regions (Ericson 2005, 5.1.5)."""
+    """Find the point of a triangle that is closest to a node, by its regions (Ericson 2005, 5.1.5)."""
     weights[0] = 1.0
     d1, d2 = _dot(x, a, b, a, p), _dot(x, a, c, a, p)
     if d1 <= 0.0 and d2 <= 0.0:
@@ -76,7 +73,7 @@ def _closest_weights_face(x, p, a, b, c, weights, rates):  # type: ignore[no-unt
 
 @njit(cache=True, inline="always")
 def _on_side(weights, rates, first, second, along):  # type: ignore[no-untyped-def]
-    """Put the nearest point on a side of the triangle."""
+    """Set the closest point on a side of the triangle."""
     weights[first], weights[second] = along - 1.0, -along
     rates[0, first], rates[0, second] = 1.0, -1.0
     return 1
@@ -84,10 +81,8 @@ def _on_side(weights, rates, first, second, along):  # type: ignore[no-untyped-d
 
 @njit(cache=True)
 def _closest_weights_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
-    """Find the nearest points of two segments (Ericson 2005, 5.1.9); parallel ones meet in the middle of the overlap.
-
-    Where they are parallel to round-off the first parameter counts as held: the mollifier is zero there.
-    """
+    """Find the closest points of two segments (Ericson 2005, 5.1.9); for parallel ones the middle of the overlap. Where
+    they are parallel to round-off the first parameter counts as fixed: the mollifier is zero there."""
     a, e, f = _dot(x, p, q, p, q), _dot(x, r, s, r, s), _dot(x, r, s, r, p)
     c, b = _dot(x, p, q, r, p), _dot(x, p, q, r, s)
     area = a * e - b * b
@@ -134,10 +129,10 @@ def pair_distance(x, pair, weights, vector):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def distance_hessian(x, pair, weights, rates, free, vector, distance, curve):  # type: ignore[no-untyped-def]
-    """Fill the Hessian of a pair's distance, 16 blocks [4, 4, 3, 3], where it is above zero.
+    """Fill the Hessian of a pair's distance, 16 blocks [4, 4, 3, 3], where the distance is above zero.
 
-    With D = min_p |r|^2, r = sum_k w_k(p) x_k, r_p = dr/dp, P_pq = 2 r_p . r_q and
-    G_pa = 2 (w_a r_p + w_a,p r) the implicit function theorem gives
+    With D = min_p |r|^2, r = sum_k w_k(p) x_k, r_p = dr/dp, P_pq = 2 r_p . r_q and G_pa = 2 (w_a r_p + w_a,p r) the
+    implicit function theorem gives
 
         D_ab = 2 w_a w_b I - sum_pq G_pa (P^-1)_pq G_qb^T,    d_ab = (D_ab - 2 w_a w_b n n^T) / (2 d),  n = r / d.
     """
@@ -174,11 +169,9 @@ def distance_hessian(x, pair, weights, rates, free, vector, distance, curve):  #
 
 @njit(cache=True)
 def mollify(x, pair, least, slope):  # type: ignore[no-untyped-def]
-    """Return m(c) = (2 - c / least) c / least and m', m'' of c = |u x v|^2 < least, else 1, 0, 0; fill dc/dx [4, 3].
-
-    u and v are the edges (p, q) and (r, s). Where edges are parallel the direction between their nearest points leaps;
-    m takes the energy to zero there (Li et al. 2020, 6.3), and the nodes' pairs with faces hold them apart.
-    """
+    """Return m(c) = (2 - c / least) c / least and m', m'' of c = |u x v|^2 < least, else 1, 0, 0; fill dc/dx [4, 3]. u
+    and v are the edges (p, q) and (r, s). The direction between their closest points is discontinuous where they are
+    parallel; m makes the energy zero there (Li et al. 2020, 6.3), and node-face pairs keep them apart."""
     p, q, r, s = pair[0], pair[1], pair[2], pair[3]
     uu, vv, uv = _dot(x, p, q, p, q), _dot(x, r, s, r, s), _dot(x, p, q, r, s)
     cross = uu * vv - uv * uv

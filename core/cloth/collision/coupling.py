@@ -1,4 +1,4 @@
-"""Make room in the matrix for the pairs of cloth that touch."""
+"""Extend the sparsity pattern of the matrix by the pairs of cloth in contact."""
 
 from __future__ import annotations
 
@@ -14,19 +14,16 @@ if TYPE_CHECKING:
     from ..energy import Energy
 
 _MAX_MISSING_PAIR_SHARE = 0.1
-"""Share of the pairs in touch for which the matrix may have no place before it is laid out anew: that costs as much as
-three factorisations (80 ms for 22 at 4000 nodes), and without its place a pair holds both layers back as if the other
-one stood still."""
+"""Share of the pairs in contact that may be absent from the pattern before it is rebuilt. Rebuilding costs as much as
+three factorisations (80 ms for 22 at 4000 nodes); an absent pair resists motion as if its other side were fixed."""
 
 
 def extend_sparsity(
     energy: Energy, solver: Solver | None, nodes: np.ndarray, missing: float = _MAX_MISSING_PAIR_SHARE
 ) -> tuple[Energy, Solver]:
-    """Return the energy with its pairs near nodes [m], shape [node_count, 3], and a solver that has room for them.
-
-    Both come back as they are where nothing touches, or where at most a share `missing` of what does has no place. A
-    solver is made where there is none yet: for cloth that touches from the start the matrix is analysed once.
-    """
+    """Return the energy with its pairs near nodes [m], shape [node_count, 3], and a solver whose pattern has them. Both
+    are returned unchanged where nothing touches, or where at most a share `missing` of the pairs in contact is absent.
+    A missing solver is made here, so that for cloth in contact at the start the matrix is analysed once."""
     cloth, topology = energy.scene.self_contact, energy.scene.topology
     if cloth is None:
         return energy, solver or make_solver(topology.pattern)

@@ -1,4 +1,4 @@
-"""Look over a way that was gone: how far of it did nothing come near but the pairs that were watched."""
+"""Check a path after it was taken: how far no pair but the watched ones came near."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from .near import NearPairs, collect_near_pairs, find_candidates
 from .self_contact import SelfContact
 
 MAX_MOVED_NODE_SHARE = 0.05
-"""Largest share of nodes beyond their margin at which pairs are looked for around these alone. Around a tenth of the
-nodes it takes as long as everywhere: the others may be by a margin off, and all patches that one of the tenth is in are
-looked into."""
+"""Largest share of nodes beyond their margin for which pairs are searched around these alone. Around a tenth of the
+nodes the search takes as long as everywhere: the others may be off by a margin, and all patches with one of the tenth
+are searched."""
 
 
 def verify_pairs_on_path(cloth: SelfContact, path: np.ndarray, watched: NearPairs) -> tuple[NearPairs, int]:
-    """Return the pairs near the last place of a path up to which its energies hold, and the number of that place.
+    """Return the pairs near the last place of a path up to which its energies are valid, and the number of that place.
 
-    Cloth that descends knows the pairs near the start of a leg. What it did is right as far as no other pair came
-    within reach, for until then the barrier of every other pair was zero. One search over the whole path tells where
-    that ends, in place of one for each step. It is made around the nodes that left the margin of where their pairs were
-    looked for last (Verlet 1967), where these are few: in the last legs of a drape they are a hundredth.
+    A descent has the pairs near its start. Its steps are valid as long as no other pair came within reach, for until
+    then the barrier of every other pair was zero. One search over the whole path finds that place, instead of one
+    search per step. It is restricted to the nodes that left the margin of where their pairs were last searched (Verlet
+    1967), where these are few: in the last runs of a drape they are a hundredth.
 
     Args:
         cloth: The mesh and its reach.
-        path: Places between which the cloth went straight [m], shape [place_count, node_count, 3].
-        watched: The pairs that it knew.
+        path: Positions between which the cloth moved straight [m], shape [place_count, node_count, 3].
+        watched: The pairs that the descent had.
 
     Returns:
-        The pairs that come within reach on the path, or are within reach and margin of that place: there they are
-        complete, and who goes on from there as before meets no other pair. And the place, 0 to place_count - 1.
+        The pairs that come within reach on the path, or are within reach and margin of that place: a descent that
+            continues there in the same way meets no other pair. And the place, 0 to place_count - 1.
     """
     path = np.ascontiguousarray(path, dtype=np.float64)
     moved = watched.left(path)
@@ -41,7 +41,7 @@ def verify_pairs_on_path(cloth: SelfContact, path: np.ndarray, watched: NearPair
     if not moved.any():
         return replace(watched, held=False), last
     apart = watched.step.any() or np.count_nonzero(moved) > MAX_MOVED_NODE_SHARE * len(moved)
-    # nodes that have not moved may be by a margin off where their pairs were found
+    # nodes that have not moved may be a margin away from where their pairs were found
     slack = (2.0 if apart else 3.0) * cloth.margin
     found = find_candidates(cloth, path, slack, None if apart else moved)
     traces = [_trace(path, each.nodes, each.kind, cloth.reach, slack) for each in found]
@@ -62,9 +62,9 @@ def verify_pairs_on_path(cloth: SelfContact, path: np.ndarray, watched: NearPair
 def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     """Return the first step of a path on which each pair may come within reach, and its least distance beyond it [m].
 
-    Of a place x_j the pair's nodes are off by D_k = x_jk - x_0k less their mean, so that its distance is at least
-    d_0 - max_j (max_a |D_a| + max_b |D_b|), on the steps too. Where that does not do, it is taken at each place: on a
-    step of lengths l_a, l_b it stays above (d_j + d_j+1 - l_a - l_b) / 2. The number of steps means never.
+    At place j the pair's nodes are displaced by D_k = x_jk - x_0k less their mean, so that its distance is at least d_0
+    - max_j (max_a |D_a| + max_b |D_b|), on the steps too. Where this bound is too low, the distance is computed at each
+    place: on a step of lengths l_a, l_b it stays above (d_j + d_j+1 - l_a - l_b) / 2. The number of steps means never.
     """
     weights, rates, vector, motion = np.zeros(4), np.zeros((2, 4)), np.zeros(3), np.zeros((4, 3))
     count = len(path) - 1
@@ -96,7 +96,7 @@ def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, inline="always")
 def _move(start, end, pair, motion):  # type: ignore[no-untyped-def]
-    """Fill how the four nodes of a pair move [m], less their mean, shape [4, 3]."""
+    """Fill the displacements of the four nodes of a pair [m], less their mean, shape [4, 3]."""
     for d in range(3):
         mean = 0.0
         for k in range(4):
@@ -108,7 +108,7 @@ def _move(start, end, pair, motion):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _measure(x, nodes, kind, reach):  # type: ignore[no-untyped-def]
-    """Return how far pairs are beyond reach at x [m], shape [pair_count]."""
+    """Return the distance of pairs beyond reach at x [m], shape [pair_count]."""
     beyond = np.zeros(len(nodes))
     weights, rates, vector = np.zeros(4), np.zeros((2, 4)), np.zeros(3)
     for n in range(len(nodes)):

@@ -1,4 +1,4 @@
-"""The pairs of cloth that may touch on a way: found once, good for all that stays near it."""
+"""Find the pairs of cloth that may touch on a path; the result is valid for all positions near it."""
 
 from __future__ import annotations
 
@@ -16,17 +16,13 @@ from .closest import EDGE_EDGE, NODE_FACE, PARALLEL_EDGE_SHARE, closest_weights,
 from .self_contact import PAIR_AREA_SHARE, SelfContact
 
 NO_NODE_FILTER = np.zeros(0, np.bool_)
-"""Tells `pair_parts` that it is no matter which nodes a pair has."""
+"""Argument of `pair_parts` for pairs of any nodes."""
 
 
 class PairElements(NamedTuple):
-    """Pairs as the kernels take them.
-
-    Attributes:
-        kinds: `NODE_FACE` or `EDGE_EDGE`, shape [pair_count].
-        nodes: Node and face, or the ends of two edges, shape [pair_count, 4].
-        sizes: Weight [m2], reach [m] and limit of the mollifier [m4], shape [pair_count, 3].
-    """
+    """Pairs as the kernels take them: `kinds`, `NODE_FACE` or `EDGE_EDGE`, shape [pair_count]; `nodes`, node and face,
+    or the ends of two edges, shape [pair_count, 4]; `sizes`, weight [m2], reach [m] and limit of the mollifier [m4],
+    shape [pair_count, 3]."""
 
     kinds: np.ndarray
     nodes: np.ndarray
@@ -34,11 +30,11 @@ class PairElements(NamedTuple):
 
 
 NO_PAIRS = PairElements(np.zeros(0, np.int64), np.zeros((0, 4), np.int64), np.zeros((0, 3)))
-"""Where nothing is near."""
+"""Empty `PairElements`."""
 
 
 class Candidates(NamedTuple):
-    """Pairs of one kind whose boxes overlap: the kind, nodes, shape [pair_count, 4], and what tells them apart."""
+    """Pairs of one kind whose boxes overlap: the kind, nodes, shape [pair_count, 4], and a unique key of each pair."""
 
     kind: int
     nodes: np.ndarray
@@ -47,16 +43,16 @@ class Candidates(NamedTuple):
 
 @dataclass(frozen=True)
 class NearPairs:
-    """Describe the pairs that may touch while cloth goes from one place to another, or stays near that way.
+    """Describe the pairs that may touch while cloth moves on a straight path, or stays near it.
 
     Attributes:
-        pairs: Those of a node and a face first, then those of edges.
+        pairs: Node-face pairs first, then edge pairs.
         keys: A number for each pair that no other pair of the cloth has, shape [pair_count].
-        start: Where the way begins [m], shape [node_count, 3]; of nodes that stayed within the margin since their pairs
-            were found, where they were then.
-        step: The way [m], shape [node_count, 3].
-        margin: Distance from it up to which the pairs are complete [m].
-        held: They are to count as complete anywhere.
+        start: Start of the path [m], shape [node_count, 3]; of nodes that stayed within the margin since their pairs
+            were found, their position then.
+        step: The displacement [m], shape [node_count, 3].
+        margin: Distance from the path up to which the pairs are complete [m].
+        held: Treat the pairs as complete everywhere.
     """
 
     pairs: PairElements
@@ -74,24 +70,22 @@ class NearPairs:
         return PairElements(*(part[kept] for part in self.pairs))
 
     def free_share(self, nodes: np.ndarray, step: np.ndarray, least: float = 0.0) -> float:
-        """Return the largest share, 0 to 1, of a step [m] from nodes [m], both [node_count, 3], without a touch.
-
-        The pairs are to be complete along the step. None comes nearer than the share `least` of its reach.
-        """
+        """Return the largest share, 0 to 1, of a step [m] from nodes [m], both [node_count, 3], without contact. The
+        pairs must be complete along the step. No pair comes nearer than `least` times its reach."""
         return float(collision_free_share(nodes, step, self.pairs, least)) if len(self.pairs.kinds) else 1.0
 
     def covers(self, nodes: np.ndarray) -> bool:
-        """Return whether nodes [m], shape [node_count, 3], lie near one point of the way, where pairs are complete."""
+        """Return whether nodes [m], shape [node_count, 3], are near one point of the path, where pairs are complete."""
         return bool(_stay_near(np.ascontiguousarray(nodes), self.start, self.step, self.margin))
 
     def left(self, path: np.ndarray) -> np.ndarray:
-        """Return which nodes are beyond the margin somewhere on a path [m], [place_count, node_count, 3]."""
+        """Return which nodes leave the margin on a path [m], [place_count, node_count, 3]."""
         if self.step.any():
             return np.full(path.shape[1], not all(self.covers(place) for place in path))
         return np.asarray(_find_nodes_beyond(path, self.start, self.margin))
 
     def renewed(self, found: NearPairs, moved: np.ndarray) -> NearPairs:
-        """Return these pairs with those of nodes that moved, shape [node_count], found anew, where those are now."""
+        """Return these pairs with those of the nodes that moved, [node_count], replaced by the pairs found now."""
         kept = ~moved[self.pairs.nodes].any(axis=1)
         keys = np.concatenate([self.keys[kept], found.keys])
         order = np.argsort(keys)
@@ -101,16 +95,15 @@ class NearPairs:
 
 
 def find_near_pairs(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> NearPairs:
-    """Find all pairs that come within reach of each other on the straight way from `start` to `end`, or stay there.
-
-    A pair is a node and a face or two edges that share no node. Pairs whose boxes overlap are found first, in patches
-    that may come near each other; of these, pairs stay whose distance at the start less how far they may approach is
+    """Find all pairs that come within reach of each other on the straight path from `start` to `end`, or near it. A
+    pair is a node and a face or two edges that share no node. Pairs with overlapping boxes are found first, in patches
+    that may come near each other; of these, pairs stay whose distance at the start less how far they can approach is
     within reach and margin.
 
     Args:
         cloth: The mesh and its reach.
         start: Positions [m], shape [node_count, 3].
-        end: Positions at the end of the way; `start` where None.
+        end: Positions at the end of the path; `start` where None.
     """
     start = np.ascontiguousarray(start, dtype=np.float64)
     step = np.zeros_like(start) if end is None else end - start
@@ -123,14 +116,12 @@ def find_near_pairs(cloth: SelfContact, start: np.ndarray, end: np.ndarray | Non
 def find_candidates(
     cloth: SelfContact, path: np.ndarray, slack: float, moved: np.ndarray | None = None
 ) -> list[Candidates]:
-    """Find all pairs that may come within reach and slack of each other on a path, by patches, then by their boxes.
-
-    They come in the order in which patches were looked into; few of them are near, and `collect_near_pairs` orders
-    those.
+    """Find all pairs that may come within reach and slack of each other on a path, by patches, then by boxes. The order
+    is that of the search; `collect_near_pairs` sorts the few that are near.
 
     Args:
         cloth: The mesh and its reach.
-        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        path: Positions between which the cloth moves straight [m], shape [place_count, node_count, 3].
         slack: Distance beyond reach [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
     """
@@ -157,10 +148,8 @@ def find_candidates(
 def collect_near_pairs(
     cloth: SelfContact, found: list[Candidates], kept: list[np.ndarray], start: np.ndarray, step: np.ndarray
 ) -> NearPairs:
-    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `NearPairs`.
-
-    They are in one order however they were found: sums over pairs then have the same last digits.
-    """
+    """Return the kept candidates, shape [pair_count] each, as the pairs near a path [m]; see `NearPairs`. Their order
+    does not depend on the search, so that sums over pairs are reproducible to the last digit."""
     chosen = [np.flatnonzero(own) for own in kept]
     if not any(own.size for own in chosen):
         return NearPairs(NO_PAIRS, found[0].keys[:0], start, step, cloth.margin)
@@ -179,7 +168,7 @@ def _measure_pair_sizes(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.
     lengths = cloth.lengths
     limits = np.zeros(len(nodes))
     edged = kept[1]
-    # the mean squared length of the edges around a node stands for an edge's own: it changes the law of no pair apart
+    # |e|^2 from both ends' mean edge lengths: the mollifier changes no pair that is not in contact
     limits[len(kept[0]) :] = PARALLEL_EDGE_SHARE * lengths[edged[:, :2]].prod(1) * lengths[edged[:, 2:]].prod(1)
     return nodes, np.column_stack([weights, reach, limits])
 
@@ -203,7 +192,7 @@ def _find_kept_pairs(start, step, nodes, kind, reach, slack):  # type: ignore[no
 
 @njit(cache=True)
 def _stay_near(nodes, start, step, margin):  # type: ignore[no-untyped-def]
-    """Return whether all nodes are within a margin [m] of one point of a way from their start by a step [m]."""
+    """Return whether all nodes are within a margin [m] of one point of a path from their start by a step [m]."""
     length, along = 0.0, 0.0
     for v in range(len(nodes)):
         for d in range(3):

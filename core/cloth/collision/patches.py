@@ -1,4 +1,4 @@
-"""Patches of a cloth: small groups of faces, and for each two that join, how far apart their parts lie when flat."""
+"""Patches of a cloth: small groups of faces, and for each two that join, their parts' least distance when flat."""
 
 from __future__ import annotations
 
@@ -12,39 +12,38 @@ from ...geometry.connectivity import HalfEdges
 from .closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 
 _LAYOUT_ITERATIONS = 4
-"""Number of iterations that move the layout of a patch towards the shape of its flat triangles. What lies around a seam
-or a dart has no plane shape of its own, and comes to rest between them."""
+"""Number of iterations that move the layout of a patch towards the shape of its flat triangles. Patches around a seam
+or a dart have no exact plane layout; theirs is a least-squares compromise."""
 
 
 class RaggedLists(NamedTuple):
-    """Lists one behind the other: where each begins, shape [list_count + 1], and their entries."""
+    """Concatenated lists: where each begins, shape [list_count + 1], and their entries."""
 
     starts: np.ndarray
     members: np.ndarray
 
     @classmethod
     def of(cls, owners: np.ndarray, members: np.ndarray, count: int) -> RaggedLists:
-        """List members by their owners, shape [member_count] both, in the order they come in."""
+        """Group members by their owners, shape [member_count] both, in the given order."""
         order = np.argsort(owners, kind="stable")
         starts = np.concatenate([[0], np.cumsum(np.bincount(owners, minlength=count))])
         return cls(starts.astype(np.int64), np.ascontiguousarray(members[order], dtype=np.int64))
 
 
 class Patches(NamedTuple):
-    """Groups of neighbouring faces that part a cloth, and what is known of each two that share a node.
-
-    Each node, face and edge belongs to one patch, so each pair of them belongs to one pair of patches.
+    """Partition of a cloth into groups of neighbouring faces, with the layout of each two that share a node. Each node,
+    face and edge belongs to one patch, so each pair of them belongs to one pair of patches.
 
     Attributes:
         corners: All nodes of each patch's faces; those on its rim are in other patches too.
-        nodes, faces, edges: What belongs to each patch.
-        around: The patches that share a node with each, itself too, ascending.
+        nodes, faces, edges: Nodes, faces and edges that belong to each patch.
+        around: The patches that share a node with each, itself included, ascending.
         joined: Pairs of patches that share a node, the lower first, and each with itself, shape [joined_count, 2].
-        gaps: Least distance between a part of one and a part of the other that share no node, when laid out in a plane
-            [m], shape [joined_count].
+        gaps: Least distance between a part of one and a part of the other that share no node, in the plane layout [m],
+            shape [joined_count].
         laid: The nodes of both.
-        layout: Where those lie in the plane, around their mean, and what the slope by each coordinate weighs them with
-            [m, m, 1/m, 1/m], shape [laid_count, 4].
+        layout: Plane coordinates of those about their mean, and their weights in the slope by each coordinate [m, m,
+            1/m, 1/m], shape [laid_count, 4].
     """
 
     corners: RaggedLists
@@ -59,7 +58,7 @@ class Patches(NamedTuple):
 
 
 def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
-    """Part a mesh into patches of about eight faces, by its flat triangles [m], shape [face_count, 3, 2]."""
+    """Partition a mesh into patches of about eight faces, by its flat triangles [m], shape [face_count, 3, 2]."""
     faces, count = half.faces, half.vertex_count
     all_faces = np.arange(len(faces))
     around_node = RaggedLists.of(faces.ravel(), np.repeat(all_faces, 3), count)
@@ -88,10 +87,8 @@ def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
 
 @njit(cache=True)
 def _group(faces, twin, around):  # type: ignore[no-untyped-def]
-    """Return the patch of each face, shape [face_count], and how many there are.
-
-    Nodes no two of which share a face are the middles; a face without a middle joins the patch across an edge.
-    """
+    """Return the patch of each face, shape [face_count], and the number of patches. Nodes no two of which share a face
+    are the centres; a face without a centre joins the patch across an edge."""
     starts, members = around
     owner, blocked, count = np.full(len(faces), -1, np.int64), np.zeros(len(starts) - 1, np.bool_), 0
     for v in range(len(starts) - 1):
@@ -156,7 +153,7 @@ def _lay_out(faces, twin, rest, sides, lists, joined):  # type: ignore[no-untype
 
 @njit(cache=True)
 def _weigh_slopes(layout):  # type: ignore[no-untyped-def]
-    """Centre a layout and fill the weights of its slopes, W = Y (Y^T Y)^-1; tell whether it has two dimensions."""
+    """Centre a layout and fill the weights of its slopes, W = Y (Y^T Y)^-1; return False where it is degenerate."""
     for k in range(2):
         layout[:, k] -= layout[:, k].mean()
     a, b, c = (layout[:, 0] ** 2).sum(), (layout[:, 0] * layout[:, 1]).sum(), (layout[:, 1] ** 2).sum()
@@ -171,11 +168,9 @@ def _weigh_slopes(layout):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _unfold(patch, faces, twin, rest, lists, found):  # type: ignore[no-untyped-def]
-    """Lay a patch and those around it out in a plane: fill places [m] of their nodes and which have one.
-
-    Face by face across edges, each as its flat triangle; then each node goes to the mean of where its triangles, turned
-    as they lie, would have it. Any layout is right: cloth is compared with it, and what does not fit is looked into.
-    """
+    """Lay out a patch and those around it in a plane: fill positions [m] of their nodes and which have one. Faces are
+    placed across edges as their flat triangles; then each node moves to the mean of where its triangles, fitted rigidly
+    to their corners, have it. Any layout is valid: cloth that differs from it is only tested in detail."""
     _, _, own, _, around = lists
     place, placed, sums, reached = found
     placed[:] = False
@@ -235,7 +230,7 @@ def _area(flat):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _set_apex(a, b, flat_a, flat_b, flat_c, apex):  # type: ignore[no-untyped-def]
-    """Fill where the third corner of a triangle lies to the left of its edge a b [m], by its flat corners [m]."""
+    """Fill the third corner of a triangle, left of its edge a b [m], from its flat corners [m]."""
     u, v = flat_b[0] - flat_a[0], flat_b[1] - flat_a[1]
     length = np.sqrt(u * u + v * v)
     along = (u * (flat_c[0] - flat_a[0]) + v * (flat_c[1] - flat_a[1])) / length
@@ -250,7 +245,7 @@ def _set_apex(a, b, flat_a, flat_b, flat_c, apex):  # type: ignore[no-untyped-de
 
 @njit(cache=True)
 def _add_rigid_fit(face, flat, place, sums):  # type: ignore[no-untyped-def]
-    """Add where a flat triangle, turned and moved to lie as its corners do, would have them."""
+    """Add the corners of a flat triangle that is fitted rigidly to the present positions of its corners."""
     sign = -1.0 if _area(flat) < 0.0 else 1.0
     y, z, p, q = 0.0, 0.0, 0.0, 0.0
     for k in range(3):
@@ -306,7 +301,7 @@ def _gap(c, d, place, faces, sides, lists):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _are_boxes_apart(place, pair, split, least):  # type: ignore[no-untyped-def]
-    """Return whether the boxes of a pair's two parts are at least so far apart [m] along an axis of the plane."""
+    """Return whether the boxes of a pair's two parts are at least `least` [m] apart along an axis of the plane."""
     for d in range(2):
         low, high, lower, higher = np.inf, -np.inf, np.inf, -np.inf
         for k in range(4):

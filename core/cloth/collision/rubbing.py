@@ -16,11 +16,11 @@ from .self_contact import SelfContact
 
 @dataclass(frozen=True)
 class ClothFriction:
-    """What friction of cloth on cloth takes as given while positions are solved for.
+    """Describe the state of cloth-on-cloth friction that is constant during a solve.
 
     Attributes:
-        keys: Kind and nodes of each pair in touch, shape [pair_count, 5].
-        weights: Of r = sum_k w_k x_k, the vector between the nearest points, shape [pair_count, 4].
+        keys: Kind and nodes of each pair in contact, shape [pair_count, 5].
+        weights: Of r = sum_k w_k x_k, the vector between the closest points, shape [pair_count, 4].
         normals: Its direction, shape [pair_count, 3].
         limits: Coefficient times normal force [N], shape [pair_count].
         anchors: The r at which each pair sticks [m], shape [pair_count, 3].
@@ -36,11 +36,11 @@ class ClothFriction:
 
     @property
     def elements(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
-        """Return what the kernel reads."""
+        """Return the arrays of the kernel."""
         return self.keys, self.weights, self.normals, self.limits, self.anchors, self.slip
 
     def strain(self, nodes: np.ndarray) -> np.ndarray:
-        """Return how far each pair is drawn from where it sticks [m], `slip` at most, shape [pair_count, 3]."""
+        """Return the tangential displacement of each pair from its anchor [m], at most `slip`, [pair_count, 3]."""
         drawn = np.einsum("nk,nkd->nd", self.weights, nodes[self.keys[:, 1:]]) - self.anchors
         drawn -= (drawn * self.normals).sum(1, keepdims=True) * self.normals
         length = np.sqrt((drawn**2).sum(1, keepdims=True))
@@ -50,10 +50,8 @@ class ClothFriction:
 def lag_cloth_friction(
     cloth: SelfContact, near: NearPairs, nodes: np.ndarray, before: ClothFriction | None
 ) -> ClothFriction | None:
-    """Compute the friction that follows from the near pairs in touch at nodes [m], shape [node_count, 3], or None.
-
-    A pair that was in touch before stays drawn as it was, as far as friction holds it; any other sticks where it is.
-    """
+    """Compute the friction of the near pairs in contact at nodes [m], shape [node_count, 3]; None without any. A pair
+    that was in contact before keeps its displacement, up to `slip`; any other sticks where it is."""
     pairs = near.within(nodes, 0.0)
     if cloth.settings.friction <= 0 or not len(pairs.kinds):
         return None
@@ -71,7 +69,7 @@ def lag_cloth_friction(
 
 
 def _inherit(keys: np.ndarray, before: ClothFriction, strain: np.ndarray) -> np.ndarray:
-    """Return the strain [m] of the same pairs before, shape [pair_count, 3]; zero for those that are new."""
+    """Return the displacement [m] that each pair had before, shape [pair_count, 3]; zero for new pairs."""
     _, where, inverse = np.unique(np.concatenate([before.keys, keys]), axis=0, return_index=True, return_inverse=True)
     first = where[inverse.ravel()[len(before.keys) :]]
     known = first < len(before.keys)
@@ -85,7 +83,7 @@ def cloth_friction(x, given, places, order, derivatives):  # type: ignore[no-unt
     """Add the friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E = L f(|u|),  u = (I - n n^T)(sum_k w_k x_k - a), f as in `friction`: the force on node k is w_k L f'(|u|) u / |u|,
-    so that both sides get the opposite of each other. `places` as in `barrier`; `given` a `ClothFriction`'s `elements`.
+    equal and opposite on both sides. `places` as in `barrier`; `given` a `ClothFriction`'s `elements`.
     """
     keys, weights, normals, limits, anchors, slip = given
     slots, diagonal = places

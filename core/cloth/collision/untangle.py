@@ -1,4 +1,4 @@
-"""Take cloth that starts crossed out of itself, before contact can keep it apart."""
+"""Untangle cloth that starts crossed, before its contact is on."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from ..scene import Scene
 
 CONTOUR_CONTRACTION_FORCE = 0.1
-"""Force with which a contour of intersection contracts [N]: some 200 weights of a node of 4000, which a fold gives way
-to and the membrane (300 N/m) does not."""
+"""Force that contracts a contour of intersection [N]: about 200 weights of a node of 4000. A fold yields to it, the
+membrane (300 N/m) does not."""
 
 
 def contract_crossings(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarray | None]:
-    """Let contact wait where faces cross at nodes [m], and contract the contours along which they do.
+    """Switch contact off where faces cross at nodes [m], and contract the contours along which they cross.
 
     Returns:
-        The scene whose self-contact waits for the faces that cross, and the force on each node [N], shape
-        [node_count, 3], or None where none do.
+        The scene with contact off for crossed faces, and the force on each node [N], shape [node_count, 3], or None
+            where none cross.
     """
     cloth = scene.self_contact
     if cloth is None:
@@ -37,5 +37,5 @@ def contract_crossings(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarr
 
 
 def is_resolving(counts: list[int], patience: int) -> bool:
-    """Return whether fewer faces cross than before the last rounds; `counts` of every round so far."""
+    """Return whether fewer faces cross than before the last `patience` rounds; `counts` of every round so far."""
     return counts[-1] > 0 and (len(counts) <= patience or counts[-1] < min(counts[:-patience]))

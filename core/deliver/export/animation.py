@@ -1,4 +1,4 @@
-"""Write a garment in motion into one folder: caches, a mesh that plays, pictures, verdicts."""
+"""Write a garment in motion into one folder: point caches, a GLB that plays, pictures, verdicts."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
     """Write caches, meshes, pictures and verdicts of an animation.
 
     Args:
-        animation: What to write.
-        folder: Where to; made where it is not there, files of the same names are replaced.
+        animation: The animation.
+        folder: Folder, created if missing; files of the same names are replaced.
 
     Returns:
-        The files: garment.obj and garment.ply (the first frame, whose vertex order the caches have), garment.pc2,
-        garment.mdd, garment.glb (left out where it would be larger than `MAX_ANIMATION_FILE_BYTES`), garment.usdc (left
-        out without the extra `usd`), sheet.png, preview.gif, frames.json.
+        The files: garment.obj and garment.ply (the first frame, in the vertex order of the caches), garment.pc2,
+            garment.mdd, garment.glb (left out above `MAX_ANIMATION_FILE_BYTES`), garment.usdc (left out without the
+            extra `usd`), sheet.png, preview.gif, frames.json.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment, frames = animation.worn.garment, animation.frames
@@ -47,7 +47,7 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
 
 
 def add_omission_warnings(moved: AnimatedGarment) -> AnimatedGarment:
-    """Return an animation with a warning for each file that `write_animation_result` leaves out of its folder."""
+    """Return an animation with a warning for each file that `write_animation_result` leaves out."""
     animation, told = moved.animation, []
     if not can_write_usd():
         told.append(USD_MISSING_WARNING)
@@ -64,7 +64,7 @@ def add_omission_warnings(moved: AnimatedGarment) -> AnimatedGarment:
 
 
 def _body_bytes(animation: Animation) -> int:
-    """Return about how large the wearer's point cache is [bytes]."""
+    """Estimate the size of the wearer's point cache [bytes]."""
     return 4 * animation.worn.body.vertices.size * len(animation.frames)
 
 
@@ -72,9 +72,8 @@ def write_animation_result(moved: AnimatedGarment, folder: Path) -> list[Path]:
     """Write an animation with its numbers and report.
 
     Returns:
-        The files: those of `write_animation`, body.ply (the wearer where the motion started from), body.pc2 (the
-        wearer's mesh in each frame; left out beyond `MAX_ANIMATION_FILE_BYTES`), metrics.json, manifest.json,
-        report.html.
+        The files: those of `write_animation`, body.ply (the wearer at the start), body.pc2 (the wearer's mesh in each
+            frame; left out above `MAX_ANIMATION_FILE_BYTES`), metrics.json, manifest.json, report.html.
     """
     files, animation = write_animation(moved.animation, folder), moved.animation
     body = animation.worn.body

@@ -10,7 +10,7 @@ from .page import page_html
 from .report import format_number
 
 WORST_FRAME_COUNT = 8
-"""Number of frames that the report lists as the worst."""
+"""Number of worst frames in the report."""
 
 
 def report_animation(moved: AnimatedGarment, preview: bytes, sheet: bytes) -> str:
@@ -58,7 +58,7 @@ def _pictures(preview: bytes, sheet: bytes) -> str:
 
 
 def _worst(moved: AnimatedGarment) -> str:
-    """List the frames that are worst: not converged, then crossed, then deep."""
+    """List the worst frames: not converged, then crossed, then deep."""
     verdicts = moved.animation.verdicts
     ranks = [(verdict.converged, -verdict.crossings, -max(verdict.depth, verdict.pinched)) for verdict in verdicts]
     order = sorted(range(len(ranks)), key=ranks.__getitem__)

@@ -1,4 +1,4 @@
-"""Write a garment for Blender's cloth: panels cut along the seams, sewing threads, and a script that sets them up."""
+"""Write a garment for Blender's cloth: panels cut along the seams, sewing threads, and a script that imports them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from .sewn_mesh import SewnMesh, sanitise_names
 
 
 def write_blender(mesh: SewnMesh, body: Body, folder: Path, stem: str) -> list[Path]:
-    """Write `STEM_sewing.obj`, `STEM_worn.obj`, `STEM_body.obj` and `STEM_blender.py`, in metres, y up.
-
-    The first holds the flat panels where they stand before they are sewn, cut along the seams, with an edge (`l`)
-    between each two vertices that a seam joins; the second the same mesh as worn, without those edges. Both have the
-    same vertices in the same order, so that one is a shape key of the other.
-    """
+    """Write `STEM_sewing.obj`, `STEM_worn.obj`, `STEM_body.obj` and `STEM_blender.py`, in metres, y up. The first has
+    the flat panels in their rest placement, cut along the seams, with an edge (`l`) between each two vertices that a
+    seam joins; the second the same mesh as worn, without those edges. Both have the same vertices in the same order, so
+    that one is a shape key of the other."""
     garment = mesh.garment
     flat = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):

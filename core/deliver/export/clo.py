@@ -1,6 +1,6 @@
 """Write a sewn pattern for CLO and Marvelous Designer: a document, and a program for their own interpreters.
 
-The document's fields are those that public notes and CLO's public header name; neither program was run.
+The document's fields follow public notes and CLO's public header; neither program was run.
 """
 
 from __future__ import annotations
@@ -23,14 +23,13 @@ from ...run.units import MM_PER_M
 from .sewn_mesh import sanitise_names
 
 POSITION_DECIMAL_COUNT = 5
-"""Number of decimals of a position in millimetres. The lengths of seams are then right to far less than 0.05 mm."""
+"""Number of decimals of a position in millimetres: the error of seam lengths is far below 0.05 mm."""
 
 MIN_CLO_SEAM_LENGTH = 3e-3
-"""Shortest seam that is written [m]. Slivers made Marvelous Designer drop all seams of a file."""
+"""Shortest seam that is written [m]. Shorter ones made Marvelous Designer drop all seams of a file."""
 
 MIN_CLO_EDGE_LENGTH = 5e-4
-"""Shortest edge of a piece that is written, sewn or not [m]. It is ten times the length of the edge that made Marvelous
-Designer drop all seams of a file."""
+"""Shortest edge of a piece that is written [m]: ten times the edge for which Marvelous Designer drops all seams."""
 
 MAX_CLO_SEAM_MISMATCH = 5e-5
 """Largest difference in length of the two sides of a seam that is not gathered [m]."""
@@ -42,12 +41,11 @@ PATTERN_WINDOW_WIDTH = 2.0
 """Width of the pattern window's layout [m]."""
 
 MAX_BEZIER_ARC_ANGLE = np.pi / 4.0
-"""Largest angle of an arc that is drawn as one cubic Bezier curve [rad]. The cubic deviates from the arc by 4e-7 of its
-radius."""
+"""Largest angle of an arc that is drawn as one cubic Bezier curve [rad]; the error is 4e-7 of the radius."""
 
 SPLINE_POINT_COUNT_RANGE = (4, 24)
-"""Least and greatest number of points of a curve between its ends, where the program draws the pieces point by point. 4
-is the least number that keeps a curve's form."""
+"""Smallest and largest number of points of a curve between its ends, where the program draws the pieces point by point;
+fewer than 4 do not keep a curve's form."""
 
 SPLINE_POINT_SPACING = 0.01
 """Distance between such points along the curve [m]."""
@@ -61,7 +59,7 @@ class SeamUnsewable(BadInput):
 
 @dataclass(frozen=True)
 class _PlacedPiece:
-    """A piece in the pattern window: its panel, plain name, and where the panel's origin lies [m], shape [2]."""
+    """Describe a piece in the pattern window: its panel, plain name, and the panel's origin there [m], shape [2]."""
 
     panel: Panel
     name: str
@@ -71,8 +69,7 @@ class _PlacedPiece:
 def write_clo(pattern: Pattern, fabric: Fabric, folder: Path, stem: str) -> list[Path]:
     """Write `STEM.clo.json` and `STEM_clo.py`.
 
-    Both hold the net panels, in millimetres, y up, seams included. Both sides of a seam are made equal in length first,
-    by `equalise_seams`.
+    Both have the net panels, in millimetres, y up, and the seams, whose sides `equalise_seams` first makes equal.
 
     Raises:
         SeamUnsewable: where a seam is shorter than `MIN_CLO_SEAM_LENGTH` or an edge than `MIN_CLO_EDGE_LENGTH`, a
@@ -118,7 +115,7 @@ def _check_seams(pattern: Pattern) -> None:
 
 
 def _place(pattern: Pattern) -> list[_PlacedPiece]:
-    """Lay the panels side by side in the pattern window."""
+    """Arrange the panels side by side in the pattern window."""
     outlines = [panel_outline(panel) for panel in pattern.panels]
     low = np.array([outline.min(axis=0) for outline in outlines])
     corners = pack_on_shelves(
@@ -187,7 +184,7 @@ def _describe_piece(piece: _PlacedPiece, key: str, lines: list[dict[str, Any]], 
 
 
 def _draw_lines(piece: _PlacedPiece, number: int) -> tuple[list[dict[str, Any]], dict[EdgeRef, dict[str, Any]]]:
-    """Return a piece's lines, and of each edge the span of the outline's length that it is."""
+    """Return a piece's lines, and the span of each edge in the outline's length."""
     panel = piece.panel
     lines: list[np.ndarray] = []
     whole = sum(edge_length(panel, edge) for edge in range(len(panel.edges)))
@@ -242,11 +239,9 @@ def _span(span: dict[str, Any], is_backward: bool) -> dict[str, Any]:
 
 
 def edge_cubics(panel: Panel, edge: int) -> list[np.ndarray]:
-    """Return an edge as lines, shape [2, 2], or cubics by their four control points, shape [4, 2] [m], end to end.
-
-    A quadratic is raised to a cubic exactly; an arc is cut into turns of at most `MAX_BEZIER_ARC_ANGLE`, each a cubic
-    with handles 4/3 tan(turn / 4) of the radius long.
-    """
+    """Return an edge as lines, shape [2, 2], or cubics by their four control points, shape [4, 2] [m], end to end. A
+    quadratic is raised to a cubic exactly; an arc is cut into turns of at most `MAX_BEZIER_ARC_ANGLE`, each a cubic
+    with handles of length 4/3 tan(turn / 4) of the radius."""
     kind, start_end = panel.edges[edge], chord(panel, edge)
     if kind.kind == "line" or is_flat_arc(kind):
         return [np.stack(start_end)]

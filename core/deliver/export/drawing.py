@@ -1,4 +1,4 @@
-"""Draw a pattern for the report: to scale, seams in matching colours, open edges drawn thick."""
+"""Draw a pattern for the report: to scale, seams in matching colours, open edges thick."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...garment.pieces.shelves import pack_on_shelves
 from ...geometry.curves import polyline_length, resample_polyline
 
 DRAWING_SCALE_DENOMINATOR = 10
-"""Denominator of the scale of the report's drawing. At 1:10 a dress's pieces fit the width of a page."""
+"""Denominator of the scale of the report's drawing: at 1:10 a dress's pieces fit the width of a page."""
 
 REPORT_SHEET_WIDTH = 1.75
 """Width of the sheet [m]: 175 mm on paper at 1:10, the width inside an A4 page's margins."""
@@ -21,16 +21,16 @@ REPORT_PIECE_GAP = 0.06
 """Space between pieces [m], for their labels."""
 
 PALETTE = ("#2f6f9f", "#c2571a", "#3d8b4f", "#8f4b9b", "#b8860b", "#c0395b", "#2a8c8c", "#6b5b3e", "#5566cc", "#7a9a01")
-"""Colours of the seams, told apart by lightness as well as by hue; the number beside each says the same."""
+"""Colours of the seams, different in lightness as well as hue, in addition to the number beside each."""
 
 REPORT_CURVE_SEGMENT_COUNT = 24
-"""Number of straight segments that draw a curved edge in the report."""
+"""Number of straight segments of a curved edge in the report."""
 
 MIN_LABELLED_EDGE_LENGTH = 0.06
-"""Shortest edge that is labelled with its length [m]. On a shorter edge the number would be longer than the edge."""
+"""Shortest edge that is labelled with its length [m]; on a shorter one the number would be longer than the edge."""
 
 MIN_LABELLED_PANEL_WIDTH = 0.10
-"""Smallest width of a panel that is labelled with its size [m]. A narrower panel is labelled with its name alone."""
+"""Smallest width of a panel that is labelled with its size [m]; a narrower one is labelled with its name alone."""
 
 
 def pattern_drawing(pattern: Pattern) -> str:
@@ -65,7 +65,7 @@ def _segments(kind: str) -> int:
 
 
 def _to_page(points: np.ndarray, height: float) -> np.ndarray:
-    """Turn metres with y up into millimetres with y down."""
+    """Convert metres with y up to millimetres with y down."""
     return (points * [1.0, -1.0] + [0.0, height]) * 1e3
 
 
@@ -74,7 +74,7 @@ def _path(points: np.ndarray) -> str:
 
 
 def _polygon_centroid(outline: np.ndarray) -> np.ndarray:
-    """Return the centre of area of a polygon, shape [2]."""
+    """Return the centroid of a polygon, shape [2]."""
     following = np.roll(outline, -1, axis=0)
     cross = outline[:, 0] * following[:, 1] - following[:, 0] * outline[:, 1]
     return np.asarray(((outline + following) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()))
@@ -97,7 +97,7 @@ def _edge(line: np.ndarray, seam: int | None) -> str:
 
 
 def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
-    """Write a panel's name, and its width and height [cm] below where there is room."""
+    """Draw a panel's name, and its width and height [cm] below where there is room."""
     x, y = middle
     if size.min() < MIN_LABELLED_PANEL_WIDTH:
         return f'<text class="name small" x="{x:.1f}" y="{y:.1f}">{escape(name)}</text>'
@@ -107,7 +107,7 @@ def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
 
 
 def _length(line: np.ndarray, colour: str) -> str:
-    """Write an edge's length [cm] outside it, along it; short edges carry none."""
+    """Draw an edge's length [cm] outside it, along it; not on short edges."""
     length = polyline_length(line)
     if length < 1e3 * MIN_LABELLED_EDGE_LENGTH:
         return ""

@@ -1,4 +1,4 @@
-"""Write a garment that is worn again into one folder."""
+"""Write a garment on another body into one folder."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def write_dressed(dressed: DressedGarment, folder: Path) -> list[Path]:
     """Write meshes, pattern, numbers and report of a garment on another body.
 
     Args:
-        dressed: What to write.
-        folder: Where to; made where it is not there, files of the same names are replaced.
+        dressed: The garment.
+        folder: Folder, created if missing; files of the same names are replaced.
 
     Returns:
-        The files: dressed.obj, dressed.glb, dressed.ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
-        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png, report.html;
-        of a garment that is worn over another one, that one as under.obj, under.glb and under.ply.
+        The files: dressed.obj, .glb, .ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
+            body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png,
+            report.html; if it is worn over another garment, that one as under.obj, under.glb and under.ply.
     """
     worn = dressed.worn
     files = write_garment(dressed, folder)
@@ -41,15 +41,15 @@ def write_dressed(dressed: DressedGarment, folder: Path) -> list[Path]:
 
 
 def write_garment(dressed: DressedGarment, folder: Path) -> list[Path]:
-    """Write meshes and pattern of a garment on another body, and what a later job reads of it, into a folder.
+    """Write meshes and pattern of a garment on another body, and its `worn.npz` for later jobs, into a folder.
 
     Args:
-        dressed: What to write.
-        folder: Where to; made where it is not there.
+        dressed: The garment.
+        folder: Folder, created if missing.
 
     Returns:
-        The files: dressed.obj, dressed.glb, dressed.ply (with `strain` and `pressure` [Pa] of each vertex),
-        pattern.json, pattern.svg and worn.npz.
+        The files: dressed.obj, .glb, .ply (with `strain` and `pressure` [Pa] at vertices), pattern.json, .svg and
+            worn.npz.
     """
     folder.mkdir(parents=True, exist_ok=True)
     worn, garment = dressed.worn, dressed.worn.garment

@@ -1,4 +1,4 @@
-"""The report of a garment that is worn again: both wearers, verdicts and numbers, in one HTML file."""
+"""The report of a garment on another body: both wearers, verdicts and numbers, in one HTML file."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ WEARER_VIEW_WIDTH_PX, WEARER_VIEW_HEIGHT_PX = 300, 480
 """Size of one of the pictures [pixel]: three views of two wearers are a page wide."""
 
 MAX_SHOWN_STRAIN, MAX_SHOWN_PRESSURE = 0.1, 1000.0
-"""Upper ends of the colour scales of strain (share of the cloth's length) and of pressure [Pa]. Cloth that is stretched
-by a tenth is tight, and a tight waistband presses by 1 kPa."""
+"""Upper ends of the colour scales of strain (share of the cloth's length) and of pressure [Pa]: cloth stretched by a
+tenth is tight, and a tight waistband presses by 1 kPa."""
 
 WEARER_VIEW_ANGLES = (0.0, 0.5 * np.pi, np.pi)
 """Angles about the vertical from which a wearer is drawn: front, right side, back."""
 
 
 def draw_wearers(dressed: DressedGarment) -> bytes:
-    """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
+    """Return a PNG with the rows first wearer, new one, strain and pressure; in columns front, side and back."""
     strain, pressure = dressed.strain / MAX_SHOWN_STRAIN, dressed.pressure / MAX_SHOWN_PRESSURE
     rows = [draw_wearer(dressed.before, CLOTH_COLOUR), draw_wearer(dressed.worn, DRAPE_COLOUR, dressed.under)]
     rows += [draw_wearer(dressed.worn, error_colours(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
@@ -36,7 +36,7 @@ def draw_wearers(dressed: DressedGarment) -> bytes:
 
 
 def draw_wearer(worn: WornGarment, colour: np.ndarray, under: WornGarment | None = None) -> np.ndarray:
-    """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
+    """Draw a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
 
     Args:
         worn: The garment.
@@ -56,7 +56,7 @@ def draw_wearer(worn: WornGarment, colour: np.ndarray, under: WornGarment | None
 
 
 def aim_at(worn: WornGarment, turn: float) -> Camera:
-    """Return the camera that shows a wearer whole, turned by an angle about the vertical [rad]."""
+    """Return a camera that shows a wearer whole, turned by an angle about the vertical [rad]."""
     points = np.concatenate([worn.body.vertices, worn.garment.nodes])
     return aim_camera(points, rotate_view(worn.body.heading, turn), WEARER_VIEW_WIDTH_PX, WEARER_VIEW_HEIGHT_PX)
 
@@ -66,7 +66,7 @@ def report_dressed(dressed: DressedGarment, picture: bytes) -> str:
 
     Args:
         dressed: The garment on the other body.
-        picture: PNG of both wearers, as `draw_wearers` makes it.
+        picture: PNG of both wearers from `draw_wearers`.
     """
     return page_html(
         f"{dressed.worn.category} on {dressed.worn.body.source}",

@@ -18,13 +18,13 @@ def write_edited(edited: EditedGarment, folder: Path) -> list[Path]:
     """Write meshes, pattern, difference, numbers and report of an edited garment.
 
     Args:
-        edited: What to write.
-        folder: Where to; made where it is not there, files of the same names are replaced.
+        edited: The garment.
+        folder: Folder, created if missing; files of the same names are replaced.
 
     Returns:
-        The files: edited.obj, edited.glb, edited.ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
-        body_joints.json, pattern.json, pattern.svg, difference.json, metrics.json, manifest.json, worn.npz,
-        picture.png, report.html.
+        The files: edited.obj, .glb, .ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
+            body_joints.json, pattern.json, pattern.svg, difference.json, metrics.json, manifest.json, worn.npz,
+            picture.png, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     worn = edited.worn

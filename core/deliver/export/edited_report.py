@@ -1,4 +1,4 @@
-"""The report of a version: the garment before and after, verdicts, and what differs from the recovered pattern."""
+"""The report of a version: the garment before and after, verdicts, and the difference from the recovered pattern."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def report_edited(edited: EditedGarment, picture: bytes) -> str:
 
     Args:
         edited: The version.
-        picture: PNG of both garments, as `draw_versions` makes it.
+        picture: PNG of both garments from `draw_versions`.
     """
     worn = edited.worn
     facts = {
@@ -65,7 +65,7 @@ def _pictures(picture: bytes) -> str:
 
 
 def _panels(edited: EditedGarment) -> str:
-    """Return the table of panels: how much each differs from the recovered one."""
+    """Return the table of panels with their differences from the recovered ones."""
     found = edited.difference.panels
     rows = "".join(
         f"<tr><td>{escape(pair.first)}</td><td class=num>{pair.area_percent:+.2f}</td>"
@@ -79,7 +79,7 @@ def _panels(edited: EditedGarment) -> str:
 
 
 def _seams(edited: EditedGarment) -> str:
-    """Return the table of the seams whose length changed, and of those that are new; empty where there are none."""
+    """Return the table of changed and new seams; empty where there are none."""
     found = edited.difference
     rows = "".join(
         f"<tr><td>{escape(one.a[0])} {one.a[1]}, {escape(one.b[0])} {one.b[1]}</td>"

@@ -1,4 +1,4 @@
-"""Formats that other programs go on from: meshes, sewn patterns, textures; each of a stored result's folder."""
+"""Formats for other programs: meshes, sewn patterns, textures; each from a stored result's folder."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 
 class DetailMissing(BadInput):
-    """A texture lies on the mesh that was deformed onto the scan; name the recovery, not a job made from it."""
+    """A texture is made for the mesh that was deformed onto the scan; name the recovery, not a job made from it."""
 
     code = "export.detail_missing"
 
 
 class ScanMissing(BadInput):
-    """The scan of this result is no longer there, so it has no colours to take; submit the scan anew."""
+    """The scan of this result is no longer stored, so its colours are missing; submit the scan anew."""
 
     code = "export.scan_missing"
 
@@ -68,7 +68,7 @@ def write_clo_files(production: Production, folder: Path) -> list[Path]:
 
 
 def write_blender_files(production: Production, folder: Path) -> list[Path]:
-    """Write panels with sewing threads for Blender, worn as the result is."""
+    """Write panels with sewing threads for Blender, worn as in the result."""
     worn = production.worn
     mesh = SewnMesh("worn", worn.garment, worn.garment.nodes, worn.fabric)
     return write_blender(mesh, worn.body, folder, garment_stem(production.files))
@@ -93,15 +93,15 @@ def write_texture(production: Production, folder: Path) -> list[Path]:
 
 
 def read_colours(scan: Path, result: Path) -> ColouredScan:
-    """Read the colours of a result's scan: its file, or the reading of a garment that was taken from a person.
+    """Read the colours of a result's scan: its file, or the reading of a garment that was cut out of a person's scan.
 
     Args:
         scan: The file.
-        result: Folder of the result, whose manifest says in which unit and axes the file was understood.
+        result: Folder of the result, whose manifest has the unit and axes of the file.
 
     Raises:
         ColoursMissing: where it has none.
-        ScanMissing: where the manifest does not say how the file was understood.
+        ScanMissing: where the manifest lacks unit or axes.
     """
     from ...garment.reading import load_reading
     from ...scan.coloured import load_coloured, to_coloured_scan

@@ -1,4 +1,4 @@
-"""Write binary glTF: collect the arrays of a file, and pack them with what describes them."""
+"""Write binary glTF: collect the arrays of a file, and pack them with their descriptions."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER = 34962, 34963
 """OpenGL's numbers for the targets of a buffer view, vertex attributes and vertex indices, as glTF uses them."""
 
 GLTF_ACCESSOR_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
-"""glTF's names of numbers in a row."""
+"""glTF's names of vectors by their length."""
 
 
 @dataclass
 class GlbBuffer:
-    """Collect the binary part of a GLB and what describes it."""
+    """Collect the binary part of a GLB, its views and accessors."""
 
     content: bytearray = field(default_factory=bytearray)
     views: list[dict[str, Any]] = field(default_factory=list)
@@ -43,7 +43,7 @@ class GlbBuffer:
         return len(self.accessors) - 1
 
     def add_bytes(self, content: bytes, target: int | None = None) -> int:
-        """Add a part that starts at a multiple of four bytes, as arrays must, and return its view's index."""
+        """Add a part at a multiple of four bytes, as arrays must be, and return its view's index."""
         self.content += b"\0" * (-len(self.content) % 4)
         view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.content), "byteLength": len(content)}
         if target is not None:
@@ -54,7 +54,7 @@ class GlbBuffer:
 
 
 def pack_glb(scene: dict[str, Any], buffer: GlbBuffer) -> bytes:
-    """Return a GLB of a scene, whose accessors, views and buffer are those collected: two chunks of whole words."""
+    """Return a GLB of a scene with the collected accessors, views and buffer: two chunks of whole words."""
     scene = scene | {"accessors": buffer.accessors, "bufferViews": buffer.views}
     text = json.dumps(scene | {"buffers": [{"byteLength": len(buffer.content)}]}, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)

@@ -1,4 +1,4 @@
-"""What the reports of a garment that is worn again and of one in motion share: head, checks, numbers, manifest."""
+"""Common parts of the reports of a garment on another body and in motion: head, checks, numbers, manifest."""
 
 from __future__ import annotations
 
@@ -14,13 +14,7 @@ from .report import format_number
 
 @dataclass(frozen=True)
 class Heading:
-    """Describe what stands at the top of a report.
-
-    Attributes:
-        kind: What the report is of, in a word or two.
-        title: Name of the garment.
-        facts: Values by their titles.
-    """
+    """Describe the top of a report: its kind in a word or two, the garment's name, and values by their titles."""
 
     kind: str
     title: str
@@ -40,7 +34,7 @@ def head_html(heading: Heading, gates: Sequence[Gate], warnings: Sequence[str]) 
 
 
 def gates_html(gates: Sequence[Gate]) -> str:
-    """Return the table of verdicts, each with its value, the limit up to which it passes, and what it means."""
+    """Return the table of verdicts, each with its value, the limit up to which it passes, and its meaning."""
     rows = "".join(
         f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
         f"<td class=check>{escape(_title(gate))}</td><td class=num>{format_number(gate.value)}</td>"

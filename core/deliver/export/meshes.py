@@ -16,17 +16,15 @@ UV_GAP = 0.02
 """Space between panels in the uv plane [m]: a texture may bleed 2 cm over an edge before it meets another panel."""
 
 UV_WIDTH = 1.5
-"""Width of the uv plane [m]: the width in which most cloth is woven, so that the layout reads like a marker."""
+"""Width of the uv plane [m]: that of most cloth, so that the layout reads like a marker."""
 
 KINDS = ("ply", "obj", "glb")
 
 
 def uv_layout(garment: Garment) -> np.ndarray:
-    """Return texture coordinates in metres of cloth, shape [uv_count, 2]; 1 unit of u or v is 1 m.
-
-    Panels lie side by side in their own axes, unscaled, so that islands do not overlap and a print keeps its size: a
-    texture that shows 10 cm of cloth repeats ten times per unit.
-    """
+    """Return texture coordinates in metres of cloth, shape [uv_count, 2]; 1 unit of u or v is 1 m. Panels are side by
+    side in their own axes, unscaled: islands do not overlap, and a texture of 10 cm of cloth repeats ten times per
+    unit."""
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
     own = [garment.panel_of_uv == panel for panel in panels]
@@ -42,14 +40,14 @@ def write_meshes(
 ) -> list[Path]:
     """Write one state of a garment in several formats, in metres, y up.
 
-    PLY is the welded mesh that simulators want. OBJ keeps it welded too and gives each corner its own uv, a group per
-    panel. GLB is split along the seams, as its format asks. Uv are those of `uv_layout`; a glTF's v runs downwards, so
-    the GLB holds 1 - v, which readers turn back.
+    PLY is the welded mesh for simulators. OBJ is welded too, with a uv for each corner and a group per panel. GLB is
+    split along the seams, as its format requires. Uv are those of `uv_layout`; a glTF's v runs downwards, so GLB has 1
+    - v.
 
     Args:
         garment: Topology, uv and panels.
         nodes: Positions [m], shape [node_count, 3].
-        folder: Where the files go; it is there already.
+        folder: Folder of the files, which exists.
         stem: Name of the files before the dot.
         kinds: Some of `KINDS`.
 
@@ -81,7 +79,7 @@ def write_ply(
     Args:
         vertices: Positions [m], shape [n, 3].
         faces: Vertex indices, shape [m, 3]; of a cloud none.
-        path: Where to.
+        path: The file.
         values: Further numbers of each vertex by the name of their property, shape [n] each.
         colours: RGB bytes of each vertex, shape [n, 3], or None.
     """
@@ -111,7 +109,7 @@ def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
     lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertex_normals(nodes, garment.faces).tolist()]
     for index, panel in enumerate(garment.pattern.panels):
         own = np.flatnonzero(garment.panel_of_face == index)
-        # A name is the file's author's: only plain characters reach the OBJ.
+        # Panel names are the file author's: only plain characters are written to the OBJ.
         lines.append("g " + (re.sub(r"[^A-Za-z0-9_.-]+", "_", panel.name) or f"panel_{index}"))
         for corners, flat in zip((garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist(), strict=True):
             lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, flat, strict=True)))

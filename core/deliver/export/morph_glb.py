@@ -13,21 +13,18 @@ from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
 from .meshes import uv_layout
 
 MAX_ANIMATION_FILE_BYTES = 200_000_000
-"""Largest size of an animation's file [bytes]. Beyond it the point caches are meant for the motion: viewers keep all
-morph targets in memory."""
+"""Largest size of an animation's file [bytes]; viewers load all of it. Larger motions are in the point caches."""
 
 
 def morph_bytes(garment: Garment, frames: np.ndarray) -> int:
-    """Return about how large the file of some frames, shape [frame_count, node_count, 3], is [bytes]."""
+    """Estimate the size of the file of some frames, shape [frame_count, node_count, 3] [bytes]."""
     return 12 * len(frames) * len(garment.uv_node) + 4 * len(frames) ** 2
 
 
 def write_morphs(garment: Garment, frames: np.ndarray, fps: float, path: Path) -> Path:
-    """Write frames [m], shape [frame_count, node_count, 3], as a GLB, split along the seams, y up.
-
-    The mesh is the first frame; target n is the difference of frame n to it, and the animation gives each target its
-    whole weight at its own time and none at its neighbours', so that viewers interpolate between two frames.
-    """
+    """Write frames [m], shape [frame_count, node_count, 3], as a GLB, split along the seams, y up. The mesh is the
+    first frame; target n is the difference of frame n to it. The animation gives each target its whole weight at its
+    own time and none at its neighbours', so that viewers interpolate between two frames."""
     split, buffer = garment.uv_node, GlbBuffer()
     first = frames[0][split].astype("<f4")
     uv = uv_layout(garment)

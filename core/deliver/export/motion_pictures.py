@@ -26,11 +26,11 @@ MAX_PREVIEW_FRAME_COUNT = 40
 """Largest number of frames of the preview: the file stays under a megabyte."""
 
 MOTION_CAMERA_ANGLE = np.deg2rad(25.0)
-"""Angle of the camera from the front to the wearer's left [rad]: legs and arms that swing are then seen."""
+"""Angle of the camera from the front to the wearer's left [rad], from which swinging legs and arms are visible."""
 
 
 def write_sheet(animation: Animation, path: Path) -> Path:
-    """Write a contact sheet of evenly spaced frames as PNG, read row by row."""
+    """Write a contact sheet of evenly spaced frames as PNG, in rows."""
     from PIL import Image
 
     count = min(CONTACT_SHEET_GRID[0] * CONTACT_SHEET_GRID[1], len(animation.frames))
@@ -69,7 +69,7 @@ def write_preview(animation: Animation, path: Path) -> Path:
 
 
 def _draw(animation: Animation, indices: np.ndarray, size: tuple[int, int]) -> list[np.ndarray]:
-    """Draw wearer and garment in some frames from one camera that goes with the pelvis; RGBA each."""
+    """Draw wearer and garment in some frames from one camera that moves with the pelvis; RGBA each."""
     body, faces = animation.worn.body, animation.worn.garment.faces
     scenes = []
     for index, wearer in zip(indices, animation.bodies(indices), strict=True):

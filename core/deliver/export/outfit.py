@@ -26,12 +26,12 @@ def write_outfit(outfit: DressedOutfit, folder: Path) -> list[Path]:
     """Write meshes, patterns, numbers and report of all garments of a person on a body.
 
     Args:
-        outfit: What to write.
-        folder: Where to; made where it is not there, files of the same names are replaced.
+        outfit: The garments.
+        folder: Folder, created if missing; files of the same names are replaced.
 
     Returns:
         The files: in a folder for each garment, by its word, those of `write_garment`; body.ply, body_joints.json,
-        metrics.json, manifest.json, picture.png, report.html.
+            metrics.json, manifest.json, picture.png, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [file for word, one in outfit.garments.items() for file in write_garment(one, folder / word)]
@@ -59,7 +59,7 @@ def report_outfit(outfit: DressedOutfit, picture: bytes) -> str:
 
     Args:
         outfit: The garments on the body.
-        picture: PNG of them, as `draw_outfit` makes it.
+        picture: PNG of them from `draw_outfit`.
     """
     words = list(outfit.garments)
     seconds = f"{outfit.report.cpu_seconds:.0f} s"

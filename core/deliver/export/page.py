@@ -1,4 +1,4 @@
-"""The frame of every report: one HTML file with its style inside, no script and nothing from a network."""
+"""The frame of every report: one HTML file with its style inside, without scripts or network access."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def page_html(name: str, sections: Sequence[str]) -> str:
     """Return a report as the text of one HTML file.
 
     Args:
-        name: What it is of; escaped here.
+        name: Its subject; escaped here.
         sections: Its parts as HTML, every name that comes from a file escaped.
     """
     style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")

@@ -36,11 +36,9 @@ text { paint-order: stroke; stroke: #f4f1ea; stroke-width: 3; }
 
 
 def write_svg(pattern: Pattern, path: str | Path) -> Path:
-    """Write the pattern's pieces, laid out without overlap, and give the file's path.
-
-    Each piece is seen from the cloth's outside. A panel's group has the panel's name as id; its edges have the ids
-    `PANEL.INDEX`, and the author's label as `data-label`. Characters that an id cannot hold become `_`.
-    """
+    """Write the pattern's pieces, arranged without overlap, and return the file's path. Each piece is seen from the
+    cloth's outside. A panel's group has the panel's name as id; its edges have the ids `PANEL.INDEX`, and the author's
+    label as `data-label`. Characters that are not allowed in ids become `_`."""
     path = Path(path)
     path.write_text(pattern_svg(pattern), encoding="utf-8")
     return path
@@ -52,7 +50,7 @@ def pattern_svg(pattern: Pattern) -> str:
     low = np.array([outline.min(axis=0) for outline in outlines])
     sizes = np.array([outline.max(axis=0) for outline in outlines]) - low
     corners = pack_on_shelves(sizes, PATTERN_SVG_PIECE_GAP, PATTERN_SVG_SHEET_WIDTH) + PATTERN_SVG_PIECE_GAP
-    corners[:, 1] += PATTERN_SVG_PIECE_GAP  # the scale bar stands below the lowest shelf
+    corners[:, 1] += PATTERN_SVG_PIECE_GAP  # the scale bar is below the lowest shelf
     width = max(float((corners[:, 0] + sizes[:, 0]).max()) + PATTERN_SVG_PIECE_GAP, 0.2)
     height = float((corners[:, 1] + sizes[:, 1]).max()) + PATTERN_SVG_PIECE_GAP
     ids = _unique_ids([panel.name for panel in pattern.panels])
@@ -111,13 +109,13 @@ def _notch(panel: Panel, edge: int, at: float, page: Callable[[np.ndarray], np.n
     points = edge_points(panel, edge, 200)
     place = min(max(round(at * 200), 1), 199)
     along = page(points[place + 1 : place + 2])[0] - page(points[place - 1 : place])[0]
-    inwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)  # the cloth lies to the left of its edge
+    inwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)  # the cloth is to the left of its edge
     start = page(points[place : place + 1])[0]
     return f'<path class="notch" d="M {_pair(start)} L {_pair(start + SVG_NOTCH_LENGTH_MM * inwards)}"/>'
 
 
 def _roomiest_point(outline: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the point inside that is furthest from the outline [m], of a grid of 25 x 25, and that distance."""
+    """Find the point inside that is furthest from the outline [m], on a grid of 25 x 25, and that distance."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     x, y = (np.linspace(low[k], high[k], 27)[1:-1] for k in (0, 1))
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -152,7 +150,7 @@ def _scale_bar(bottom: float) -> str:
 
 
 def _unique_ids(names: list[str]) -> list[str]:
-    """Return names that XML allows as ids, each once."""
+    """Return unique names that XML allows as ids."""
     ids = ["scale-bar"]
     for name in names:
         base = re.sub(r"[^A-Za-z0-9_-]", "_", name) or "_"

@@ -1,4 +1,4 @@
-"""Write a person taken apart: labels, coloured surface, body, and a picture of it all."""
+"""Write a labelled person: labels, coloured surface, body, and a picture of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .meshes import write_ply
 from .picture import ColouredMesh, aim_camera, png_base64, render_meshes, rotate_view
 
 PERSON_SCAN_COLOUR, PERSON_BODY_COLOUR = np.array([0.66, 0.69, 0.72]), np.array([0.90, 0.85, 0.80])
-"""Colours of a scan that has none of its own, and of the body, RGB in 0..1."""
+"""Colours of a scan without its own, and of the body, RGB in 0..1."""
 
 PERSON_VIEW_WIDTH_PX, PERSON_VIEW_HEIGHT_PX = 300, 480
 """Size of one of the pictures [pixel]: three views of four things are a page wide."""
@@ -32,12 +32,12 @@ PERSON_VIEW_ANGLES = (0.0, np.pi, 0.5 * np.pi)
 
 
 def write_person(raw: RawScan, separation: LabelledPerson, folder: Path) -> list[Path]:
-    """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into a folder that is there.
+    """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into an existing folder.
 
-    `labels.npz` has a label for each point of the given file, in its order, in `place` the point of the cleaned scan
-    that stands for it (-1: none), and in `origin` for each of those the file's point; `segmented.ply` holds the cleaned
-    scan in metres, y up, each point coloured by its part and with its `label` and `confidence`; `scan.ply` the same in
-    the scan's own colours, thinned for a view.
+    `labels.npz` has a label for each point of the given file, in its order; in `place` the point of the cleaned scan
+    that replaces it (-1: none), and in `origin` the file's point of each of those. `segmented.ply` is the cleaned scan
+    in metres, y up, each point coloured by its part and with its `label` and `confidence`; `scan.ply` the same in the
+    scan's own colours, thinned for a view.
 
     Returns:
         The files.
@@ -55,7 +55,7 @@ def write_person(raw: RawScan, separation: LabelledPerson, folder: Path) -> list
 
 
 def write_scan_ply(raw: RawScan, path: Path) -> Path:
-    """Write a scan in its own colours as PLY, thinned to at most `FACES` triangles or half as many points."""
+    """Write a scan in its own colours as PLY, thinned by `thin_raw_scan`."""
     seen = thin_raw_scan(raw)
     colours = None if seen.colours is None else (255.0 * seen.colours + 0.5).astype(np.uint8)
     return write_ply(seen.points, seen.faces, path, colours=colours)
@@ -76,7 +76,7 @@ def write_segmented(raw: RawScan, label: np.ndarray, confidence: np.ndarray, pat
         raw: The scan.
         label: A `Part` for each of its points, shape [point_count].
         confidence: Probability of each label, shape [point_count].
-        path: Where to.
+        path: The file.
     """
     kind = [(axis, "<f8") for axis in "xyz"] + [(name, "u1") for name in ("red", "green", "blue", "label")]
     kind.append(("confidence", "<f4"))
@@ -102,7 +102,7 @@ def write_segmented(raw: RawScan, label: np.ndarray, confidence: np.ndarray, pat
 
 
 def draw_person(raw: RawScan, separation: LabelledPerson) -> bytes:
-    """Return a PNG: in rows the scan, the body, the parts and how sure they are; in columns front, back and side."""
+    """Return a PNG: in rows the scan, the body, the parts and their confidence; in columns front, back and side."""
     label, sure = separation.label[raw.origin], separation.confidence[raw.origin]
     body = separation.body
     share = np.clip(2.0 * sure - 1.0, 0.0, 1.0)[:, None]
@@ -124,13 +124,13 @@ def draw_person(raw: RawScan, separation: LabelledPerson) -> bytes:
 
 
 def composite_on_white(pixels: np.ndarray) -> np.ndarray:
-    """Return a picture with transparency, RGBA in 0..255, on white: RGB, uint8, shape [height, width, 3]."""
+    """Composite a picture with transparency, RGBA in 0..255, on white: RGB, uint8, shape [height, width, 3]."""
     cover = pixels[..., 3:] / 255.0
     return np.asarray(255.0 + cover * (pixels[..., :3] - 255.0) + 0.5).clip(0, 255).astype(np.uint8)
 
 
 def _surface(raw: RawScan, colours: np.ndarray) -> ColouredMesh:
-    """Return what is drawn: the mesh, or a small triangle at each point of a cloud."""
+    """Return the mesh to draw, or a small triangle at each point of a cloud."""
     if not raw.is_cloud:
         return ColouredMesh(raw.points, raw.faces, colours)
     step = -(-len(raw.points) // MAX_SPLAT_COUNT)

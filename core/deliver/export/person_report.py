@@ -1,4 +1,4 @@
-"""The report of a person who was taken apart: scan, body, parts and how sure they are, in one HTML file."""
+"""The report of a labelled person: scan, body, parts and their confidence, in one HTML file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NEXT_STEP_TEXTS = {
     False: "Each garment is recovered by a job of its own, with a report of its own. Where a part is wrong, correct "
     "labels.npz and hand it in with --labels.",
 }
-"""The next step, where something is wrong and where nothing is."""
+"""The next step, if something is wrong and if nothing is."""
 
 
 def report_person(raw: RawScan, separation: LabelledPerson, warnings: Sequence[str], picture: bytes) -> str:
@@ -28,9 +28,9 @@ def report_person(raw: RawScan, separation: LabelledPerson, warnings: Sequence[s
 
     Args:
         raw: The scan.
-        separation: The same taken apart.
-        warnings: What the user should know, one sentence each.
-        picture: PNG of scan, body, parts and confidence, as `draw_person` makes it.
+        separation: The labelled person.
+        warnings: Warnings for the user, one sentence each.
+        picture: PNG of scan, body, parts and confidence from `draw_person`.
     """
     sections = [
         _header(raw, separation, warnings),
@@ -51,7 +51,7 @@ def reading_probabilities(outfits: Sequence[Outfit]) -> np.ndarray:
 
 def _header(raw: RawScan, separation: LabelledPerson, warnings: Sequence[str]) -> str:
     problem, body = separation.problem, separation.body
-    verdict = ("fail", problem.message) if problem is not None else ("pass", "Taken apart")
+    verdict = ("fail", problem.message) if problem is not None else ("pass", "Segmented")
     kind = f"cloud of {len(raw.points)} points" if raw.is_cloud else f"{len(raw.points)} points, {len(raw.faces)} faces"
     facts = (
         ("Scan", kind),

@@ -1,4 +1,4 @@
-"""Draw triangle meshes as shaded pictures: a small z-buffer with smooth normals, no window system needed."""
+"""Draw triangle meshes as shaded pictures: a small z-buffer with smooth normals, without a window system."""
 
 from __future__ import annotations
 
@@ -14,36 +14,30 @@ from scipy.ndimage import gaussian_filter
 from ...geometry.geometry import vertex_normals
 
 OVERSAMPLING_FACTOR = 2
-"""Number of pixels drawn per pixel shown, each way: edges are smooth without the cost of a finer grid."""
+"""Number of pixels drawn per pixel shown, each way, which smooths edges."""
 
 STUDIO_LIGHTS = (
     ((-0.55, 0.55, 0.62), 0.66),
     ((0.75, 0.10, 0.45), 0.22),
     ((0.10, -0.60, 0.55), 0.08),
 )
-"""Directions (right, up, towards the eye) and strengths of the key, fill and floor lights: a studio's usual three."""
+"""Directions (right, up, towards the eye) and strengths of the key, fill and floor lights, as in a studio."""
 
 AMBIENT_LIGHT_STRENGTH = 0.27
 """Strength of the light from all directions, as a share of a surface's colour. With the three lights a surface that
-faces the key light stays just below white."""
+faces the key light is just below white."""
 
 RIM_LIGHT_STRENGTH = 0.10
-"""Strength of the light along the outline, added to RGB in 0..1. Fibres that stand off the cloth catch it, and it sets
-the picture off its ground."""
+"""Strength of the light along the outline, added to RGB in 0..1, which separates the picture from its ground."""
 
 CAVITY_SHADING_STRENGTH = 14.0
-"""Darkening of a point per depth below its surroundings [1/m]: it makes folds visible."""
+"""Darkening of a point per depth below its surroundings [1/m]; it makes folds visible."""
 
 
 @dataclass(frozen=True)
 class ColouredMesh:
-    """Describe a mesh with its colours.
-
-    Attributes:
-        vertices: Positions [m], shape [n, 3].
-        faces: Vertex indices, shape [m, 3].
-        colours: RGB in 0..1, one of shape [3] or one per vertex, shape [n, 3].
-    """
+    """Describe a mesh: vertices [m], shape [n, 3], faces, shape [m, 3], and RGB in 0..1, one or one per vertex, [n,
+    3]."""
 
     vertices: np.ndarray
     faces: np.ndarray
@@ -52,7 +46,7 @@ class ColouredMesh:
 
 @dataclass(frozen=True)
 class Camera:
-    """Look at a box without perspective.
+    """Describe an orthographic camera.
 
     Attributes:
         rotation: World to (right, up, towards the eye), shape [3, 3].
@@ -79,7 +73,7 @@ def aim_camera(points: np.ndarray, rotation: np.ndarray, width: int, height: int
 
 
 def rotate_view(rotation: np.ndarray, angle: float) -> np.ndarray:
-    """Return a camera's rotation, shape [3, 3], for a view of all turned by an angle about the vertical [rad]."""
+    """Rotate a camera's rotation, shape [3, 3], so that the view turns by an angle about the vertical [rad]."""
     around = np.array([[np.cos(angle), 0.0, np.sin(angle)], [0.0, 1.0, 0.0], [-np.sin(angle), 0.0, np.cos(angle)]])
     found: np.ndarray = around @ rotation
     return found
@@ -89,8 +83,8 @@ def render_meshes(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarra
     """Draw surfaces together, shaded from both sides.
 
     Args:
-        surfaces: What is seen; nearer hides farther.
-        camera: From where.
+        surfaces: The surfaces; nearer ones hide others.
+        camera: The camera.
 
     Returns:
         RGBA in 0..255, transparent where nothing is, uint8, shape [height, width, 4].
@@ -194,7 +188,7 @@ def _resolve(
     rim: float,
     n: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Light every fine pixel and average n x n of them; gives RGB, cover and nearest depth of each pixel shown."""
+    """Light every fine pixel and average n x n of them; return RGB, cover and nearest depth of each pixel shown."""
     height, width = depth.shape[0] // n, depth.shape[1] // n
     rgb = np.zeros((height, width, 3))
     cover = np.zeros((height, width))
@@ -227,9 +221,9 @@ def _resolve(
 
 
 def _cavity(depth: np.ndarray, seen: np.ndarray, camera: Camera) -> np.ndarray:
-    """Darken points that lie deeper than what surrounds them within some 1.5 cm; factor of shape [height, width]."""
+    """Darken points that are deeper than their surroundings within 1.5 cm; factor of shape [height, width]."""
     radius = 0.015 * camera.pixels_per_metre
     weight = gaussian_filter(seen.astype(np.float64), radius)
     around = gaussian_filter(np.where(seen, depth, 0.0), radius) / np.maximum(weight, 1e-6)
-    # A step to something far behind is an outline and no fold: 2 cm are as dark as it gets.
+    # A step to something far behind is an outline and not a fold: the darkening is clamped at 2 cm.
     return 1.0 - np.clip(CAVITY_SHADING_STRENGTH * np.where(seen, around - depth, 0.0), -0.06, 0.28)

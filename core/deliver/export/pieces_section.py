@@ -1,4 +1,4 @@
-"""The section of a report that tells what would be cut: pieces with allowance, sheets of paper, and cloth."""
+"""The section of a report on the production pieces: pieces with allowance, sheets of paper, and cloth."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..formats.papers import find_paper
 from ..formats.tiled_pdf import tile_pieces
 
 PAPER = "a4"
-"""What most printers hold."""
+"""The paper of most printers."""
 
 
 def pieces_html(pattern: Pattern) -> str:
-    """Return the section, with the usual allowances; a pattern of which no pieces can be cut says why."""
+    """Return the section, with the usual allowances, or the reason why no pieces can be cut."""
     try:
         pieces = make_pieces(pattern)
         numbers, found = describe_pieces(pieces)
@@ -50,7 +50,7 @@ def pieces_html(pattern: Pattern) -> str:
 
 
 def _describe_cutting(one: PieceNumbers) -> str:
-    """Return how often a piece is cut, and how."""
+    """Return how often and how a piece is cut."""
     pairs = one.quantity // 2
     pair = f" ({pairs} pair{'s' if pairs > 1 else ''})" if one.is_pair else ""
     return f"{one.quantity}{pair}{' on the fold' if one.is_folded else ''}"

@@ -1,4 +1,4 @@
-"""Prints of a garment's pieces: what to print on cloth before they are cut."""
+"""Prints of a garment's pieces, to be printed on cloth before cutting."""
 
 from __future__ import annotations
 
@@ -20,19 +20,13 @@ PRINT_BLEED_WIDTH = 0.04
 """Width of the print beyond the sew line [m]: the widest usual seam allowance, that of a leg's hem."""
 
 PRINT_MIRROR_MATRIX = np.diag([-1.0, 1.0])
-"""Mirror matrix, shape [2, 2]. It turns a pair's mirrored copy, drawn as its other piece lies, into the copy as it is
-cut."""
+"""Mirror matrix, shape [2, 2], from a pair's mirrored copy as it is drawn to the copy as it is cut."""
 
 
 @dataclass(frozen=True)
 class PrintPlace:
-    """Describe where a panel lies in a print: print = panel @ rotation.T + translation.
-
-    Attributes:
-        panel: Index of the panel in the pattern.
-        rotation: Turns, and does not mirror, shape [2, 2].
-        translation: Shape [2] [m].
-    """
+    """Describe the place of a panel, by its index in the pattern, in a print: print = panel @ rotation.T + translation
+    [m]. The rotation is proper, shape [2, 2]."""
 
     panel: int
     rotation: np.ndarray
@@ -40,11 +34,9 @@ class PrintPlace:
 
 
 def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
-    """Return a name and the panels of each print.
-
-    A print is a production piece: joined halves are one, grain up. Left and right of a pair have different colours, so
-    each has its own, the mirrored copy as it is cut. A pattern of which no pieces can be made has a print a panel.
-    """
+    """Return a name and the panels of each print. A print is a production piece, grain up; joined halves are one. Left
+    and right of a pair have different colours, so each has its own, the mirrored copy as it is cut. A pattern without
+    production pieces has a print for each panel."""
     index = {panel.name: n for n, panel in enumerate(pattern.panels)}
     prints = []
     try:
@@ -66,14 +58,14 @@ def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
 
 
 def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace], texel: float) -> np.ndarray:
-    """Draw panels as they lie in one piece, RGBA bytes from the top, shape [height, width, 4].
+    """Draw panels as placed in one piece, RGBA bytes from the top, shape [height, width, 4].
 
-    The print goes on for `PRINT_BLEED_WIDTH` beyond the sew line, in the colours at it.
+    The print extends by `PRINT_BLEED_WIDTH` beyond the sew line, in the colours at it.
 
     Args:
-        mesh: What the texture was baked for.
+        mesh: The mesh of the texture.
         baked: The texture.
-        places: Panels that lie side by side in the piece.
+        places: Panels that are side by side in the piece.
         texel: Width of a pixel [m].
     """
     garment = mesh.garment
@@ -90,7 +82,7 @@ def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace]
     shifted = np.where(used[:, None], (laid - low) / (size * texel), 0.0)
     texels = find_texels(shifted, faces, size, 0.0)
     uv = np.einsum("nk,nkd->nd", texels.barycentric, mesh.unit_uv[0][faces[texels.face]])
-    row = texels.row - (size - height)  # rows count from the top, and the panels stand at the lower end
+    row = texels.row - (size - height)  # rows count from the top, and the panels are at the lower end
     image, known = np.zeros((height, width, 3)), np.zeros((height, width), dtype=bool)
     image[row, texels.column], known[row, texels.column] = sample_image(baked.image, uv), True
     image, near = spread_border(image, known, PRINT_BLEED_WIDTH / texel)

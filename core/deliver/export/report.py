@@ -1,4 +1,4 @@
-"""A report that opens anywhere: one HTML file with pictures, pattern, numbers and verdicts, and no network."""
+"""The report of a recovery: one HTML file with pictures, pattern, numbers and verdicts, without network access."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ VERDICTS = {
         "fail": "Drape: settle it before simulating on",
     },
 }
-"""The headline says of each product how it was judged: a drape in unrest says nothing about the detail mesh."""
+"""Headline of each product by its verdict; a drape that is not at rest does not affect the detail mesh."""
 
 TITLES = {
     "surface_rms_mm.s2t": "Distance, result to scan, RMS [mm]",
@@ -69,7 +69,7 @@ TITLES = {
     "drape.residual_rms": "Graded drape: force left on a node, RMS [a node's weight]",
     "drape.iterations": "Graded drape: Newton iterations",
 }
-"""Names of metrics for people, in the order of the table; others follow under their own names."""
+"""Titles of metrics, in the order of the table; others follow under their own names."""
 
 COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("redrape.", "Re-draped"), ("graded.", "Graded drape"))
 
@@ -94,7 +94,7 @@ MEANINGS = {
     "k": "bending",
     "density": "weight",
 }
-"""What each parameter resists."""
+"""Quantity that each parameter describes."""
 
 
 def report_html(recovery: Recovery) -> str:
@@ -113,7 +113,7 @@ def report_html(recovery: Recovery) -> str:
 
 
 def format_number(value: Any) -> str:
-    """Return a number for people, as HTML: whole where it is whole, a dash where there is none."""
+    """Format a number as HTML: whole where it is whole, a dash where there is none."""
     if value is None or not np.isfinite(value):
         return "–"
     if value == 0.0 or abs(value) >= 100.0 or (value == round(value) and abs(value) >= 1.0):
@@ -147,7 +147,7 @@ def _header(recovery: Recovery) -> str:
 
 
 def _describe_candidates(candidates: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
-    """Yield the cuts that were compared with the scan, best first, with their misfits; nothing where one was named."""
+    """Yield the cuts that were compared with the scan and their misfits, best first; nothing if the cut was given."""
 
     def describe(one: dict[str, Any]) -> str:
         parts = ", ".join(f"{part} {one[part]:.3f}" for part in ("girths", "neckline") if part in one)
@@ -180,7 +180,7 @@ def _pictures(recovery: Recovery) -> str:
 
 
 def _meshes(recovery: Recovery) -> str:
-    """Describe what each mesh is for, and how far from the scan it lies."""
+    """Return the table of the meshes with their purpose and distance from the scan."""
     rows = []
     for prefix, name, use in MESHES:
         ways = [recovery.report.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
@@ -231,7 +231,7 @@ def _pattern(recovery: Recovery) -> str:
 
 
 def _fabric(recovery: Recovery) -> str:
-    """Describe what the drape tells of the cloth; no digits where it tells none."""
+    """Return the table of fabric parameters; without numbers where they are not identifiable."""
     if not recovery.estimates:
         return ""
     rows = []
@@ -262,7 +262,7 @@ def _fabric(recovery: Recovery) -> str:
 
 
 def _draw_posterior(estimate: FabricEstimate) -> str:
-    """Draw how much of what one believes of cloth in general a drape leaves open: the posterior over the prior."""
+    """Draw the width of the posterior relative to the prior: the uncertainty that a drape leaves."""
     left = 100.0 * min(1.0, estimate.std / max(estimate.prior_std, 1e-12))
     factor = f"within a factor {np.exp(estimate.std):.1f}" if estimate.identifiable else "open"
     if not estimate.identifiable and left < 50.0:
@@ -279,7 +279,7 @@ def _numbers(recovery: Recovery) -> str:
     bases: dict[str, None] = dict.fromkeys(TITLES)
     for name in sorted(metrics):
         if name.startswith(("fabric.", "pattern.point_std_mm")):
-            continue  # the section on the fabric says it
+            continue  # shown in the section on the fabric
         prefix = next((prefix for prefix in prefixes if name.startswith(prefix)), "")
         bases[name.removeprefix(prefix)] = None
     shown = [(p, t) for p, t in COLUMNS if not p or any(name.startswith(p) for name in metrics)]

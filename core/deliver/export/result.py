@@ -1,4 +1,4 @@
-"""Write everything a recovery found into one folder."""
+"""Write the result of a recovery into one folder."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     """Write meshes, pattern, numbers and report of a recovery.
 
     Args:
-        recovery: What to write.
-        folder: Where to; made where it is not there, files of the same names are replaced.
+        recovery: The result.
+        folder: Folder, created if missing; files of the same names are replaced.
 
     Returns:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
-        them; each .ply with the `distance` [m] of each vertex from the scan), scan.ply (as it was read), body.ply,
-        body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, worn.npz,
-        report.html. Of a scan with colours scan.ply has them, and detail.ply what the scan shows at each vertex.
+            them; each .ply with the `distance` [m] of each vertex from the scan), scan.ply (as it was read), body.ply,
+            body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, worn.npz,
+            report.html. Of a scan with colours scan.ply has them, and detail.ply the scan's colour at each vertex.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
@@ -62,7 +62,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
 
 
 def describe_fit(recovery: Recovery) -> dict[str, Any]:
-    """Return what the fit knows of the fabric and of each control point [m], as plain JSON values."""
+    """Return the fit's estimates of the fabric and of each control point [m], as plain JSON values."""
     found: dict[str, Any] = {
         "fabric": {
             each.name: {
@@ -87,7 +87,7 @@ def describe_fit(recovery: Recovery) -> dict[str, Any]:
 
 
 def to_plain_json(value: Any) -> Any:
-    """Return a value as plain JSON: arrays as lists, numbers that are none (nan, inf) as null, the rest as text."""
+    """Convert a value to plain JSON: arrays to lists, nan and inf to null, the rest to text."""
     if isinstance(value, dict):
         return {str(key): to_plain_json(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -108,7 +108,7 @@ def write_json(value: Any, path: Path) -> Path:
 
 
 def write_body(body: Body, folder: Path) -> list[Path]:
-    """Write a body's mesh, body.ply, and its joints, body_joints.json, into a folder; returns both files."""
+    """Write a body's mesh, body.ply, and its joints, body_joints.json, into a folder; return both files."""
     mesh = write_ply(body.vertices, body.faces, folder / "body.ply")
     return [mesh, write_json(describe_joints(body), folder / "body_joints.json")]
 

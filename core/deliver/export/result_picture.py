@@ -1,4 +1,4 @@
-"""Draw a stored garment on its wearer beside its pattern, as one picture that a notebook shows."""
+"""Draw a stored garment on its wearer beside its pattern, as one picture for a notebook."""
 
 from __future__ import annotations
 
@@ -34,16 +34,12 @@ PIECE_FILL_COLOUR = tuple(int(255 * (0.5 + 0.5 * part)) for part in CLOTH_COLOUR
 
 @dataclass(frozen=True)
 class Picture:
-    """Describe a picture; a notebook shows it by itself.
-
-    Attributes:
-        png: Bytes of a PNG file.
-    """
+    """Describe a picture as the bytes of a PNG file; a notebook displays it."""
 
     png: bytes = field(repr=False)
 
     def _repr_png_(self) -> bytes:
-        """Return what a notebook shows."""
+        """Return the PNG for a notebook."""
         return self.png
 
     def save(self, path: str | Path) -> Path:
@@ -58,7 +54,7 @@ def draw_result(state: SewnMesh, worn: WornGarment) -> Picture:
 
     Args:
         state: The garment.
-        worn: Its wearer; the camera takes in the whole of it.
+        worn: Its wearer, who is shown whole.
     """
     person, cloth = worn.body, ColouredMesh(state.vertices, state.faces, CLOTH_COLOUR)
     surfaces = [ColouredMesh(person.vertices, person.faces, SKIN_COLOUR), cloth]
@@ -77,7 +73,7 @@ def draw_result(state: SewnMesh, worn: WornGarment) -> Picture:
 
 
 def _draw_pattern(pattern: Pattern) -> np.ndarray:
-    """Draw the pieces at one scale, RGB in 0..255, shape [height, width, 3]; the layout that fills the tile best."""
+    """Draw the pieces at one scale, RGB in 0..255, shape [height, width, 3], in the layout that fills the tile best."""
     from PIL import Image, ImageDraw
 
     outlines = [panel_outline(panel, 24) for panel in pattern.panels]

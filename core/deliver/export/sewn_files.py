@@ -13,15 +13,15 @@ from .sewn_mesh import SewnMesh, describe_cloth, panel_colour, sanitise_names, s
 
 
 def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> list[Path]:
-    """Write a welded OBJ [m] with a material library and a JSON of what an OBJ cannot hold beside it.
+    """Write a welded OBJ [m] with a material library, and a JSON of what OBJ cannot represent.
 
     Each panel is a group with a material of its own, and each corner has its flat position [m] for uv. The JSON is
-    `describe_cloth`, and of each seam and contour the vertices in order, numbered from 1 as in the OBJ.
+    `describe_cloth`, and the vertices of each seam and contour in order, numbered from 1 as in the OBJ.
 
     Args:
-        mesh: What is written.
-        path: Where to; both others have its name.
-        image: A texture in the same folder: all panels share one material then, and uv are within 0..1.
+        mesh: The mesh.
+        path: The OBJ; both others have its name.
+        image: A texture in the same folder: all panels then share one material, and uv are within 0..1.
 
     Returns:
         The OBJ, its `.mtl` and its `.json`.
@@ -58,17 +58,17 @@ def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> lis
 def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Path:
     """Write a GLB [m] of one primitive a panel, each with a material of its own.
 
-    Attributes of its vertices: POSITION, NORMAL; TEXCOORD_0, the flat position [m] (glTF's v runs downwards, so it is
-    1 - v); TEXCOORD_1, the same panels within 0..1; `_NODE`, the welded node, so that the panels can be sewn again;
-    `_PANEL`; `_SEAM_A` and `_SEAM_B`, up to two seams, -1 for none. Application's own attributes are float32, as whole
-    numbers of 32 bits are not allowed there, and all of one width: Blender 4.5 and 5.0 read those of several widths in
-    an order that changes from start to start, and then fail. `extras` of the mesh hold `describe_cloth`.
+    Attributes of its vertices: POSITION, NORMAL; TEXCOORD_0, the flat position [m] (glTF's v runs downwards, so it is 1
+    - v); TEXCOORD_1, the same panels within 0..1; `_NODE`, the welded node, so that the panels can be sewn again;
+    `_PANEL`; `_SEAM_A` and `_SEAM_B`, up to two seams, -1 for none. Application-specific attributes are float32, since
+    32-bit integers are not allowed, and all of one width: Blender 4.5 and 5.0 read those of several widths in an order
+    that differs between starts, and then fail. `extras` of the mesh are `describe_cloth`.
 
     Args:
-        mesh: What is written.
-        path: Where to.
-        image: A texture's PNG: the panels share one material with it then, and the two sets of uv change places, for
-            many programs read the first alone.
+        mesh: The mesh.
+        path: The file.
+        image: A texture's PNG, with which the panels then share one material; the two sets of uv are exchanged for
+            programs that read only the first.
     """
     garment, buffer = mesh.garment, GlbBuffer()
     split = garment.uv_node

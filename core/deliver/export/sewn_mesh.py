@@ -1,4 +1,4 @@
-"""One state of a garment with what other programs go on from: flat rest shape, panels, seams and fabric."""
+"""One state of a garment with the data for other programs: flat rest shape, panels, seams and fabric."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ FABRIC_UNITS = {
 """Unit of each number of a fabric."""
 
 SQUARE_TRIES = 40
-"""Widths of a layout that are tried for the smallest square around it: steps of 2 % from the widest panel on."""
+"""Number of widths, in steps of 2 % from the widest panel on, tried for a layout in the smallest square."""
 
 
 LAYOUT_SIDE_STEP = 0.01
-"""Step of a layout's side [m]: the side is a multiple of it, so that it holds whole texels of 0.5, 1 or 2 mm."""
+"""Step of a layout's side [m]: a multiple of it has whole texels of 0.5, 1 or 2 mm."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class SewnMesh:
     fabric: Fabric
 
     def __repr__(self) -> str:
-        """Return one line; the arrays are its attributes."""
+        """Return a one-line summary without the arrays."""
         return f"<SewnMesh {self.name}: {len(self.nodes)} vertices, {len(self.faces)} faces>"
 
     @property
@@ -64,27 +64,25 @@ class SewnMesh:
 
     @cached_property
     def normals(self) -> np.ndarray:
-        """Unit normals of the welded nodes, shape [node_count, 3]."""
+        """Return unit normals of the welded nodes, shape [node_count, 3]."""
         return vertex_normals(self.nodes, self.garment.faces)
 
     @cached_property
     def metre_uv(self) -> np.ndarray:
-        """Flat positions of `uv_layout` [m], shape [uv_count, 2]."""
+        """Return the flat positions of `uv_layout` [m], shape [uv_count, 2]."""
         return uv_layout(self.garment)
 
     @cached_property
     def unit_uv(self) -> tuple[np.ndarray, float]:
-        """Flat positions within 0..1, shape [uv_count, 2], and the metres of cloth that 1 is."""
+        """Return flat positions within 0..1, shape [uv_count, 2], and the metres of cloth that 1 is."""
         return square_layout(self.garment)
 
 
 def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
-    """Return panels side by side in a small square, unturned and at one scale, as coordinates within 0..1.
-
-    Panels are `UV_GAP` apart, and half of that from the square's sides.
+    """Arrange panels unrotated at one scale in a small square, `UV_GAP` apart and half of that from its sides.
 
     Returns:
-        Coordinates, shape [uv_count, 2], and the side of the square [m], a multiple of `LAYOUT_SIDE_STEP`.
+        Coordinates within 0..1, shape [uv_count, 2], and the side of the square [m], a multiple of `LAYOUT_SIDE_STEP`.
     """
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
@@ -105,10 +103,7 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
 
 
 def seams_of_uv(garment: Garment) -> np.ndarray:
-    """Return the seams, by their index in the pattern, on which each uv vertex lies, -1 for none, shape [uv_count, 2].
-
-    A vertex has at most two: it is a corner then, and the lower index comes first.
-    """
+    """Return the seams (index in the pattern) of each uv vertex, -1 for none, the lower first, shape [uv_count, 2]."""
     found = np.full((len(garment.uv), 2), -1, dtype=np.int64)
     for index, seam in enumerate(garment.pattern.seams):
         for side in (seam.a, seam.b):
@@ -121,7 +116,7 @@ def seams_of_uv(garment: Garment) -> np.ndarray:
 
 
 def sanitise_names(names: tuple[str, ...] | list[str]) -> list[str]:
-    """Return names of letters, digits, `_` and `-` alone, each once: a number is added where two are alike."""
+    """Return unique names of letters, digits, `_` and `-`; a number is added to repeated ones."""
     found: list[str] = []
     for index, name in enumerate(names):
         plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name)[:60].strip("_") or f"panel_{index}"
@@ -133,7 +128,7 @@ def describe_cloth(mesh: SewnMesh, is_textured: bool = False) -> dict[str, Any]:
     """Return panels, seams, rest shape and fabric of a mesh as JSON values; lengths in metres.
 
     Args:
-        mesh: What is described.
+        mesh: The mesh.
         is_textured: Whether its first uv set is the one within 0..1, for a texture.
     """
     garment, pattern = mesh.garment, mesh.garment.pattern
@@ -177,5 +172,5 @@ def describe_fabric(fabric: Fabric) -> dict[str, Any]:
 
 
 def panel_colour(index: int, count: int) -> list[float]:
-    """Return a pale colour for a panel, RGB in 0..1, told from its neighbours' by hue."""
+    """Return a pale colour for a panel, RGB in 0..1, with another hue than its neighbours'."""
     return [round(channel, 4) for channel in colorsys.hsv_to_rgb(index / max(count, 1), 0.35, 0.85)]

@@ -20,7 +20,7 @@ class UsdMissing(BadInput):
 
 
 def write_usdz(usd: Path) -> Path:
-    """Pack a USD file with the texture that it names into one `.usdz` beside it, and return that.
+    """Pack a USD file with its texture into one `.usdz` beside it, and return that.
 
     Raises:
         UsdMissing: where the extra `usd` is not installed.
@@ -39,12 +39,12 @@ def write_sewn_usd(mesh: SewnMesh, path: Path, image: Path | None = None) -> Pat
 
     `/garment/cloth` has `st`, the flat position [m] of each corner, `st1`, the same panels within 0..1, a subset of the
     faces and a material for each panel, a subset of the points for each seam, attributes `garmentq:fabric:*`, and in
-    `customData` under `garmentq` the JSON of `describe_cloth`. With a texture `st` is within 0..1, where every program
-    looks for it, and `st1` in metres; the friction of the cloth is that of UsdPhysics' material.
+    `customData` under `garmentq` the JSON of `describe_cloth`. With a texture `st`, which every program reads, is
+    within 0..1, and `st1` in metres; the friction of the cloth is that of UsdPhysics' material.
 
     Args:
-        mesh: What is written.
-        path: Where to, `.usd` or `.usdc`.
+        mesh: The mesh.
+        path: The file, `.usd` or `.usdc`.
         image: A texture in the folder of `path`, for `st` within 0..1; None: a plain colour for each panel.
 
     Raises:

@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
 
 def write_sizes(production: Production, folder: Path) -> list[Path]:
-    """Write patterns, nest and rules of all sizes, and where it is asked for the drape of each; return the files.
+    """Write patterns, nest and rules of all sizes, and with the option `drape` the drape of each; return the files.
 
-    Of each size that is draped: `draped_SIZE.ply` and `body_SIZE.ply`; of all: `sizes.json` with verdicts and
-    numbers, `sizes.png` with front and back of each.
+    Of each size that is draped: `draped_SIZE.ply` and `body_SIZE.ply`; of all: `sizes.json` with verdicts and numbers,
+    `sizes.png` with front and back of each.
 
     Raises:
-        SizesBad: where sizes are none.
+        SizesBad: where sizes are not valid.
         PieceBad: where a piece of a size cannot be cut.
-        Cancelled: as soon as the hooks say so.
+        Cancelled: where the hooks cancel.
     """
     files = nest.write(production, folder)
     if not production.options.drape:
@@ -64,7 +64,7 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
 
 
 def _describe_draped_size(size: Size, dressed: DressedGarment | None, why: str = "") -> dict[str, Any]:
-    """Return what is known of a size: girths [cm], verdict, warnings, numbers; why it was not draped otherwise."""
+    """Describe a size: girths [cm], verdict, warnings, numbers; the reason if it was not draped."""
     girths = {name: round(100.0 * getattr(size.measures, name), 1) for name in ("bust", "waist", "hip")}
     told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
     if dressed is None:

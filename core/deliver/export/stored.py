@@ -1,4 +1,4 @@
-"""The meshes of a stored result, read back from the files of its folder."""
+"""Read the meshes of a stored result from the files of its folder."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ RECOVERED_MESHES = ("graded", "detail", "simulation", "redrape")
 """Names of a recovery's meshes."""
 
 REUSED_MESHES = ("dressed", "edited")
-"""Names of the only mesh of a garment that is worn again, and of one that is sewn by an edited pattern."""
+"""Names of the only mesh of a garment on another body, and of an edited one."""
 
 
 def load_stored_meshes(folder: Path, worn: WornGarment, names: tuple[str, ...] = RECOVERED_MESHES) -> list[SewnMesh]:
-    """Return those of the meshes of a stored result that there are, those of `REUSED_MESHES` among them.
+    """Return the meshes of a stored result that exist, those of `REUSED_MESHES` among them.
 
     Args:
         folder: The result's files.
-        worn: What `load_worn` reads there: topology, rest shape and fabric of all of them.
+        worn: The result of `load_worn` there: topology, rest shape and fabric of all meshes.
         names: Some of `RECOVERED_MESHES`.
 
     Raises:
@@ -54,7 +54,7 @@ def read_nodes(path: Path) -> np.ndarray:
 
 
 def garment_stem(folder: Path) -> str:
-    """Return what a result's files are called after: the scan's name, or the pattern's, or `garment`; plain letters."""
+    """Return the stem of a result's file names: the scan's name, the pattern's, or `garment`, in plain letters."""
     named = ""
     for name, path in (("manifest.json", ("scan", "name")), ("pattern.json", ("properties", "name"))):
         try:

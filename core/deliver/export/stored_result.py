@@ -1,4 +1,4 @@
-"""A stored garment as a program reads it: pattern, meshes, fabric, wearer and numbers, from the files of its folder."""
+"""Read a stored garment from the files of its folder: pattern, meshes, fabric, wearer and numbers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FILES = (WORN_FILE_NAME, METRICS, MANIFEST, PATTERN, *(f"{name}.ply" for name in
 
 
 class ResultUnreadable(BadInput):
-    """This is no folder of a garment's result; name one with a worn.npz, as `garmentq export JOB --out DIR` writes."""
+    """This folder has no garment's result; name one with a worn.npz, as `garmentq export JOB --out DIR` writes."""
 
     code = "result.unreadable"
 
@@ -40,13 +40,13 @@ class MeshUnknown(NotFound):
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Describe what was stored of one garment.
+    """Describe the stored result of one garment.
 
     Attributes:
         name: The scan's name in plain letters.
         worn: The garment at rest on its wearer.
-        states: The states that the garment was stored in, each a mesh of the same topology.
-        metrics: Flat dotted names, each with its unit, to numbers; None where one applies to nothing.
+        states: The stored states of the garment, each a mesh of the same topology.
+        metrics: Flat dotted names, each with its unit, to numbers; None where one does not apply.
         manifest: Versions, hashes and settings that reproduce it.
     """
 
@@ -57,7 +57,7 @@ class StoredResult:
     manifest: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        """Return one line; `plot()` draws it."""
+        """Return a one-line summary; `plot()` draws it."""
         return f"<StoredResult {self.name}: {len(self.pattern.panels)} panels, meshes {', '.join(self.meshes)}>"
 
     @property
@@ -92,10 +92,10 @@ class StoredResult:
         raise MeshUnknown(f"{self.name} has no mesh '{name[:40]}'; it has {', '.join(self.meshes)}.")
 
     def plot(self, name: str | None = None) -> Picture:
-        """Draw a mesh on its wearer, front and back, beside the pattern; a notebook shows what is returned.
+        """Draw a mesh on its wearer, front and back, beside the pattern; a notebook displays the result.
 
         Args:
-            name: A mesh; None: the detail mesh, or where there is none the last one.
+            name: A mesh; None: the detail mesh, or the last one if there is none.
 
         Raises:
             MeshUnknown: where there is none of that name.
@@ -110,7 +110,7 @@ def load_result(folder: Path) -> StoredResult:
     """Read a stored garment from the folder of its files.
 
     Raises:
-        ResultUnreadable: where the folder is none of a garment's result.
+        ResultUnreadable: where the folder has no garment's result.
         ResultOld: where it was stored by another version.
     """
     if not (folder / WORN_FILE_NAME).is_file():
@@ -123,11 +123,7 @@ def load_result(folder: Path) -> StoredResult:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return a JSON object.
-
-    Raises:
-        ResultUnreadable: where the file is none.
-    """
+    """Read a JSON object; raise `ResultUnreadable` where the file is not one."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

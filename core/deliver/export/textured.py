@@ -19,12 +19,7 @@ from .usd_mesh import can_write_usd
 
 @dataclass(frozen=True)
 class TexturedFiles:
-    """Describe what was written, and how much of the cloth the scan shows.
-
-    Attributes:
-        files: The files.
-        coverage: Share of the cloth's texels that show the scan.
-    """
+    """Describe written texture files; `coverage` is the share of the cloth's texels that show the scan."""
 
     files: list[Path]
     coverage: float
@@ -35,17 +30,17 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
 
     Writes `STEM_texture.png`, `STEM_texture_mask.png` (white: seen, grey: filled from around it, black: no cloth),
     `STEM_textured.glb`, `.obj` with `.mtl` and `.json`, `.usd` and `.usdz` where the extra is installed, and the prints
-    of `list_prints` as `STEM_print_PIECE.png`: at true scale by the resolution that each states.
+    of `list_prints` as `STEM_print_PIECE.png`, at true scale by their stated resolution.
 
     Args:
-        mesh: The detail mesh, which lies on the scan.
+        mesh: The detail mesh, on the scan's surface.
         scan: The scan in the same place.
-        folder: Where to.
+        folder: Folder of the files.
         stem: Beginning of the files' names.
         texel_mm: Width of a texel [mm], one of `TEXELS_MM`.
 
     Raises:
-        TexelBad: where the width is none of them.
+        TexelBad: where the width is another one.
     """
     texel = check_texel(texel_mm)
     flat, side = mesh.unit_uv
@@ -68,7 +63,7 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
 
 
 def _png(pixels: np.ndarray, texel: float) -> bytes:
-    """Return a PNG that says its scale."""
+    """Return a PNG with its resolution."""
     from PIL import Image
 
     buffer = io.BytesIO()

@@ -14,7 +14,7 @@ from ...garment.garment import Garment
 from .meshes import uv_layout
 
 USD_MISSING_WARNING = "no USD file: `pip install garmentq[usd]` adds it."
-"""What a user is told where the library that writes USD is not installed."""
+"""Warning where the library that writes USD is not installed."""
 
 
 def can_write_usd() -> bool:
@@ -25,18 +25,18 @@ def can_write_usd() -> bool:
 def write_usd(garment: Garment, frames: np.ndarray, path: Path, fps: float | None = None) -> Path:
     """Write states of a garment as one welded mesh in a binary USD file [m], y up.
 
-    `/garment/cloth` holds the points (float32; one time sample a frame, from time code 0, where `fps` is given), faces,
-    a subset of the faces for each panel, and `st`: the uv of `uv_layout` for each corner, so that texture is split
-    along the seams and the cloth is not. The same input gives the same bytes.
+    `/garment/cloth` has the points (float32; one time sample a frame, from time code 0, where `fps` is given), faces, a
+    subset of the faces for each panel, and `st`: the uv of `uv_layout` for each corner, so that texture is split along
+    the seams and the cloth is not. The same input gives the same bytes.
 
     Args:
         garment: Topology, uv and panels.
         frames: Positions [m], shape [frame_count, node_count, 3].
-        path: Where to; `.usdc` or `.usd` for binary, `.usda` for text.
+        path: The file; `.usdc` or `.usd` for binary, `.usda` for text.
         fps: Frames a second [1/s]; None for a garment at rest, of which the first frame is written.
 
     Raises:
-        ImportError: where the extra `usd` is not installed; ask `can_write_usd` first.
+        ImportError: where the extra `usd` is not installed; `can_write_usd` checks it.
     """
     stage, _ = make_stage(garment, frames, fps)
     stage.GetRootLayer().Export(str(path))
@@ -49,9 +49,7 @@ def make_stage(
     """Return a stage in memory with the mesh that `write_usd` describes, and the mesh.
 
     Args:
-        garment: As there.
-        frames: As there.
-        fps: As there.
+        garment, frames, fps: As there.
         uv: Coordinates of the uv vertices by the name of their primvar, shape [uv_count, 2] each; None: `st` alone.
 
     Raises:
@@ -76,7 +74,7 @@ def make_stage(
         primvar.SetIndices(Vt.IntArray.FromNumpy(garment.uv_faces.astype(np.int32).ravel()))
     for index, panel in enumerate(garment.pattern.panels):
         own = np.flatnonzero(garment.panel_of_face == index)
-        # A name is the file's author's: only plain characters reach the file, and the number keeps two apart.
+        # Panel names are the file author's: only plain characters are written, and the number makes them unique.
         name = Tf.MakeValidIdentifier(f"panel_{index}_" + re.sub(r"[^A-Za-z0-9]+", "_", panel.name))
         if len(own):
             UsdGeom.Subset.CreateGeomSubset(

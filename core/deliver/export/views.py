@@ -11,22 +11,21 @@ from ...recover.recovery import Recovery
 from .picture import ColouredMesh, aim_camera, png_base64, render_meshes
 
 REPORT_VIEW_WIDTH_PX = 480
-"""Width of a picture [pixel]: three fit side by side on a page and stay sharp in print."""
+"""Width of a picture [pixel]: three fit side by side on a page and are sharp in print."""
 
 MAX_VIEW_ASPECT_RATIO, MIN_VIEW_ASPECT_RATIO = 1.5, 0.85
-"""Greatest and least ratio of a picture's height to its width. Between them the ratio follows the garment; a page shows
-both rows whole."""
+"""Largest and smallest ratio of a picture's height to its width, else the garment's; a page shows both rows whole."""
 
 SKIN_COLOUR = np.array([0.90, 0.85, 0.80])
-"""Colour of skin, RGB in 0..1: pale, so that the cloth stands out."""
+"""Colour of skin, RGB in 0..1: pale, for contrast with the cloth."""
 SCAN_COLOUR = np.array([0.62, 0.66, 0.70])
-"""Colour of a scan that has none of its own, RGB in 0..1: grey as clay."""
+"""Colour of a scan without its own, RGB in 0..1: grey as clay."""
 CLOTH_COLOUR = np.array([0.40, 0.58, 0.74])
 """Colour of the recovered garment, RGB in 0..1: blue."""
 DRAPE_COLOUR = np.array([0.48, 0.66, 0.58])
 """Colour of the simulation mesh and of a garment worn again, RGB in 0..1: green."""
 REDRAPE_COLOUR = np.array([0.72, 0.62, 0.46])
-"""Colour of the pattern that was dressed anew, RGB in 0..1: sand."""
+"""Colour of the re-draped mesh, RGB in 0..1: sand."""
 
 ERROR_COLOUR_STOPS = (
     (0.00, (0.90, 0.92, 0.90)),
@@ -35,11 +34,10 @@ ERROR_COLOUR_STOPS = (
     (0.75, (0.80, 0.25, 0.20)),
     (1.00, (0.42, 0.05, 0.24)),
 )
-"""Stops of the error map's colour scale, light to dark: a fraction of its range, and RGB in 0..1. The scale is readable
-in print and without red-green vision."""
+"""Stops of the error map's colour scale, fraction and RGB in 0..1; readable in print and without red-green vision."""
 
 MIN_ERROR_RANGE_MM = 5.0
-"""Least upper end of the colour bar [mm]: below it a scanner's noise would look like an error."""
+"""Smallest upper end of the colour bar [mm]; below it a scanner's noise would look like an error."""
 
 
 @dataclass(frozen=True)

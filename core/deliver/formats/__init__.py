@@ -1,1 +1,1 @@
-"""Writers of production formats: what is cut, printed or read by other cutting programs."""
+"""Writers of production formats, for cutting, printing and cutting programs."""

@@ -13,7 +13,7 @@ from .sheet import Sheet
 from .tiling import Tile, Tiling
 
 TEST_SQUARES = ((50.0, "50 mm"), (50.8, "2 in"))
-"""Sides of the test squares [mm], each with its own unit beside it."""
+"""Sides of the test squares [mm], each with its label in its own unit."""
 
 COVER_LINE_HEIGHT_MM = 4.4
 """Height of a line of text [mm]."""
@@ -124,7 +124,7 @@ def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
 
 
 def list_notes(pieces: PieceSet) -> list[str]:
-    """Return the allowances of a garment and what is missing, a line each."""
+    """Return a line for each allowance of a garment, and for each missing item."""
     widths = {
         edge.use: edge.width
         for piece in pieces.pieces

@@ -1,4 +1,4 @@
-"""How programs differ in what they take as DXF of cutting pieces."""
+"""The dialects of DXF that programs for cutting pieces read."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ class OutlineClosing(StrEnum):
 
 @dataclass(frozen=True)
 class Dialect:
-    """Describe what one reader wants.
+    """Describe the dialect of one reader.
 
     Attributes:
         name: One of `DIALECTS`.
         version: Text of the style's version.
         rule_version: First line of a rule table.
         acad: `$ACADVER` of the header, or empty for an empty header.
-        is_inch: Inches to 4 decimals instead of millimetres to 3.
-        grain_along_x: True where the warp runs along x.
+        is_inch: Whether lengths are inches to 4 decimals; else millimetres to 3.
+        grain_along_x: Whether the warp runs along x.
         closing: How an outline is closed.
         sew_layer: Layer of the sew line.
         text_layer: Layer of the piece's texts.
         notch_layer: Layer of notches.
-        notch_is_line: True where a notch is drawn instead of being a point.
-        marks_points: True where turn and curve points are given on layers 2 and 3.
-        has_validation: True where the outline is repeated on layer 84, to be compared, with its tolerance.
+        notch_is_line: Whether a notch is a line; else it is a point.
+        marks_points: Whether turn and curve points are on layers 2 and 3.
+        has_validation: Whether the outline is repeated on layer 84 for comparison, with its tolerance.
         name_key, size_key: Keys of a piece's name and size.
         separator: Between the numbers of a rule table.
     """
@@ -74,5 +74,4 @@ DIALECTS_BY_NAME: Mapping[str, Dialect] = MappingProxyType({
                 size_key="SAMPLE SIZE"),
     )
 })  # fmt: skip
-"""The dialects by name. `aama` is what most readers take; the others differ as their own files show or their users
-report: docs/lab/pieces.md lists how."""
+"""The dialects by name. Most readers accept `aama`; docs/lab/pieces.md lists how the others differ."""

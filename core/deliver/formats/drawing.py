@@ -1,4 +1,4 @@
-"""Pieces as lines and texts on layers, the same for every writer that draws: PDF and SVG."""
+"""Draw pieces as lines and texts on layers, for the writers of PDF and SVG."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ LETTER_WIDTH_FRACTION = 0.52
 """Mean width of a letter of Helvetica, as a fraction of the size of the text."""
 
 MAX_PIECE_TEXT_SIZE, MIN_PIECE_TEXT_SIZE = 0.009, 0.005
-"""Largest and smallest size of the text on a piece [m]: 9 mm where there is room, never under 5 mm."""
+"""Largest and smallest size of the text on a piece [m]: 9 mm where there is room, at least 5 mm."""
 
 
 class Layer(StrEnum):
-    """Name what a line or text is."""
+    """List the layers of lines and texts."""
 
     CUT = "cut"
     SEW = "sew"
@@ -47,14 +47,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Text:
-    """Describe one line of text.
-
-    Attributes:
-        text: In ASCII.
-        centre: Middle of its base line [m], shape [2].
-        size: Height of its letters' body [m].
-        is_bold: True for the name of a piece.
-    """
+    """Describe one line of ASCII text: the middle of its base line [m], shape [2], and its size, the letters' body
+    height [m]. The name of a piece is bold."""
 
     text: str
     centre: np.ndarray
@@ -63,7 +57,7 @@ class Text:
 
     @property
     def width(self) -> float:
-        """Return its width [m], rather too wide than too narrow."""
+        """Return its width [m], estimated generously."""
         return self.size * LETTER_WIDTH_FRACTION * len(self.text) * (1.1 if self.is_bold else 1.0)
 
 
@@ -115,7 +109,7 @@ def describe_allowance(piece: Piece) -> str:
 
 
 def list_texts(pieces: PieceSet, number: int) -> list[str]:
-    """Return what is written on a piece, the most important first."""
+    """Return the texts on a piece, the most important first."""
     piece = pieces.pieces[number]
     lines = [
         piece.name,
@@ -129,10 +123,8 @@ def list_texts(pieces: PieceSet, number: int) -> list[str]:
 
 
 def place_texts(piece: Piece, texts: list[str]) -> list[Text]:
-    """Return as many of the texts as fit within the sew line, clear of grainline and notches, as large as they fit.
-
-    The block goes where it is furthest from the outline, of a grid of places; a piece too small for a text has none.
-    """
+    """Return as many of the texts as fit within the sew line, clear of grainline and notches, as large as they fit. The
+    block is as far from the outline as a grid of places allows; a piece too small for a text has none."""
     outline = flatten_outline(piece.net, 2e-4)[0]
     low, high = outline.min(axis=0), outline.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.linspace(low[k], high[k], 23)[1:-1] for k in (0, 1))), axis=-1).reshape(-1, 2)
@@ -162,7 +154,7 @@ def _clearance(outline: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.ndarray) -> bool:
-    """Return whether a box lies within an outline and holds neither grainline, fold arrow, notch, dart nor drill."""
+    """Check that a box is within an outline and contains no grainline, fold arrow, notch, dart or drill."""
     turns = np.linspace(-1.0, 1.0, 9)
     rim = np.concatenate([[(x, y) for x in turns for y in (-1.0, 1.0)], [(x, y) for y in turns for x in (-1.0, 1.0)]])
     if not points_in_polygon(outline, centre + rim * half).all():
@@ -177,5 +169,5 @@ def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.nda
 
 
 def keep_ascii(text: str) -> str:
-    """Return a text of people's on one line in ASCII, at most 60 letters; others become `?`."""
+    """Return a user's text on one line in ASCII, at most 60 letters; others become `?`."""
     return "".join(letter if " " <= letter <= "~" else "?" for letter in text)[:60]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .production import Production
 
 AUTHOR = "garmentq;garmentq;1"
-"""Vendor, program and release, as the standard asks for."""
+"""Vendor, program and release, as the standard requires."""
 
 NOTCH_WIDTH = 0.0
 """Width of a slit [m]."""
@@ -30,11 +30,10 @@ DRILL_HOLE_DIAMETER = 0.003
 """Diameter of a drill hole [m]."""
 
 ARCHIVE_FILE_TIMESTAMP = (1980, 1, 1, 0, 0, 0)
-"""Time of the files in an archive (year, month, day, hour, minute, second). It is constant, so that the archive's bytes
-depend on its content alone."""
+"""Time of the files in an archive (year to second); constant, so that its bytes depend on its content alone."""
 
 Rules = dict[str, list[tuple[np.ndarray, int]]]
-"""By the piece's name: points of it [m], and the number of the rule that moves each."""
+"""By the piece's name: its points [m], and the number of the rule that moves each."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ def write(production: Production, folder: Path) -> list[Path]:
 
 
 def write_archive(files: dict[str, str], dialect: Dialect, folder: Path, name: str) -> list[Path]:
-    """Write texts as files and as one archive with a note on how to read them, and return the paths."""
+    """Write texts as files and as one archive with a readme, and return the paths."""
     paths = []
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -87,7 +86,7 @@ def _readme_text(dialect: Dialect) -> str:
 
 
 def dxf_text(pieces: PieceSet, blocks: Iterable[Block], dialect: Dialect, rules: Rules | None = None) -> str:
-    """Return the DXF file of some pieces (R12, ASCII): a block and an insertion of it each, and the style's texts."""
+    """Return the DXF file of some pieces (R12, ASCII): a block and an insertion of each, and the style's texts."""
     out: list[str] = []
     listed = list(blocks)
     _append_groups(out, (0, "SECTION"), (2, "HEADER"))
@@ -117,10 +116,10 @@ def dxf_text(pieces: PieceSet, blocks: Iterable[Block], dialect: Dialect, rules:
 
 
 def rule_text(dialect: Dialect, sizes: tuple[str, ...], rules: list[np.ndarray], sample: str | None = None) -> str:
-    """Return a rule table: how each rule moves a point from the sample size to every size.
+    """Return a rule table: the movement of a point from the sample size to every size, by rule.
 
     Args:
-        dialect: Whose reading it is for.
+        dialect: The dialect of the reader.
         sizes: Names of the sizes, the smallest first.
         rules: Movements of each rule [m], shape [size_count, 2]; rule n + 1 is `rules[n]`.
         sample: Name of the sample size; None: the first.
@@ -142,7 +141,7 @@ def rule_text(dialect: Dialect, sizes: tuple[str, ...], rules: list[np.ndarray],
 def _draw(
     out: list[str], block: Block, pieces: PieceSet, dialect: Dialect, rules: list[tuple[np.ndarray, int]]
 ) -> None:
-    """Put the entities of one piece."""
+    """Append the entities of one piece."""
     piece = block.piece
     cut = piece.cut
     _outline(out, 1, cut.points, dialect)
@@ -187,7 +186,7 @@ def _draw(
 
 
 def _sew_points(out: list[str], net: Panel, dialect: Dialect) -> None:
-    """Put the turn and curve points of a sew line."""
+    """Append the turn and curve points of a sew line."""
     outline, edge = flatten_outline(net)
     for point, is_corner in zip(outline, edge != np.roll(edge, 1), strict=True):
         _point(out, 2 if is_corner else 3, point, dialect)
@@ -226,7 +225,7 @@ def _text(out: list[str], layer: int, text: str, place: tuple[float, float], dia
 
 
 def _to_dialect_axes(points: np.ndarray, dialect: Dialect) -> np.ndarray:
-    """Return points by the axes of the dialect: the warp, our +y, along y or x."""
+    """Return points in the axes of the dialect: the warp, our +y, along y or x."""
     return points @ np.array([[0.0, -1.0], [1.0, 0.0]]) if dialect.grain_along_x else np.asarray(points)
 
 

@@ -1,4 +1,4 @@
-"""What can be wrong with an export, one stable code each."""
+"""Errors of exports, with one stable code each."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ class SheetTooSmall(BadInput):
 
 
 class SizesBad(BadInput):
-    """Sizes are a step in centimetres with a range that holds 0, or a table of names, bust, waist and hip."""
+    """Sizes are a step in centimetres with a range that includes 0, or a table of names, bust, waist and hip."""
 
     code = "export.sizes"

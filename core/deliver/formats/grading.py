@@ -21,8 +21,7 @@ NECK_GROWTH_RATIO = 1.0 / 40.0
 """Ratio of the growth of half the neck's width to that of the bust: 1 mm for a step of 4 cm."""
 
 MAX_SIZE_NAME_LENGTH = 8
-"""Largest length of a size's name [letters]. With the name of a piece it is a block's name, and block names of R12 have
-31 letters."""
+"""Largest length of a size's name [letters]; with the piece's it is a block's name, in R12 of at most 31."""
 
 HEIGHTS = ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch_height")
 
@@ -33,10 +32,10 @@ class Size:
 
     Attributes:
         name: Upper case letters and digits, unique.
-        measures: Who it is for.
+        measures: Measures of its wearer.
         pattern: The graded pattern, both sides of its seams equal.
-        is_base: True for the size that was recovered.
-        is_drafted: False where no draft is known and the pattern was scaled.
+        is_base: Whether it is the recovered size.
+        is_drafted: Whether it is graded by a draft; else the pattern was scaled.
     """
 
     name: str
@@ -49,7 +48,7 @@ class Size:
 def grade_sizes(
     pattern: Pattern, template: str, base: BodyMeasures, height: float, options: ExportOptions
 ) -> list[Size]:
-    """Return the sizes that are asked for, with the recovered one among them, by growing bust.
+    """Return the sizes of the options, with the recovered one among them, by increasing bust.
 
     Args:
         pattern: The recovered pattern, for a wearer of the measures `base`.
@@ -90,7 +89,7 @@ def step_measures(base: BodyMeasures, growth: float) -> BodyMeasures:
 
 
 def table_measures(base: BodyMeasures, height: float, line: SizeLine) -> BodyMeasures:
-    """Return the measures of a line of a table; what it does not say is the wearer's, heights follow the height."""
+    """Return the measures of a line of a table; missing ones are the wearer's, and heights scale with the height."""
     girths = {name: getattr(line, name) for name in ("bust", "waist", "hip")}
     given = {name: value / 100.0 for name, value in girths.items() if value is not None}
     grown = step_measures(base, given.get("bust", base.bust) - base.bust)
@@ -111,7 +110,7 @@ def _normalise_size_name(name: str) -> str:
 
 
 def _grade(pattern: Pattern, template: str, base: BodyMeasures, other: BodyMeasures) -> tuple[Pattern, bool, bool]:
-    """Return the pattern for other measures, whether it is the base, and whether a draft said how."""
+    """Return the pattern for other measures, whether it is the base, and whether it is graded by a draft."""
     if other == base:
         return pattern, True, True
     try:

@@ -1,4 +1,4 @@
-"""Write pieces as SVG at 1:1, on layers that drawing programs know; net lines are real curves."""
+"""Write pieces as SVG at 1:1, on layers of drawing programs; net lines are real curves."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _path(line: Line, height: float) -> str:
 
 
 def _sew_paths(piece: Piece, shift: np.ndarray, height: float) -> list[str]:
-    """Return the path of each edge of the sew line, with what becomes of it and the pattern's edge that it is."""
+    """Return the path of each edge of the sew line, with its use and its edge in the pattern."""
     net, paths = piece.net, []
     for i, (edge, kind) in enumerate(zip(net.edges, piece.edges, strict=True)):
         ends = net.points[[i, (i + 1) % len(net.points)]]

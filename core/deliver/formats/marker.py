@@ -1,4 +1,4 @@
-"""Write how the pieces lie on cloth, at 1:1: the marker that a cutter lays on it."""
+"""Write the marker, the layout of the pieces on cloth, at 1:1."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MARKER_TEXT_SIZE_MM = 20.0
 
 
 def write(production: Production, folder: Path) -> list[Path]:
-    """Write `marker.svg`, and return it; the cloth is as wide as the roll that is asked for, or `CLOTH_WIDTH`.
+    """Write `marker.svg`, and return it; the cloth is as wide as the chosen roll, or `CLOTH_WIDTH`.
 
     Raises:
         SheetTooSmall: where a piece is wider than the cloth.

@@ -32,16 +32,16 @@ DASHES = ("[]", "[6 2]", "[3 1.5]", "[1.5 1]", "[8 2 1 2]", "[4 1 1 1 1 1]", "[2
 """Dashes of the sizes [mm], in turn; the base is drawn whole and thick."""
 
 SCALED_SIZES_WARNING = (
-    "the pattern is no shipped template's, so nobody knows its draft: sizes are scaled by girths, which is approximate"
+    "the pattern is no shipped template's, so its draft is not known: sizes are scaled by girths, which is approximate"
 )
-"""What is said of sizes without a draft."""
+"""Warning of sizes without a draft."""
 
 
 def write(production: Production, folder: Path) -> list[Path]:
     """Write `pattern_SIZE.json`, `nest.pdf`, `nest_DIALECT.dxf`, and the base with its rules; return the files.
 
     Raises:
-        SizesBad: where sizes are none.
+        SizesBad: where sizes are not valid.
         PieceBad: where a piece of a size cannot be cut.
     """
     sizes = grade_sizes(
@@ -74,18 +74,16 @@ def write(production: Production, folder: Path) -> list[Path]:
 
 
 def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rules]:
-    """Return how the turn points and notches of the base move to every size, and which rule moves each.
+    """Find the rules that move turn points and notches of the base to every size.
 
-    A piece whose cut line turns otherwise in some size (a mitre that is cut off in one of them) has no rules; the nest
-    holds it all the same.
+    A piece with other turn points in some size (a mitre cut off in one of them) has no rules, but is in the nest.
 
     Args:
         pieces: The pieces of each size.
         base: Index of the base.
 
     Returns:
-        Movements of each rule [m], shape [size_count, 2], and for each piece of the base its points and their rules'
-        numbers, from 1.
+        Movements of each rule [m], shape [size_count, 2], and the points of each base piece with their rules' numbers.
     """
     moves: list[np.ndarray] = []
     numbers: dict[bytes, int] = {}
@@ -107,13 +105,13 @@ def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rul
 
 
 def find_turn_points(piece: Piece) -> np.ndarray:
-    """Return what rules move: corners of the cut line, notches and control points of the sew line [m], shape [n, 2]."""
+    """Return the points that rules move: corners of the cut line, notches, control points of the net [m], [n, 2]."""
     notches = np.array([notch.point for notch in piece.notches]).reshape(-1, 2)
     return np.concatenate([piece.cut.points[piece.cut.corner], notches, piece.net.points])
 
 
 def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
-    """Return a page of a roll of a width [mm] with all sizes of each piece upon each other, a kind of line each."""
+    """Return a roll's page of a width [mm] with all sizes of each piece upon each other, in different dashes."""
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     count = len(pieces[base].pieces)
     low = np.array([np.min([one.pieces[n].cut.points.min(axis=0) for one in pieces], axis=0) for n in range(count)])

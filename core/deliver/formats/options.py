@@ -1,4 +1,4 @@
-"""What may be chosen of an export."""
+"""Options of an export."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ MAX_SIZE_COUNT = 40
 """Largest number of sizes in one export."""
 
 MAX_TABLE_NAME_LENGTH = 40
-"""Largest length of a size's name as a table has it [letters]. A block of a DXF file has 31 with the piece's name, and
-no stored file's hash, which has 64, can be a name."""
+"""Largest length of a size's name in a table [letters]: no file hash, of 64 letters, can be a name. A DXF block's name
+has 31 with the piece's."""
 
 
 @dataclass(frozen=True)
 class SizeLine:
-    """Describe one size of a table: its name, and the girths and height that it is for [cm], None for the wearer's."""
+    """Describe one size of a table: its name, and its girths and height [cm], None for the wearer's."""
 
     name: str
     bust: float | None = None
@@ -34,18 +34,18 @@ class SizeLine:
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Describe what is to be written, and how.
+    """Describe the content and format of an export.
 
     Attributes:
         format: One of `FORMATS`.
         dialect: One of `DIALECTS`, of DXF files.
-        allowance: Seam allowances as `read_allowances` takes them; empty: the usual ones.
-        paper: Of PDF files, as `find_paper` takes it.
-        fold: True to draw symmetric pieces as halves on the fold.
+        allowance: Seam allowances in the syntax of `read_allowances`; empty: the usual ones.
+        paper: Of PDF files, as for `find_paper`.
+        fold: Whether symmetric pieces are drawn as halves on the fold.
         step: Difference between sizes in bust, waist and hip [cm].
         first, last: Steps from the smallest and to the largest size; 0 is the wearer's own.
-        sizes: The sizes of a table; they stand instead of the step.
-        drape: True to drape each size on a body by its measures.
+        sizes: The sizes of a table, instead of the step.
+        drape: Whether each size is draped on a body by its measures.
         texel: Width of a texel of a texture [mm].
     """
 
@@ -62,13 +62,13 @@ class ExportOptions:
     texel: float = 1.0
 
     def __post_init__(self) -> None:
-        """Refuse what there is not.
+        """Check the values.
 
         Raises:
-            FormatUnknown: where format, dialect or paper are none.
+            FormatUnknown: where format, dialect or paper are unknown.
             SheetTooSmall: where a roll has another width.
-            AllowanceBad: where an allowance is none.
-            SizesBad: where sizes are none.
+            AllowanceBad: where an allowance is not valid.
+            SizesBad: where sizes are not valid.
             TexelBad: where a texel has another width.
         """
         for name, known in ((self.format, tuple(FORMATS)), (self.dialect, DIALECTS)):
@@ -94,5 +94,5 @@ class ExportOptions:
 
     @property
     def piece_settings(self) -> PieceSettings:
-        """Return how pieces are made."""
+        """Return the settings of the pieces."""
         return PieceSettings(read_allowances(self.allowance), self.fold)

@@ -15,12 +15,12 @@ PLOTTER_ROLL_WIDTH_MM = 914.0
 """Usual width of a plotter's roll [mm]: 36 in."""
 
 MIN_ROLL_WIDTH_MM, MAX_ROLL_WIDTH_MM = 200.0, 5000.0
-"""Least and greatest width of a roll that is accepted [mm]."""
+"""Smallest and largest accepted width of a roll [mm]."""
 
 
 @dataclass(frozen=True)
 class Paper:
-    """Describe a paper's name, width and height [mm]; a roll's height is as long as needed, and 0 here."""
+    """Describe a paper's name, width and height [mm]; a roll has height 0, and is as long as needed."""
 
     name: str
     width: float
@@ -28,12 +28,12 @@ class Paper:
 
     @property
     def is_roll(self) -> bool:
-        """Return whether it ends nowhere."""
+        """Check whether the paper is a roll."""
         return self.height == 0.0
 
 
 def find_paper(name: str) -> Paper:
-    """Return the paper of a name: one of `PAPERS`, `roll`, or `roll:WIDTH` in millimetres.
+    """Find a paper by name: one of `PAPERS`, `roll`, or `roll:WIDTH` in millimetres.
 
     Raises:
         FormatUnknown: where there is none.

@@ -1,4 +1,4 @@
-"""Write PDF files: pages of lines and Helvetica, byte for byte the same for the same content."""
+"""Write PDF files: pages of lines and Helvetica, with equal bytes for equal content."""
 
 from __future__ import annotations
 
@@ -9,18 +9,12 @@ MM_PER_POINT = 25.4 / 72.0
 """Length of a typographic point, 1/72 inch [mm]."""
 
 MAX_PAGE_SIDE_UNITS = 14400.0
-"""Longest side of a page in the page's own units (PDF 1.7, annex C). A longer page has larger units."""
+"""Longest side of a page in the page's own units (PDF 1.7, annex C); a longer page has larger units."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """Describe one page.
-
-    Attributes:
-        width, height: Its size [mm].
-        content: Drawing operators in millimetres, the origin at its lower left corner.
-        drawing: True where it may place the shared drawing by `/Drawing Do`.
-    """
+    """Describe one page: its size [mm], and drawing operators in millimetres from its lower left corner."""
 
     width: float
     height: float
@@ -28,11 +22,11 @@ class Page:
 
 
 def pdf_bytes(pages: list[Page], title: str, drawing: str = "") -> bytes:
-    """Return a PDF file whose viewer is asked not to scale when it prints.
+    """Return a PDF file that asks the viewer not to scale when it prints.
 
     Args:
         pages: The pages.
-        title: What the document is called, in ASCII.
+        title: Title of the document, in ASCII.
         drawing: Drawing operators in millimetres that each page may place by `/Drawing Do`, stored once.
     """
     count = len(pages)
@@ -72,7 +66,7 @@ def _font(name: str) -> bytes:
 
 
 def _string(text: str) -> str:
-    """Return a PDF string of ASCII letters; whatever else is in it becomes `?`."""
+    """Return a PDF string of ASCII letters; others become `?`."""
     plain = "".join(letter if " " <= letter <= "~" else "?" for letter in text)
     return "(" + plain.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)") + ")"
 

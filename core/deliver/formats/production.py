@@ -1,4 +1,4 @@
-"""What a writer of a production format is given, and how it is found by name."""
+"""The input of the writers of production formats, and their lookup by name."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from .options import ExportOptions
 from .registry import FORMATS
 
 STEM = "pieces"
-"""How the files of an export begin; names of a user's own never become names of files."""
+"""Beginning of an export's file names, which contain no name from a user."""
 
 
 @dataclass(frozen=True)
 class Production:
-    """Describe a garment that is to be written for production.
+    """Describe a garment to be written for production.
 
     Attributes:
         worn: The garment with its pattern, cloth and wearer.
-        options: What is to be written.
+        options: The options of the export.
         files: Folder of the result's files, for writers that need its meshes.
-        scan: The scan's file, or what was read of it, for writers that need its colours; None where there is none.
-        hooks: Progress and cancellation, for writers that compute long.
+        scan: The scan's file, or its reading, for writers that need its colours, or None.
+        hooks: Progress and cancellation, for long computations.
     """
 
     worn: WornGarment
@@ -54,7 +54,7 @@ class Production:
 
     @cached_property
     def style(self) -> Style:
-        """Return what pieces are labelled with."""
+        """Return the labels of the pieces."""
         return Style(self.worn.pattern.name, describe_size(self.measures, self.height), self.worn.fabric.name)
 
     @cached_property
@@ -64,13 +64,13 @@ class Production:
 
 
 def describe_size(measures: BodyMeasures, height: float) -> str:
-    """Return a size by the girths and the height of who it is for, in whole centimetres (as EN 13402 designates)."""
+    """Return a size by its wearer's girths and height, in whole centimetres (as EN 13402 designates)."""
     girths = {"bust": measures.bust, "waist": measures.waist, "hip": measures.hip, "height": height}
     return " ".join(f"{name} {100.0 * value:.0f}" for name, value in girths.items())
 
 
 def write_production(production: Production, folder: Path) -> list[Path]:
-    """Write a garment in the format that is asked for, and return the files.
+    """Write a garment in the format of its options, and return the files.
 
     Raises:
         PieceBad: where a piece cannot be cut.

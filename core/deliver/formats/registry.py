@@ -1,4 +1,4 @@
-"""Formats by name, without what they need: a command may list them and load nothing."""
+"""Formats by name, without their dependencies: a command can list them without loading any."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ FORMATS: Mapping[str, str] = MappingProxyType({
     "usd": "garmentq.core.deliver.export.for_programs:write_usd",
     "texture": "garmentq.core.deliver.export.for_programs:write_texture",
 })  # fmt: skip
-"""Dotted path of the writer of each format by name; a writer takes a `Production` and a folder and returns its files.
-A new format is one entry here; its module is loaded when it is asked for."""
+"""Dotted path of the writer of each format, which is loaded on first use. A writer takes a `Production` and a folder
+and returns its files. A new format is one entry here."""
 
 DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace")
-"""Whose reading of DXF a file is written for; `dialects.py` says how they differ."""
+"""Dialects of DXF; `dialects.py` has their differences."""
 
 DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "pdf": "sheets to print and paste at 1:1",
@@ -39,4 +39,4 @@ DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "usd": "all meshes with panels, seams and fabric; needs the extra usd",
     "texture": "the scan's colours on the detail mesh, and prints of the pieces",
 })  # fmt: skip
-"""One line of each format for people."""
+"""One line on each format for users."""

@@ -1,4 +1,4 @@
-"""All pieces of a garment side by side on one large sheet."""
+"""Arrange all pieces of a garment side by side on one large sheet."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ SHEET_PIECE_GAP = 0.01
 
 @dataclass(frozen=True)
 class Sheet:
-    """Describe where the pieces lie on a sheet.
+    """Describe the places of the pieces on a sheet.
 
     Attributes:
-        pieces: What is laid out.
-        shifts: What moves each piece from its own axes to the sheet's [m], shape [n, 2].
+        pieces: The pieces.
+        shifts: Translation of each piece from its own axes to the sheet's [m], shape [n, 2].
         size: Width and height of the sheet [m], shape [2]; its origin is at the lower left.
-        lines, texts: What is drawn of each piece, in the sheet's axes.
+        lines, texts: Drawing of each piece, in the sheet's axes.
     """
 
     pieces: PieceSet
@@ -38,12 +38,12 @@ class Sheet:
 
 
 def min_sheet_width(pieces: PieceSet) -> float:
-    """Return the width that a sheet needs at least [m]."""
+    """Return the smallest width of a sheet [m]."""
     return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.pieces) + 2.0 * SHEET_PIECE_GAP
 
 
 def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
-    """Return the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece."""
+    """Arrange the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece."""
     shifts, size = pack_pieces(pieces, width)
     lines = tuple(
         tuple(replace(line, points=line.points + shift) for line in draw_lines(piece))
@@ -57,7 +57,7 @@ def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
 
 
 def pack_pieces(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return what moves each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m], shape [2]."""
+    """Return the translation of each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m]."""
     low = np.array([piece.cut.points.min(axis=0) for piece in pieces.pieces])
     sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.pieces]) - low
     corners = (

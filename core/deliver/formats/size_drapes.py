@@ -1,4 +1,4 @@
-"""Drape the sizes of a garment, each on a body by its measures: what shows that a size can be worn."""
+"""Drape the sizes of a garment, each on a body by its measures, to check that they can be worn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...run.hooks import SILENT_HOOKS, Hooks
 from .grading import Size
 
 SIZE_POSE = "A"
-"""Pose of the bodies: how somebody stands who tries a size on."""
+"""Pose of the bodies, as in a fitting."""
 
 
 def drape_size(worn: WornGarment, size: Size, base: BodyMeasures, hooks: Hooks = SILENT_HOOKS) -> DressedGarment:
@@ -28,7 +28,7 @@ def drape_size(worn: WornGarment, size: Size, base: BodyMeasures, hooks: Hooks =
 
     Raises:
         MeasureRange: where the built-in model has no body with these measures.
-        Cancelled: as soon as the hooks say so.
+        Cancelled: where the hooks cancel.
     """
     names = {"chest": "bust", "waist": "waist", "hip": "hip"}
     growth = {place: getattr(size.measures, name) - getattr(base, name) for place, name in names.items()}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .production import Production
 
 TILE_MARGIN_MM = 10.0
-"""Width of a sheet's border that no printer needs to reach [mm]."""
+"""Width of a sheet's border that may be unprintable [mm]."""
 
 TILE_OVERLAP_MM = 10.0
 """Width of the strip that two neighbouring sheets share [mm]."""
@@ -62,7 +62,7 @@ def pieces_pdf(pieces: PieceSet, paper: Paper) -> bytes:
 
 
 def tile_pieces(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
-    """Return the pieces arranged so that few sheets of paper show them, and those sheets; empty ones are left out."""
+    """Arrange the pieces so that few sheets of paper show them, and return both; empty sheets are left out."""
     window = (paper.width - 2 * TILE_MARGIN_MM, paper.height - 2 * TILE_MARGIN_MM)
     step = (window[0] - TILE_OVERLAP_MM, window[1] - TILE_OVERLAP_MM)
     least = int(np.ceil((min_sheet_width(pieces) * 1e3 - TILE_OVERLAP_MM) / step[0]))
@@ -122,7 +122,7 @@ def roll_page(sheet: Sheet, width: float) -> Page:
 
 
 def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
-    """Return one sheet of paper: its part of the drawing, marks where neighbours meet it, and its label."""
+    """Return one sheet of paper: its part of the drawing, alignment marks at its neighbours, and its label."""
     here = tiling.tiles[number]
     (wide, tall), (across, down) = tiling.window, tiling.step
     left, top = here.column * across, float(sheet.size[1]) * 1e3 - here.row * down

@@ -1,4 +1,4 @@
-"""How a large sheet is cut up into sheets of paper."""
+"""The tiling of a large sheet by sheets of paper."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Tile:
 
     @property
     def name(self) -> str:
-        """Return its label: A1 at the upper left."""
+        """Return its label, A1 at the upper left."""
         letters, number = "", self.row + 1
         while number:
             number, rest = divmod(number - 1, 26)
@@ -26,7 +26,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class Tiling:
-    """Describe how a sheet is cut up: what each sheet of paper shows [mm], and the sheets that show something."""
+    """Describe a tiling: the part that each sheet of paper shows [mm], and the sheets that are not empty."""
 
     paper: Paper
     window: tuple[float, float]

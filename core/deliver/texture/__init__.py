@@ -1,1 +1,1 @@
-"""From the colours of a scan to a texture on a garment's flat panels."""
+"""Textures on a garment's flat panels from the colours of a scan."""

@@ -15,15 +15,13 @@ from .lookup import look_up_colours
 from .texels import Texels, find_texels
 
 TEXELS_MM = (0.5, 1.0, 2.0)
-"""Sizes of a texel that are made [mm]; a scan's own colours are seldom finer than 1 mm."""
+"""Accepted sizes of a texel [mm]; a scan's own colours are seldom finer than 1 mm."""
 
 GUTTER_WIDTH_TEXELS = 8
-"""Width of the ground around each panel that takes the panel's colours [texels]. Down to a mip map of an eighth of the
-size no other colour is mixed in."""
+"""Width of the gutter around each panel in its colours [texels], enough for mip maps of an eighth of the size."""
 
 BORDER_MARGIN_TEXELS = 2.0
-"""Width of the ground beside the border that shows the scan itself [texels]: what bilinear sampling at the border
-reads."""
+"""Width of the ground beside the border that shows the scan itself [texels]: the support of bilinear sampling there."""
 
 
 class TexelBad(BadInput):
@@ -39,7 +37,7 @@ class BakedTexture:
     Attributes:
         image: RGB bytes from the top, shape [size, size, 3]; white where neither cloth nor its gutter is.
         cloth: Which texels show cloth, shape [size, size].
-        seen: Which of them show the scan; the others were filled from around them, shape [size, size].
+        seen: Which of them show the scan, shape [size, size]; the others were filled from around them.
         texel: Width of a texel [m].
     """
 
@@ -70,10 +68,10 @@ def bake_texture(
 ) -> BakedTexture:
     """Bake the colours of a scan into a texture.
 
-    Each texel's place on the garment takes the colour of the nearest place of the scan, if that is within `REACH` and
-    faces the same way. Where the first is another fold's, the nearest face that faces the same way is looked for.
-    Beside a panel's border the garment is prolonged, so that both sides of a seam read the scan across it. Of a scan
-    that was cut out of a person's, what shows skin or the inside of the cloth beside the cut is left out.
+    Each texel has the colour of the scan's surface nearest to its place on the garment, if that is within
+    `MAX_COLOUR_LOOKUP_DISTANCE` and faces the same way; if it belongs to another fold, the nearest face that faces the
+    same way is used. Beside a panel's border the garment is extended, so that both sides of a seam show the scan across
+    it. In a scan cut out of a person's, parts beside the cut with skin or the cloth's inside are excluded.
 
     Args:
         garment: Topology.

@@ -1,4 +1,4 @@
-"""Fill the gaps of a texture from around them."""
+"""Fill the gaps of a texture from their surroundings."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def fill_gaps(image: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def spread_border(image: np.ndarray, cloth: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return an image in which each texel near the cloth has the colour of the nearest one on it, and which are near.
+    """Return an image in which each texel near the cloth has the nearest cloth's colour, and which texels are near.
 
     Args:
         image: Values, shape [height, width, channels].
         cloth: Which texels are cloth, shape [height, width].
-        width: How far from the cloth texels are near [texel].
+        width: Distance from the cloth up to which texels are near [texel].
     """
     if not cloth.any():
         return image, cloth

@@ -1,4 +1,4 @@
-"""The colours that a scan shows at places near it."""
+"""Look up the colours of a scan at places near it."""
 
 from __future__ import annotations
 
@@ -13,23 +13,21 @@ MAX_COLOUR_LOOKUP_DISTANCE = 0.01
 """Largest distance between the garment and the surface of the scan whose colour it takes [m]."""
 
 MIN_LOOKUP_NORMAL_COSINE = 0.2
-"""Least cosine of the angle between the garment's normal and the scan's. A face at a larger angle is another fold's."""
+"""Smallest cosine between the garment's normal and the scan's; a face at a larger angle belongs to another fold."""
 
 MAX_RIM_OVERHANG = 2e-3
-"""Largest distance of a place over the scan's rim at which it still takes the rim's colour [m]; beyond is a hole of the
-scan."""
+"""Largest distance beyond the scan's rim at which the rim's colour is used [m]; further away is a hole."""
 
 UNSEEN_COLOUR = (128, 128, 128)
-"""Colour of a vertex that the scan does not show, RGB in 0..255: the one that `bake_texture` gives a panel that the
-scan does not show at all."""
+"""Colour of a vertex that the scan does not show, RGB in 0..255, as `bake_texture` gives a panel without scan."""
 
 
 def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the colour that a scan shows at each place, and whether it shows one.
+    """Return the colour of a scan at each place, and whether there is one.
 
-    That is the colour of the nearest place of the scan, if it is within `MAX_COLOUR_LOOKUP_DISTANCE` and faces the same
-    way. Where the first is another fold's, the nearest face that faces the same way is looked for. Of a scan that was
-    cut out of a person's, what shows skin or the inside of the cloth beside the cut is left out.
+    It is the colour of the scan's nearest surface, if that is within `MAX_COLOUR_LOOKUP_DISTANCE` and faces the same
+    way; if it belongs to another fold, the nearest face that faces the same way is used. If the scan was cut out of a
+    person's, parts beside the cut that show skin or the inside of the cloth are excluded.
 
     Args:
         scan: The scan, coloured.
@@ -68,8 +66,7 @@ def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) 
 
 
 def colour_vertices(vertices: np.ndarray, faces: np.ndarray, scan: ColouredScan) -> np.ndarray:
-    """Return the colour that a scan shows at each vertex of a mesh on it, RGB bytes; `UNSEEN_COLOUR` where it shows
-    none.
+    """Return the scan's colour at each vertex of a mesh on it, RGB bytes; `UNSEEN_COLOUR` where there is none.
 
     Args:
         vertices: Positions on the scan [m], shape [n, 3].
@@ -82,8 +79,8 @@ def colour_vertices(vertices: np.ndarray, faces: np.ndarray, scan: ColouredScan)
 
 
 def _orientation_sign(surface: TriangleSurface) -> float:
-    """Return 1.0 where faces look away from the middle of what they go around, -1.0 where they look towards it."""
+    """Return 1.0 where faces point away from the centre of the surface, -1.0 where they point towards it."""
     centres = surface.vertices[surface.faces].mean(axis=1)
     middle = np.average(centres, axis=0, weights=surface.face_areas)
     flow = np.einsum("nd,nd->n", centres - middle, surface.face_normals) @ surface.face_areas
-    return 1.0 if flow >= 0.0 else -1.0  # a file's faces may all look inward; of two layers the outer is larger
+    return 1.0 if flow >= 0.0 else -1.0  # a file's faces may all point inward; of two layers the outer is larger

@@ -1,4 +1,4 @@
-"""Which place of which face lies under each texel of a texture."""
+"""Map each texel of a texture to a place in a face."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import numpy as np
 from ...geometry.connectivity import HalfEdges
 
 TEXEL_CHUNK_SIZE = 4_000_000
-"""Number of pairs of texel and face that are tested together: 0.5 GB of numbers at most."""
+"""Number of pairs of texel and face that are tested together: 0.5 GB at most."""
 
 TEXEL_BARYCENTRIC_TOLERANCE = 1e-9
-"""Largest negative barycentric coordinate, without its sign, at which a texel still lies in a face. A texel on an edge
-belongs to one of both faces, never to none."""
+"""Largest negative barycentric coordinate of a texel in a face, without sign: a texel on an edge is in one face."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Texels:
 
 
 def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -> Texels:
-    """Find the texels whose centres lie in a face, and those near the border outside, by the border's face prolonged.
+    """Find the texels whose centres are in a face, and those outside near the border, in the extended border face.
 
     The centre of texel (row, column) is u = (column + 1/2) / size, v = 1 - (row + 1/2) / size.
 
@@ -44,7 +43,7 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
         flat: Coordinates within 0..1, shape [n, 2]; no two faces overlap, and all run counter-clockwise.
         faces: Indices into `flat`, shape [m, 3].
         size: Texels of a side.
-        beside: How far from the border texels are found [texel].
+        beside: Distance from the border up to which texels are found [texel].
 
     Returns:
         The texels, row after row.
@@ -79,7 +78,7 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
 
 
 def _cells(low: np.ndarray, high: np.ndarray, size: int):  # type: ignore[no-untyped-def]
-    """Yield for some boxes at a time the box and the (column, row) of each whole cell in them."""
+    """Yield, in chunks of boxes, the box and the (column, row) of each whole cell in them."""
     low, high = np.clip(low, 0, size - 1), np.clip(high, 0, size - 1)
     width = (high - low + 1).astype(np.int64)
     counts = np.where((width > 0).all(axis=1), width.prod(axis=1), 0)

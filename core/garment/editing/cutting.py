@@ -15,21 +15,20 @@ from .errors import EditBad
 from .partners import find_panel
 
 CROSSING_SAMPLE_COUNT = 64
-"""Number of equal parts of an edge; a crossing is looked for within each of them."""
+"""Number of equal parts of an edge, each searched for a crossing."""
 
 CUT_LINE_TOLERANCE = 1e-9
-"""Distance from the line [m] that counts as none: a corner on it lies to either side by rounding, another one on
-another processor."""
+"""Distance from the line [m] below which a corner is on it; otherwise rounding, which differs between processors, would
+decide its side."""
 
 CROSSING_BISECTION_ITERATIONS = 50
-"""Number of bisections of a part of an edge: the crossing is then known to rounding."""
+"""Number of bisections of a part of an edge, after which the crossing is known to rounding."""
 
 
 def cut_panel(pattern: Pattern, panel: str, line: np.ndarray) -> Pattern:
-    """Return a pattern with a panel cut in two along a line, and both pieces sewn to each other there.
-
-    The pieces keep the panel's axes, place and grain. The larger one keeps its name; the other is called after it with
-    the next free number. What is sewn to an edge that the line meets is divided there too.
+    """Return a pattern with a panel cut in two along a line, and both pieces sewn to each other there. The pieces keep
+    the panel's axes, placement and grain. The larger one keeps its name; the other gets it with the next free number.
+    Edges sewn to an edge that the line meets are divided there too.
 
     Args:
         pattern: The pattern.
@@ -57,7 +56,7 @@ def cut_panel(pattern: Pattern, panel: str, line: np.ndarray) -> Pattern:
 
 
 def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, float]], list[int]]:
-    """Return where a stretch of line crosses a panel's outline: edges with fractions of their lengths, and corners."""
+    """Return where a line segment crosses a panel's outline: edges with fractions of their lengths, and corners."""
     along = line[1] - line[0]
     size = float(np.linalg.norm(along))
     if size == 0.0:
@@ -91,7 +90,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
 
 
 def _refine(panel: Panel, edge: int, side: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> float:
-    """Return the fraction of an edge's length at which it crosses, between two others."""
+    """Return the fraction of an edge's length, between two others, at which it crosses the line."""
     below = float(side(_point_at(panel, edge, low)))
     for _ in range(CROSSING_BISECTION_ITERATIONS):
         half = (low + high) / 2.0
@@ -145,7 +144,7 @@ def _piece(panel: Panel, loop: list[int], end: int) -> Panel:
 
 
 def _free_name(pattern: Pattern, name: str) -> str:
-    """Return a name for another piece of a panel that no panel has."""
+    """Return a panel's name with a number that no other panel has."""
     known, number = {panel.name for panel in pattern.panels}, 2
     while f"{name}_{number}" in known:
         number += 1
@@ -153,7 +152,7 @@ def _free_name(pattern: Pattern, name: str) -> str:
 
 
 def reorder(pattern: Pattern) -> Pattern:
-    """Return a pattern whose file names its panels in their order, after some are new or gone."""
+    """Return a pattern whose `panel_order` lists its present panels."""
     kept = pattern.extra.get("pattern", {})
     if "panel_order" not in kept:
         return pattern

@@ -1,4 +1,4 @@
-"""Cut a dart into a panel, find the darts that there are, and close one."""
+"""Insert a dart into a panel, find a pattern's darts, and close one."""
 
 from __future__ import annotations
 
@@ -11,27 +11,22 @@ from .dividing import divide, forget_edges
 from .partners import find_sewn_partners
 
 MIN_FOUND_DART_LENGTH = 1e-3
-"""Least length of a dart from its mouth to its apex [m]. Two edges of one line that are sewn to each other are a pleat,
-and no dart: its fold is within this of its mouth."""
+"""Smallest length of a dart from its mouth to its apex [m]. Below it two collinear edges that are sewn to each other
+are a pleat, whose fold is on its mouth."""
 
 DART_LABEL = "dart"
-"""Of both edges of a dart that is cut into a panel."""
+"""Label of both edges of an inserted dart."""
 
 
 @dataclass(frozen=True)
 class Dart:
-    """Name a dart: two edges of one panel that follow each other and are sewn to each other.
-
-    Attributes:
-        panel: The panel's name.
-        first: Number of its first edge, which ends at the apex.
-    """
+    """Describe a dart: two consecutive edges of one panel that are sewn to each other; `first` ends at the apex."""
 
     panel: str
     first: int
 
     def ends(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the begin of its mouth, its apex and the end of its mouth [m], shape [2] each."""
+        """Return the start of its mouth, its apex and the end of its mouth [m], shape [2] each."""
         points = pattern.panel(self.panel).points
         first, apex, last = (points[(self.first + k) % len(points)] for k in range(3))
         return first, apex, last
@@ -69,13 +64,13 @@ def find_darts(pattern: Pattern) -> tuple[Dart, ...]:
 
 
 def insert_dart(pattern: Pattern, edge: EdgeRef, at: float, apex: np.ndarray) -> tuple[Pattern, Dart]:
-    """Return a pattern with a dart without width; moving the ends of its mouth apart opens it.
+    """Return a pattern with a dart of width 0; moving the ends of its mouth apart opens it.
 
     Args:
         pattern: The pattern.
         edge: The edge that its mouth is on.
         at: Fraction of the edge's length; 0: the mouth is at the control point where the edge begins, and nothing is
-            divided. Elsewhere what is sewn to the edge is divided too, so that each part keeps its seam.
+            divided. Elsewhere the edge sewn to it is divided too, so that each part keeps its seam.
         apex: In the panel's axes [m], shape [2].
 
     Returns:
@@ -109,9 +104,8 @@ def insert_dart(pattern: Pattern, edge: EdgeRef, at: float, apex: np.ndarray) ->
 
 
 def close_dart(pattern: Pattern, dart: Dart) -> Pattern:
-    """Return a pattern without a dart: its mouth closes at its middle, and its apex goes.
-
-    The control point at the mouth stays, so that what is sewn to either side of it keeps its seam.
+    """Return a pattern without a dart: the ends of its mouth become one point at its middle, and its apex is removed.
+    The control point at the mouth stays, so that the edges on either side of it keep their seams.
 
     Args:
         pattern: The pattern.
@@ -124,7 +118,7 @@ def close_dart(pattern: Pattern, dart: Dart) -> Pattern:
     kept = [i for i in range(count) if i not in gone]
     points = panel.points.copy()
     points[dart.first] = 0.5 * (first + last)
-    # The edge that began at the mouth's end begins at its middle now; both edges of the dart are gone.
+    # The edge after the mouth now begins at its middle; both edges of the dart are removed.
     order = [i if i != dart.first else (dart.first + 2) % count for i in kept]
     numbers = {old: new for new, old in enumerate(order)}
     notches = tuple(sorted((numbers[i], share) for i, share in panel.notches if i in numbers))

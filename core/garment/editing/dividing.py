@@ -1,4 +1,4 @@
-"""Add control points to edges, and take them away; no outline changes its length by more than 1e-6 m."""
+"""Add control points to edges and remove them; no outline changes its length by more than 1e-6 m."""
 
 from __future__ import annotations
 
@@ -14,16 +14,15 @@ from .errors import EditBad
 from .partners import Corner, check_number, find_panel, find_sewn_partners, mirror_corners, mirror_edges
 
 MIN_SPLIT_SHARE = 1e-3
-"""Share of an edge's length from its ends where it is not cut: a piece of less than 1 mm of a metre is no edge."""
+"""Share of an edge's length at its ends where it is not cut: a piece of less than 1 mm of a metre is no edge."""
 
 MERGED_CURVE_TOLERANCE = 1e-7
-"""Largest distance [m] up to which two edges count as parts of one curve."""
+"""Largest distance [m] at which two edges count as parts of one curve."""
 
 
 def split_edges(pattern: Pattern, panel: str, edge: int, at: float, keep_symmetry: bool = True) -> Pattern:
-    """Return a pattern with a control point more on an edge; the outline stays the same curve.
-
-    The edge that is sewn to it is cut at the same place, so that each half keeps its seam, and so are mirror images.
+    """Return a pattern with one more control point on an edge; the outline stays the same curve. The edge that is sewn
+    to it is cut at the same place, so that each half keeps its seam, and so are mirror images.
 
     Args:
         pattern: The pattern.
@@ -47,7 +46,7 @@ def split_edges(pattern: Pattern, panel: str, edge: int, at: float, keep_symmetr
 
 
 def divide(pattern: Pattern, cuts: Mapping[EdgeRef, float]) -> Pattern:
-    """Return a pattern with some edges cut in two at fractions of their lengths, and with them those sewn to them."""
+    """Return a pattern with some edges, and those sewn to them, cut in two at fractions of their lengths."""
     sewn = find_sewn_partners(pattern)
     cuts = {sewn[ref]: 1.0 - at for ref, at in cuts.items() if ref in sewn} | dict(cuts)
     numbers: dict[EdgeRef, list[int]] = {}
@@ -77,7 +76,7 @@ def divide(pattern: Pattern, cuts: Mapping[EdgeRef, float]) -> Pattern:
 def _shift_notch(
     panel: Panel, notch: tuple[int, float], numbers: Mapping[EdgeRef, list[int]], cuts: Mapping[EdgeRef, float]
 ) -> tuple[int, float]:
-    """Return a notch on the part of its edge that it is on now."""
+    """Return a notch on the part of its edge that has it now."""
     ref = EdgeRef(panel.name, notch[0])
     at = cuts.get(ref)
     if at is None:
@@ -86,16 +85,15 @@ def _shift_notch(
 
 
 def merge_edges(pattern: Pattern, panel: str, vertex: int, keep_symmetry: bool = True) -> Pattern:
-    """Return a pattern without a control point: its two edges become one of the same length.
-
-    Parts of one curve become that curve. Others become the cubic of the same ends, end directions and length. Both
-    edges are sewn to neighbours on one other panel, or neither is sewn; the point between those goes too.
+    """Return a pattern without a control point: its two edges become one of the same length. Parts of one curve become
+    that curve; others become the cubic of the same ends, end directions and length. Both edges are sewn to neighbours
+    on one other panel, whose common point is removed too, or neither is sewn.
 
     Args:
         pattern: The pattern.
         panel: Name of the panel.
         vertex: Number of the control point.
-        keep_symmetry: Take away mirror images too.
+        keep_symmetry: Remove mirror images too.
 
     Raises:
         EditBad: where there is no such point, or a seam or an opening ends there.
@@ -104,7 +102,7 @@ def merge_edges(pattern: Pattern, panel: str, vertex: int, keep_symmetry: bool =
     corners = {(panel, vertex)}
     if keep_symmetry:
         corners |= {image for image, _ in mirror_corners(pattern).get((panel, vertex), [])}
-    while corners:  # each merge renumbers what is left of its panels
+    while corners:  # each merge renumbers the remaining points of its panels
         name, number = max(corners)
         corners.discard((name, number))
         partner = _find_partner(pattern, name, number)
@@ -115,16 +113,13 @@ def merge_edges(pattern: Pattern, panel: str, vertex: int, keep_symmetry: bool =
 
 
 def _renumber(corner: Corner, gone: set[Corner]) -> Corner:
-    """Return a control point's number after others are gone."""
+    """Return a control point's number after others are removed."""
     return corner[0], corner[1] - sum(1 for name, number in gone if name == corner[0] and number < corner[1])
 
 
 def _find_partner(pattern: Pattern, name: str, vertex: int) -> Corner | None:
-    """Return the control point that both edges at one are sewn to; None where they are not sewn.
-
-    Raises:
-        EditBad: where a seam or an opening ends at the point.
-    """
+    """Return the control point that both edges at one are sewn to; None where they are not sewn. Raise `EditBad` where
+    a seam or an opening ends at the point."""
     panel, sewn = pattern.panel(name), find_sewn_partners(pattern)
     count, place = len(panel.points), Place(name, vertex=vertex)
     if count <= 3:
@@ -144,7 +139,7 @@ def _find_partner(pattern: Pattern, name: str, vertex: int) -> Corner | None:
 
 
 def _merge(pattern: Pattern, gone: set[Corner]) -> Pattern:
-    """Return a pattern without some control points, at most one of each panel, or two that are no neighbours."""
+    """Return a pattern without some control points, at most one per panel, or two that are not neighbours."""
     numbers: dict[EdgeRef, int] = {}
     panels = []
     for panel in pattern.panels:
@@ -196,7 +191,7 @@ def _join_edges(panel: Panel, first: int) -> Edge:
 
 
 def _whole_curves(one: Edge, other: Edge, points: tuple[np.ndarray, np.ndarray, np.ndarray]) -> list[Edge]:
-    """Return the curves that two edges may be parts of: by undoing de Casteljau's cut, or the arc through the cut."""
+    """Return the curves that two edges may be parts of: by inverting de Casteljau's cut, or the arc through the cut."""
     start, middle, end = points
     if one.kind != other.kind:
         return []
@@ -219,7 +214,7 @@ def _whole_curves(one: Edge, other: Edge, points: tuple[np.ndarray, np.ndarray, 
 
 
 def _is_cut_there(whole: Edge, one: Edge, middle: np.ndarray, ends: tuple[np.ndarray, np.ndarray]) -> bool:
-    """Return whether a curve, cut where its first part ends, gives the same point."""
+    """Return whether a curve, cut at the length of its first part, gives the same point."""
     start, end = ends
     size = float(np.linalg.norm(end - start))
     share = unit_length(one) * float(np.linalg.norm(middle - start)) / (unit_length(whole) * size)
@@ -228,10 +223,8 @@ def _is_cut_there(whole: Edge, one: Edge, middle: np.ndarray, ends: tuple[np.nda
 
 
 def _fit_cubic(one: Edge, other: Edge, points: tuple[np.ndarray, np.ndarray, np.ndarray], length: float) -> Edge:
-    """Return the cubic with the first edge's first direction, the second's last, and a length in chords.
-
-    Both handles are as far from their ends; that distance grows with the length, and is found by halving.
-    """
+    """Return the cubic with the first edge's first direction, the second's last, and a length in chords. Both handles
+    have the same distance from their ends, which grows with the length and is found by bisection."""
     start, middle, end = points
     first = place_on_chord(_tangent(one, 0), start, middle)[0] - start
     last = place_on_chord(_tangent(other, 1), middle, end)[0] - end
@@ -263,7 +256,7 @@ def _tangent(edge: Edge, at_end: int) -> np.ndarray:
 
 
 def forget_edges(pattern: Pattern, names: set[str]) -> Pattern:
-    """Return a pattern without what a file held beyond the format of the edges of some panels: they are others now."""
+    """Return a pattern without the unknown keys that a file had for the edges of some panels, which have changed."""
     known = pattern.extra.get("panels", {})
     rests = {name: {**rest, "edges": {}} if name in names else rest for name, rest in known.items()}
     return replace(pattern, extra={**pattern.extra, "panels": rests}) if known else pattern

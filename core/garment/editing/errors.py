@@ -1,4 +1,4 @@
-"""What can be wrong with an operation on a pattern."""
+"""Errors of operations on a pattern."""
 
 from __future__ import annotations
 

@@ -15,15 +15,13 @@ from .dividing import forget_edges
 from .errors import EditBad
 
 PANEL_JOIN_TOLERANCE = 1e-3
-"""Largest difference between the lengths of a seam's sides [m] up to which panels are joined along it: the width of a
-chalk line."""
+"""Largest difference of the lengths of a seam's sides along which panels are joined [m]: a chalk line's width."""
 
 
 def join_panels(pattern: Pattern, seam: int) -> Pattern:
-    """Return a pattern with the two panels of a straight seam made one.
-
-    The second panel is laid beside the first along the seam; the joined one has the first's name, axes, place and
-    grain. The seam's control points stay where they run on smoothly, too (`merge_edges` takes them away).
+    """Return a pattern with the two panels of a straight seam joined into one. The second panel is aligned to the first
+    along the seam; the joined one has the first's name, axes, placement and grain. The seam's control points stay, also
+    where they are smooth (`merge_edges` removes them).
 
     Args:
         pattern: The pattern.
@@ -66,7 +64,7 @@ def join_panels(pattern: Pattern, seam: int) -> Pattern:
 
 
 def _check_seam(pattern: Pattern, number: int, places: list[Place]) -> None:
-    """Refuse a seam along which its panels cannot be joined."""
+    """Raise `EditBad` for a seam along which its panels cannot be joined."""
     seam = pattern.seams[number]
     sides = [(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b)]
     if seam.a.panel == seam.b.panel:
@@ -85,6 +83,6 @@ def _check_seam(pattern: Pattern, number: int, places: list[Place]) -> None:
 
 
 def _align_to_seam(one: Panel, edge: int, other: Panel, facing: int) -> np.ndarray:
-    """Return another panel's control points [m] where it lies beside a panel, seam on seam, shape [n, 2]."""
+    """Return another panel's control points [m] moved beside a panel, seam on seam, shape [n, 2]."""
     motion = align_chords(np.stack(chord(other, facing))[::-1], np.stack(chord(one, edge)))
     return motion.apply(other.points)

@@ -17,21 +17,20 @@ def move_points(
     keep_symmetry: bool = True,
     keep_seams: bool = True,
 ) -> Pattern:
-    """Return a pattern with control points moved.
-
-    Each given point moves by exactly what is asked. A mirror image moves by the mirrored way, a point on its panel's
-    axis along the axis. The point that a moved one is sewn to moves as far along the seam as that one. What then is
-    left of the seams' difference is taken up by moving all other points as little as possible (`equalise_seams`).
+    """Return a pattern with control points moved. Each given point moves by exactly `by`, its mirror image by the
+    mirrored motion, a point on its panel's axis along the axis. The point sewn to a moved one moves as far along the
+    seam. The remaining difference of seam lengths is removed by moving all other points as little as possible
+    (`equalise_seams`).
 
     Args:
         pattern: The pattern.
         points: Panel and number of each control point.
-        by: The way in the panels' axes [m], shape [2].
+        by: The motion in the panels' axes [m], shape [2].
         keep_symmetry: Move mirror images too.
         keep_seams: Make the seams equal; False leaves them as the move makes them.
 
     Raises:
-        EditBad: where a point is not there.
+        EditBad: where a point does not exist.
     """
     for name, number in points:
         check_number(find_panel(pattern, name), number)
@@ -48,7 +47,7 @@ def move_points(
 
 
 def _mirror_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
-    """Return the moves of mirror images, and of points on an axis along it; what is moved itself goes its own way."""
+    """Return the moves of mirror images, and of points on an axis along it; a given point keeps its own move."""
     images, found = mirror_corners(pattern), {}
     for corner, way in moves.items():
         for image, matrix in images.get(corner, []):
@@ -60,7 +59,7 @@ def _mirror_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Cor
 
 
 def _sewn_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
-    """Return the moves along their seams of the points that moved ones are sewn to."""
+    """Return the moves, along their seams, of the points that moved ones are sewn to."""
     sewn, found = find_sewn_partners(pattern), {}
     for (name, number), way in moves.items():
         count = len(pattern.panel(name).points)

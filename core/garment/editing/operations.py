@@ -25,24 +25,24 @@ from .partners import check_number, find_panel
 from .reshaping import sharpen_corner, smooth_corner, straighten_edges
 
 MAX_EDIT_OPERATIONS = 1000
-"""Largest number of operations in one list: an hour of a pattern maker's work is some hundreds."""
+"""Largest number of operations in one list: a pattern maker does some hundreds in an hour."""
 
 MAX_POINT_MOVE_MM = 10_000.0
-"""The furthest that a point is moved [mm]."""
+"""Largest motion of a point [mm]."""
 
 MAX_OPERATION_NUMBER = 100_000
-"""Bound of a number in an operation; what a panel has is checked by the operation."""
+"""Upper bound of a number in an operation; the operation checks it against the panel."""
 
 OperationFields = Mapping[str, Any]
 
 
 def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
-    """Return a pattern after operations, one after the other; see docs/reference/http.md for what each takes.
+    """Return a pattern after operations, one after the other; docs/reference/http.md has their fields.
 
     Args:
         pattern: The pattern.
-        operations: JSON objects, each with `op`. Numbers are those of the pattern as the operations before have left
-            it, coordinates those of its file's axes.
+        operations: JSON objects, each with `op`. Numbers are those of the pattern after the operations before,
+            coordinates those of its file's axes.
 
     Raises:
         EditBad: where one is unknown or cannot be done; the message begins with its number.
@@ -78,8 +78,8 @@ def edit_file(source: str, operations: str) -> dict[str, Any]:
         operations: Path of a JSON list.
 
     Returns:
-        `pattern`, the new document, and beside it what `examine_file` returns of it; or `refused`, a finding that says
-        which operation cannot be done, and where, or what is wrong with the document.
+        `pattern`, the new document, with the results of `examine_file` for it; or `refused`, a finding with the
+            operation that cannot be done, and its place, or with what is wrong with the document.
     """
     wanted = json.loads(Path(operations).read_text(encoding="utf-8"))
     try:
@@ -97,7 +97,7 @@ def _corner(pattern: Pattern, given: OperationFields) -> tuple[str, int]:
 
 
 def _to_panel_axes(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.ndarray:
-    """Return lengths in mm in the axes of a panel's file as metres in ours."""
+    """Return lengths [mm] in the axes of a panel's file as lengths [m] in the panel's axes here."""
     side = -1.0 if find_panel(pattern, panel).mirrored else 1.0
     found = np.array(get_vector(vectors, 2, name, MAX_POINT_MOVE_MM)) / 1e3
     moves: np.ndarray = found * np.array([side, 1.0])
@@ -116,7 +116,7 @@ def _move(pattern: Pattern, given: OperationFields) -> Pattern:
 
 
 def _read_keep_flags(given: OperationFields) -> tuple[bool, bool]:
-    """Return whether mirror images follow, and whether the seams stay equal; both unless they are switched off."""
+    """Return whether mirror images follow, and whether the seams stay equal; both default to True."""
     found = []
     for name in ("keep_symmetry", "keep_seams"):
         value = given.get(name, True)
@@ -180,4 +180,4 @@ OPERATIONS: dict[str, tuple[tuple[str, ...], Callable[[Pattern, OperationFields]
     "join": (("seam",), _join),
     "equalise": (("fixed",), _equalise),
 }
-"""Each operation's fields, and what does it."""
+"""Fields and function of each operation."""

@@ -1,4 +1,4 @@
-"""What follows an edit: edges sewn to an edge, and mirror images of edges and control points."""
+"""Partners that follow an edit: edges sewn to an edge, and mirror images of edges and control points."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def find_panel(pattern: Pattern, name: str) -> Panel:
 
 
 def check_number(panel: Panel, number: int) -> None:
-    """Refuse the number of an edge or a control point that a panel does not have.
+    """Check that a panel has an edge or control point of a number.
 
     Raises:
         EditBad: where it has none.
@@ -46,7 +46,7 @@ def find_sewn_partners(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
 
 
 def mirror_corners(pattern: Pattern) -> dict[Corner, list[tuple[Corner, np.ndarray]]]:
-    """Return the images of each control point, each with what a move of the point times it is the image's move."""
+    """Return the images of each control point, each with the matrix from a move of the point to that of the image."""
     found: dict[Corner, list[tuple[Corner, np.ndarray]]] = {}
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source].name, pattern.panels[mirror.target].name
@@ -57,7 +57,7 @@ def mirror_corners(pattern: Pattern) -> dict[Corner, list[tuple[Corner, np.ndarr
 
 
 def mirror_edges(pattern: Pattern) -> dict[EdgeRef, set[EdgeRef]]:
-    """Return the images of each edge; an image runs the other way."""
+    """Return the images of each edge; an image has the reverse direction."""
     found: dict[EdgeRef, set[EdgeRef]] = {}
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source].name, pattern.panels[mirror.target].name
@@ -73,11 +73,11 @@ def mirror_edges(pattern: Pattern) -> dict[EdgeRef, set[EdgeRef]]:
 def restore_seam_lengths(
     edited: Pattern, before: Pattern, fixed: set[Corner], keep_symmetry: bool, keep_seams: bool
 ) -> Pattern:
-    """Return an edited pattern with the sides of its seams made equal, where that is asked for.
+    """Return an edited pattern with the sides of its seams made equal, if `keep_seams`.
 
     Args:
         edited: The pattern after an operation.
-        before: The one before, of the same panels and seams, which tells ratios of gathers.
+        before: The one before, of the same panels and seams, with the ratios of gathers.
         fixed: Control points that stay.
         keep_symmetry: Move mirror images alike.
         keep_seams: Make the seams equal; False returns the pattern as it is.

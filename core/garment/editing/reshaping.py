@@ -1,4 +1,4 @@
-"""Make curves straight, corners smooth, and back."""
+"""Straighten edges, and smooth or sharpen corners."""
 
 from __future__ import annotations
 
@@ -21,20 +21,19 @@ from .partners import (
 )
 
 STRAIGHT_HANDLE_TOLERANCE = 1e-9
-"""Distance of a handle from its chord [chords] below which it lies on the chord."""
+"""Distance of a handle from its chord [chords] below which it is on the chord."""
 
 SMOOTH_HANDLE_SHARE = 1.0 / 3.0
-"""Share of its chord at which the handle of a smooth corner lies. A cubic whose handles lie so on its chord has uniform
-speed, so that nothing but the direction changes."""
+"""Length of the handle of a smooth corner as a share of its chord. A cubic with such handles on its chord has uniform
+speed, so that only the direction changes."""
 
 
 def straighten_edges(
     pattern: Pattern, panel: str, first: int, last: int, keep_symmetry: bool = True, keep_seams: bool = True
 ) -> Pattern:
-    """Return a pattern with the edges between two control points of a panel made lines.
-
-    Of both ways round the panel the one of fewer edges is taken, from `first` to `last` where they are as many. Mirror
-    images are straightened too, and edges sewn to them that are the same curve.
+    """Return a pattern with the edges between two control points of a panel made lines. Of both paths around the panel
+    the one of fewer edges is taken, from `first` to `last` where they are equal. Mirror images are straightened too,
+    and edges sewn to them that are the same curve.
 
     Args:
         pattern: The pattern.
@@ -68,10 +67,8 @@ def straighten_edges(
 def smooth_corner(
     pattern: Pattern, panel: str, vertex: int, keep_symmetry: bool = True, keep_seams: bool = True
 ) -> Pattern:
-    """Return a pattern with a corner made smooth: both edges leave it along the line of its neighbours.
-
-    That is the direction of Catmull and Rom, p(i+1) - p(i-1). Both edges become cubic; their other ends keep their
-    directions.
+    """Return a pattern with a smooth corner: both edges leave it in the direction of Catmull and Rom, p(i+1) - p(i-1).
+    Both edges become cubic; their other ends keep their directions.
 
     Args:
         pattern: The pattern.
@@ -81,7 +78,7 @@ def smooth_corner(
         keep_seams: Make the seams equal.
 
     Raises:
-        EditBad: where there is no such point, or its neighbours are one point.
+        EditBad: where there is no such point, or its neighbours coincide.
     """
     return _reshape(pattern, (panel, vertex), keep_symmetry, keep_seams, is_smooth=True)
 
@@ -89,9 +86,8 @@ def smooth_corner(
 def sharpen_corner(
     pattern: Pattern, panel: str, vertex: int, keep_symmetry: bool = True, keep_seams: bool = True
 ) -> Pattern:
-    """Return a pattern with a corner where its curve was: both edges leave it along their chords.
-
-    An edge without any bend left becomes a line, so that this undoes `smooth_corner` between lines.
+    """Return a pattern with a sharp corner in place of a smooth one: both edges leave it along their chords. An edge
+    without curvature becomes a line, so that this inverts `smooth_corner` between lines.
 
     Args:
         pattern: The pattern.
@@ -140,7 +136,8 @@ def _turn_handles(pattern: Pattern, panel: Panel, vertex: int, is_smooth: bool) 
 
 
 def _as_cubic(edge: Edge) -> np.ndarray:
-    """Return the handles of an edge as a cubic, shape [2, 2]; an arc's nearest one has its ends' directions."""
+    """Return the handles of an edge as a cubic, shape [2, 2]; for an arc those of a near cubic with its end
+    directions."""
     if edge.kind == "cubic":
         return edge.handles.copy()
     ends = np.array([[0.0, 0.0], [1.0, 0.0]])
@@ -161,14 +158,14 @@ def _as_cubic(edge: Edge) -> np.ndarray:
 
 
 def _edge_from_handles(edge: Edge, handles: np.ndarray) -> Edge:
-    """Return an edge with handles; a line where they lie on its chord."""
+    """Return a cubic edge with handles; a line where they are on its chord."""
     if np.all(np.abs(handles[:, 1]) < STRAIGHT_HANDLE_TOLERANCE):
         return replace(edge, kind="line", handles=np.zeros((0, 2)))
     return replace(edge, kind="cubic", handles=handles)
 
 
 def _is_same_curve(pattern: Pattern, one: EdgeRef, other: EdgeRef) -> bool:
-    """Return whether two sewn edges have one shape: laid beside each other along the seam they touch all along."""
+    """Return whether two sewn edges have one shape, so that they coincide when aligned along the seam."""
     a, b = _edge(pattern, one), _edge(pattern, other)
     if a.kind != b.kind:
         return False
@@ -182,7 +179,7 @@ def _edge(pattern: Pattern, ref: EdgeRef) -> Edge:
 
 
 def _with_edges(pattern: Pattern, edges: dict[EdgeRef, Edge]) -> Pattern:
-    """Return a pattern with other edges of the same number."""
+    """Return a pattern with some edges replaced."""
     panels = []
     for panel in pattern.panels:
         numbers: Iterable[int] = range(len(panel.edges))

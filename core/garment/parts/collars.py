@@ -1,8 +1,6 @@
-"""Draft collars: a stand of even width around a crew neck.
-
-A band collar is a straight strip as long as the neckline (W. Aldrich, Metric Pattern Cutting for Women's Wear, standing
-straight collar); it is cut in halves, sewn above the shoulder seams.
-"""
+"""Draft collars: a stand of even width around a crew neck. A band collar is a straight strip as long as the neckline
+(W. Aldrich, Metric Pattern Cutting for Women's Wear, standing straight collar); it is cut in halves, sewn above the
+shoulder seams."""
 
 from __future__ import annotations
 
@@ -13,15 +11,15 @@ from ..pattern import Panel
 from .cut import Cut, Neckline, PartsConflict, SleeveHead
 
 COLLAR_STAND_WIDTH = 0.035
-"""Width of a collar stand [m]: what fits below the jaw."""
+"""Width of a collar stand [m]: it fits below the jaw."""
 
 
 def sew_collar(cut: Cut, face: str, neckline: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
     """Return half a neckline as an edge that a stand is sewn to.
 
     Raises:
-        PartsConflict: where the neckline is no crew neck: a strip does not lie along a corner or far from the neck; or
-            where raglan sleeves end in it.
+        PartsConflict: where the neckline is no crew neck, since a strip fits neither a corner nor a line far from the
+            neck; or where raglan sleeves end in it.
     """
     if (cut.neckline, cut.back_neckline) != (Neckline.CREW, Neckline.CREW):
         raise PartsConflict("a collar stand is drafted on a crew neck; choose neckline=crew and back_neckline=crew.")

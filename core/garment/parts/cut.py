@@ -1,4 +1,4 @@
-"""What a garment is cut as: one choice for each of its parts, and the measures that depart from a part's own."""
+"""The cut of a garment: one choice for each of its parts, and measures that differ from a part's defaults."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PartsConflict(BadInput):
 
 
 class Bodice(StrEnum):
-    """How the trunk is covered: by its girths, from wide to close, and where the shoulders are bare."""
+    """Describe the trunk's cover: by its girths, from wide to close, and with bare shoulders."""
 
     NONE = "none"
     BOXY = "boxy"
@@ -33,7 +33,7 @@ class Bodice(StrEnum):
 
 
 class Neckline(StrEnum):
-    """The line of a neck opening between the two side neck points, in front or behind."""
+    """Describe the line of a neck opening between the two side neck points, in front or behind."""
 
     CREW = "crew"
     SCOOP = "scoop"
@@ -43,7 +43,7 @@ class Neckline(StrEnum):
 
 
 class Sleeve(StrEnum):
-    """A sleeve by its length."""
+    """Describe a sleeve by its length."""
 
     NONE = "none"
     CAP = "cap"
@@ -53,7 +53,7 @@ class Sleeve(StrEnum):
 
 
 class SleeveHead(StrEnum):
-    """How the upper end of a sleeve meets the bodice."""
+    """Describe how the upper end of a sleeve meets the bodice."""
 
     FLAT = "flat"
     SET_IN = "set-in"
@@ -61,21 +61,21 @@ class SleeveHead(StrEnum):
 
 
 class SleevePieces(StrEnum):
-    """Of how many pieces a sleeve is cut."""
+    """Describe the number of pieces of a sleeve."""
 
     ONE = "one"
     TWO = "two"
 
 
 class Cuff(StrEnum):
-    """What finishes a sleeve."""
+    """Describe the finish of a sleeve."""
 
     NONE = "none"
     BAND = "band"
 
 
 class Shaping(StrEnum):
-    """What takes the trunk's hollow at the waist out of the cloth, beside the side seams."""
+    """Describe what takes in the waist, beside the side seams."""
 
     NONE = "none"
     DARTS = "darts"
@@ -83,7 +83,7 @@ class Shaping(StrEnum):
 
 
 class Yoke(StrEnum):
-    """A piece of its own above the rest of a part: across the shoulders, or around the hips."""
+    """Describe a piece of its own above the rest of a part: across the shoulders, or around the hips."""
 
     NONE = "none"
     BACK = "back"
@@ -93,19 +93,19 @@ class Yoke(StrEnum):
 
     @property
     def faces(self) -> tuple[str, ...]:
-        """Return which faces of a bodice it divides, `front` and `back`; none of them around the hips."""
+        """Return the faces of a bodice that it divides, `front` and `back`; none for a hip yoke."""
         return ("front", "back") if self is Yoke.SHOULDERS else (str(self),) if self in (Yoke.FRONT, Yoke.BACK) else ()
 
 
 class Collar(StrEnum):
-    """What is sewn to a neckline."""
+    """Describe what is sewn to a neckline."""
 
     NONE = "none"
     STAND = "stand"
 
 
 class Skirt(StrEnum):
-    """A skirt by the shape of its panels."""
+    """Describe a skirt by the shape of its panels."""
 
     NONE = "none"
     STRAIGHT = "straight"
@@ -120,7 +120,7 @@ class Skirt(StrEnum):
 
 
 class Gores(StrEnum):
-    """Of how many gores a gored skirt is cut all around, as many in front as behind."""
+    """Describe the number of gores of a gored skirt all around, half of them in front."""
 
     FOUR = "4"
     SIX = "6"
@@ -130,7 +130,7 @@ class Gores(StrEnum):
 
 
 class Legs(StrEnum):
-    """Legs by the line of their seams from the thigh down."""
+    """Describe legs by the line of their seams from the thigh down."""
 
     NONE = "none"
     STRAIGHT = "straight"
@@ -141,14 +141,14 @@ class Legs(StrEnum):
 
 
 class Waist(StrEnum):
-    """How a bodice and what is below it meet at the natural waist."""
+    """Describe how a bodice and the part below it meet at the natural waist."""
 
     NONE = "none"
     SEAM = "seam"
 
 
 class Waistband(StrEnum):
-    """What finishes a waist."""
+    """Describe the finish of a waist."""
 
     NONE = "none"
     BAND = "band"
@@ -156,26 +156,21 @@ class Waistband(StrEnum):
 
 @dataclass(frozen=True)
 class Cut:
-    """Describe how a garment is cut; `parts.draft_cut` drafts it.
+    """Describe the cut of a garment; `parts.draft_cut` drafts it.
 
     Attributes:
         bodice: The trunk above the waist.
         neckline, back_neckline: Of the front and of the back.
-        sleeve: Of each arm.
         skirt: Below the waist.
         panels: Panels of a skirt all around, 2 or 4; see `panels_around`.
-        gores: Of a gored skirt.
-        sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: as one is usually cut.
+        sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: the usual one.
         legs: Below the waist instead of a skirt.
         waistband: Of a skirt or legs without a bodice.
         waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
         yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
-        collar: On the neckline.
-        cuff: On each sleeve.
-        sleeve_pieces: Of each sleeve.
-        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
+        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: the neckline's usual depth.
     """
 
     bodice: Bodice = Bodice.NONE
@@ -210,7 +205,7 @@ class Cut:
 
     @property
     def category(self) -> str:
-        """Return the category of a garment that is cut so: one of `segment.CATEGORIES`.
+        """Return the category of a garment of this cut: one of `target.CATEGORIES`.
 
         Raises:
             PartsConflict: where the parts make no garment.
@@ -234,7 +229,7 @@ class Cut:
         return "long_sleeve_tshirt" if self.sleeve is Sleeve.LONG else "tshirt"
 
     def choose(self, parts: dict[str, str]) -> Cut:
-        """Return the cut with other choices for some of its parts; what belongs to a former choice is dropped.
+        """Return the cut with other choices for some of its parts; the settings of a former choice are dropped.
 
         Args:
             parts: Names of choices by names of parts: `{"neckline": "v"}`.
@@ -289,7 +284,7 @@ _RESET_FIELDS: dict[str, dict[str, Any]] = {
     "back_neckline": {"back_depth": None},
     "skirt": {"gores": Gores.SIX, "sweep": None},
 }
-"""What belongs to a part's former choice."""
+"""Settings that belong to a part's former choice."""
 
 
 def _choice(part: str, word: str) -> StrEnum:
@@ -302,7 +297,7 @@ def _choice(part: str, word: str) -> StrEnum:
 
 
 def parse_parts(text: str) -> dict[str, str]:
-    """Read choices of parts, `neckline=v,sleeve=long`; whether there are such is not looked at.
+    """Read choices of parts, `neckline=v,sleeve=long`, without checking that they exist.
 
     Raises:
         PartUnknown: where one has no `=`, or a part is named twice.
@@ -317,6 +312,6 @@ def parse_parts(text: str) -> dict[str, str]:
 
 
 def differing_parts(cut: Cut, other: Cut) -> dict[str, str]:
-    """Return what has to be chosen to make of a cut another one, measures apart."""
+    """Return the choices that turn a cut into another one, except for measures."""
     names = (field.name for field in fields(Cut) if field.name in PARTS)
     return {name: str(getattr(other, name)) for name in names if getattr(other, name) != getattr(cut, name)}

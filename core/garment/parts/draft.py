@@ -88,7 +88,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
 
 
 def _rename_lower_part(panel: Panel, kind: str) -> Panel:
-    """Name a skirt's or a leg's panel and seams apart from the bodice's that it is sewn to."""
+    """Return a skirt's or a leg's panel with names of panel and seams that differ from those of the bodice above."""
     edges = tuple(
         replace(edge, label=f"{kind}.{edge.label}") if edge.label and not edge.label.startswith("waist.") else edge
         for edge in panel.edges
@@ -102,7 +102,8 @@ def half_neck_width(cut: Cut, measures: BodyMeasures | None = None) -> float:
 
 
 def _divide(pattern: Pattern, cut: Cut) -> Pattern:
-    """Return waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
+    """Return a pattern with more control points on waist and hem of a skirt without a band, so that grading can open it
+    to a circle."""
     if cut.waistband is Waistband.BAND or cut.skirt in CIRCLE_SKIRT_ANGLES or cut.has_equal_gores:
         return pattern
     if cut.panels == 4:

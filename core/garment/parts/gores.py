@@ -26,7 +26,7 @@ GORED_SKIRT_LENGTH = 0.54
 """Length of a gored skirt from waist to hem [m]: that of an A-line skirt."""
 
 HIP_EASE = 0.05
-"""Ease of its girth at the hip [m]: an A-line one's."""
+"""Ease of its girth at the hip [m]: that of an A-line skirt."""
 
 USUAL_SWEEP = 1.7
 """Whole angle of a skirt's gores laid side by side [rad] where no scan shows it: the hem is 1.7 m wide, as that of an
@@ -35,19 +35,15 @@ A-line skirt of four panels."""
 
 @dataclass(frozen=True)
 class Gore:
-    """Describe one of a skirt's equal gores: its own mirror image, of straight sides where these clear the hip.
-
-    Attributes:
-        count: Gores all around.
-        side: Half its width [m] and the height over the waist [m] at the hem, at the hip and at the waist.
-    """
+    """Describe one of a skirt's `count` equal gores: symmetric, with straight sides where these clear the hip. `side`
+    is half its width [m] and the height over the waist [m] at the hem, at the hip and at the waist."""
 
     count: int
     side: tuple[Point, Point, Point]
 
     @classmethod
     def of(cls, cut: Cut, quarter: float, m: BodyMeasures) -> Gore:
-        """Return a gore of a cut whose waist's quarter is so long [m]."""
+        """Return a gore of a cut with a quarter of the waist of a given length [m]."""
         count = cut.panels_around
         sweep = USUAL_SWEEP if cut.sweep is None else cut.sweep
         slope, top = math.tan(sweep / count / 2), 2 * quarter / count
@@ -63,11 +59,9 @@ class Gore:
 
 
 def draw_gores(edge: UpperEdge, gore: Gore) -> list[Panel]:
-    """Draw a skirt's gores, each placed before its part of the wearer, turned towards it.
-
-    The first is in front beside the right side seam, the others follow towards the left and around. A seam is called
-    by its number from the middle of its face.
-    """
+    """Draw a skirt's gores, each placed in front of its part of the wearer, turned towards it. The first is in front
+    beside the right side seam, the others follow towards the left and around. A seam is named by its number from the
+    middle of its face."""
     half = gore.count // 2
     places = [("front", n - (half - 1) / 2) for n in range(half)]
     places += [("back", -offset) for _, offset in places]
@@ -76,14 +70,8 @@ def draw_gores(edge: UpperEdge, gore: Gore) -> list[Panel]:
 
 def _draw(edge: UpperEdge, gore: Gore, number: int, face: str, offset: float) -> Panel:
     """Draw one gore: its hem, the side towards the next one, its upper edge, and the side towards the last one.
-
-    Args:
-        edge: The skirt's upper edge.
-        gore: Its shape.
-        number: Of the gore, around the wearer.
-        face: `front` or `back`.
-        offset: Of its middle from the face's, in gores, positive to the wearer's left.
-    """
+    `number` counts around the wearer; `offset` is the distance of its middle from the face's [gores], positive to the
+    wearer's left."""
     next_one = 0.5 if face == "front" else -0.5
     after, before = (_label_seam(gore.count, face, offset + step) for step in (next_one, -next_one))
     (hem, low), (top, _) = gore.side[0], gore.side[-1]
@@ -100,7 +88,7 @@ def _draw(edge: UpperEdge, gore: Gore, number: int, face: str, offset: float) ->
 
 
 def _draw_top(edge: UpperEdge, face: str, offset: float, top: float) -> list[Stroke]:
-    """Draw a gore's upper edge towards the last one, called by what it is sewn to; one in the middle is cut there."""
+    """Draw a gore's upper edge towards the last one, labelled by its seam; a middle gore's is cut at the middle."""
     if not edge.name:
         return [Stroke((-top, 0.0), contour="waist")]
     labels = edge.labels(face)
@@ -112,7 +100,7 @@ def _draw_top(edge: UpperEdge, face: str, offset: float, top: float) -> list[Str
 
 
 def _label_seam(count: int, face: str, offset: float) -> str:
-    """Return the label of a seam with a place for the number of its edge, by its distance from the middle in gores."""
+    """Return the label of a seam, with a place for the number of its edge, by its distance from the middle in gores."""
     if abs(offset) == count / 4:
         return f"side.{{}}.{_side(offset)}"
     if offset == 0.0:
@@ -121,5 +109,5 @@ def _label_seam(count: int, face: str, offset: float) -> str:
 
 
 def _side(offset: float) -> str:
-    """Return on which side of the wearer a distance from the middle lies."""
+    """Return the side of the wearer for a distance from the middle."""
     return "left" if offset > 0.0 else "right"

@@ -1,9 +1,7 @@
-"""Draft legs: trousers and shorts that hang from the waist, and suits whose legs go on into a bodice.
-
-The construction is the trade's (W. Aldrich, Metric Pattern Cutting for Women's Wear, the classic trouser block): a
-crease line that halves each panel, forks of a sixteenth and an eighth of the hip girth, a back that rises higher than
-the front and whose fork is dropped until the inseams are equal.
-"""
+"""Draft legs: trousers and shorts that hang from the waist, and suits whose legs continue into a bodice. The
+construction is the classic trouser block (W. Aldrich, Metric Pattern Cutting for Women's Wear): a crease line that
+halves each panel, forks of a sixteenth and an eighth of the hip girth, a back that rises higher than the front and
+whose fork is dropped until the inseams are equal."""
 
 from __future__ import annotations
 
@@ -21,16 +19,16 @@ from .skirts import draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
 
 CREASE_FROM_MIDDLE = 0.12
-"""Where each leg's crease line stands at first [m]: outside the ankles, so that no panel reaches over the middle."""
+"""Initial distance of a leg's crease line from the middle [m]: outside the ankles, so that panels stay on one side."""
 
 _EASED_SEAMS = ("inseam.0", "outseam.1", "outseam.2")
 """Seams of the trousers whose back is fitted to the front."""
 
 KNEE_HEIGHT_SHARE = 0.47 / 0.79
-"""Height of the knee above the feet as a share of the crotch's height: on the body of the drafts 47 cm."""
+"""Height of the knee above the feet as a share of the crotch's height: 47 cm on the body of the drafts."""
 
 LEG_HEM_HEIGHT = 0.08
-"""Height above the feet of a long leg's hem [m]: clear of the floor, however long the leg."""
+"""Height above the feet of a long leg's hem [m]: clear of the floor for any length of leg."""
 
 LEG_GIRTHS = {
     Legs.STRAIGHT: (0.45, 0.40),
@@ -47,13 +45,13 @@ LegEnd = tuple[float, float]
 def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back of each leg of trousers or shorts.
 
-    Allowances: they sit 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
+    Allowances: the waist is 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
     1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
     below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee and hem of
     `LEG_GIRTHS`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. The back fork is lowered and
     the back's side corners moved until inseams and outseams are equal.
     """
-    from scipy.optimize import root  # a mere reader of templates does not pay for it
+    from scipy.optimize import root  # a slow import, not needed to read templates
 
     ends: tuple[LegEnd, ...]
     if cut.legs is Legs.SHORT:
@@ -123,10 +121,8 @@ def _leg(
     fork_drop: float,
     lift: tuple[float, float],
 ) -> Outline:
-    """Draw one left leg panel around its crease line, which halves the distance from fork to side.
-
-    `level` are the heights of crotch, hip line and waist from the natural waist [m].
-    """
+    """Draw one left leg panel around its crease line, which halves the distance from fork to side. `level` are the
+    heights of crotch, hip line and waist from the natural waist [m]."""
     crotch, hip, top = level
     side = (m.hip + 0.06) / 4 + side_shift
     waist = (m.waist + 0.06) / 4 + side_shift / 2
@@ -153,9 +149,7 @@ def _leg(
 
 def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back of each half of a suit in one piece, from the shoulder to the ankle, and its sleeves.
-
-    Allowances: waist + 16 cm (it is stepped into through the neck), below it those of `_draw_halves`.
-    """
+    Allowances: waist + 16 cm (it is put on through the neck), below it those of `_draw_halves`."""
     shoulder = draw_shoulder(cut, m)
     panels = _draw_halves(cut, m, shoulder)
     if cut.collar is Collar.STAND:
@@ -164,17 +158,15 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 def draw_suit_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw front and back of each leg of a suit below its waist seam, as long there as the bodice is."""
+    """Draw front and back of each leg of a suit below its waist seam, which is as long as the bodice's."""
     return _draw_halves(cut, m, half_waist(cut, m) / 2)
 
 
 def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Panel]:
-    """Draw front and back of both halves of a suit, up to the shoulder or to a waist whose quarter is so long [m].
-
-    Allowances: hip + 12 cm (it is bent in), crotch 4 cm below the body's, so that the trunk can bend; straight legs of
-    47 cm at the knee and 42 cm at the hem, others differ from these as trousers' do. Side seams are one curve; the
-    back's fork is lowered until the inseams are equal.
-    """
+    """Draw front and back of both halves of a suit, up to the shoulder or to a waist with quarters of a given length
+    [m]. Allowances: hip + 12 cm and crotch 4 cm below the body's, so that the trunk can bend; straight legs of 47 cm at
+    the knee and 42 cm at the hem, others differ from these as trousers' do. Side seams are one curve; the back's fork
+    is lowered until the inseams are equal."""
     from scipy.optimize import brentq
 
     if cut.legs is Legs.SHORT:
@@ -198,11 +190,9 @@ def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Pan
 def _half_suit(
     m: BodyMeasures, face: int, fork: float, fork_drop: float, above: Shoulder | float, wider: tuple[float, float]
 ) -> Outline:
-    """Draw the left half of a suit's front (0) or back (1) around the leg's middle, 13 cm from the body's.
-
-    `above` is what its waist goes on into, or a quarter of the waist to which it is sewn [m]; `wider` is how far each
-    side seam stands out at knee and hem from a straight leg's [m].
-    """
+    """Draw the left half of a suit's front (0) or back (1) around the leg's middle, 13 cm from the body's. `above` is
+    the shoulder that its waist continues into, or a quarter of the waist to which it is sewn [m]; `wider` is the
+    distance of each side seam at knee and hem from a straight leg's [m]."""
     base, side = m.nape_height, FACES[face]
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
     fork_tip = (-fork, crotch - fork_drop)
@@ -247,7 +237,7 @@ def _inseam_handles(start: Point, end: Point, at_start: float, at_end: float) ->
 
 
 def _on_side(stroke: Stroke, side: str) -> Stroke:
-    """Distinguish front and back crotch seams: front sews to front."""
+    """Label front and back crotch seams apart: front is sewn to front."""
     if not stroke.label.startswith("crotch"):
         return stroke
     return replace(stroke, label=stroke.label.replace("crotch", f"crotch.{side}"))

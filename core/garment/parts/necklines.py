@@ -1,10 +1,7 @@
-"""Draft necklines: half of one from the side neck point to the middle of a front or a back.
-
-Their lines are those of the trade's books (W. Aldrich, Metric Pattern Cutting for Women's Wear; H. Joseph-Armstrong,
-Patternmaking for Fashion Design): a round one leaves the shoulder at a right angle and is level in the middle, a V is
-nearly straight, a square one falls along the grain, a boat follows the shoulder far out and dips little. Depths are
-chosen so that each passes the head.
-"""
+"""Draft necklines: half of one from the side neck point to the middle of a front or a back. Their lines follow W.
+Aldrich, Metric Pattern Cutting for Women's Wear, and H. Joseph-Armstrong, Patternmaking for Fashion Design: a round one
+leaves the shoulder at a right angle and is level in the middle, a V is nearly straight, a square one falls along the
+grain, a boat follows the shoulder far out and dips little. Depths are chosen so that each passes the head."""
 
 from __future__ import annotations
 
@@ -38,18 +35,13 @@ BOAT_SHARE = 0.5
 """Share of the shoulder seam that a boat neckline leaves bare."""
 
 SQUARE_SLANT = 0.1
-"""By how much of its half width a square neckline narrows to its corner, so that it does not gape."""
+"""Share of its half width by which a square neckline narrows to its corner, so that it does not gape."""
 
 
 @dataclass(frozen=True)
 class NecklineCut:
-    """Describe how a neckline is cut at one face of a garment.
-
-    Attributes:
-        kind: Its line.
-        depth: Of its middle below the side neck point [m].
-        bow: How far a V's side bows out of its chord, as a share of it; negative: towards the middle.
-    """
+    """Describe the cut of a neckline at one face of a garment: its kind, the depth of its middle below the side neck
+    point [m], and the height of a V's side over its chord [chords], negative towards the middle."""
 
     kind: Neckline
     depth: float
@@ -57,12 +49,12 @@ class NecklineCut:
 
     @classmethod
     def at_front(cls, kind: Neckline, depth: float | None = None) -> NecklineCut:
-        """Return a front neckline, of its usual depth where none is given."""
+        """Return a front neckline, by default of its usual depth."""
         return cls(kind, FRONT_DEPTH[kind] if depth is None else depth)
 
     @classmethod
     def at_back(cls, kind: Neckline, depth: float | None = None) -> NecklineCut:
-        """Return a back neckline, of its usual depth where none is given."""
+        """Return a back neckline, by default of its usual depth."""
         return cls(kind, BACK_DEPTH[kind] if depth is None else depth)
 
 
@@ -114,7 +106,7 @@ def neckline_points(throat: NecklineCut, half_width: float, segments: int = 32) 
 
 
 def corner_turn(throat: NecklineCut, half_width: float) -> float:
-    """Return by how much a whole neckline turns at its middle [rad]: 0 where it is level there, positive in a V."""
+    """Return the turn of a whole neckline at its middle [rad]: 0 where it is level there, positive in a V."""
     ends = neckline_points(throat, half_width)[-2:]
     across, down = np.abs(ends[1] - ends[0])
     return float(2 * np.arctan2(down, across))

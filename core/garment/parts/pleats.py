@@ -1,9 +1,6 @@
-"""Draft a pleated skirt on a hip yoke.
-
-Unpressed pleats (H. Joseph-Armstrong, Patternmaking for Fashion Design, pleats; W. Aldrich, Metric Pattern Cutting for
-Women's Wear, pleated skirts): the cloth is folded double between two marks that are sewn onto each other at the upper
-edge, and hangs free below. Of each pleat twice its depth is added to what shows.
-"""
+"""Draft a pleated skirt on a hip yoke. Unpressed pleats (H. Joseph-Armstrong, Patternmaking for Fashion Design, pleats;
+W. Aldrich, Metric Pattern Cutting for Women's Wear, pleated skirts): the cloth is folded between two marks that are
+sewn onto each other at the upper edge, and hangs free below. Each pleat adds twice its depth to the visible width."""
 
 from __future__ import annotations
 
@@ -11,20 +8,20 @@ from ..outline import Outline, Stroke, place_panel, unfold
 from ..pattern import Panel
 
 QUARTER_PLEAT_COUNT = 3
-"""Number of pleats in each quarter of the skirt: 7 to 8 cm of cloth show between two of them at the hip bones."""
+"""Number of pleats per quarter of the skirt: 7 to 8 cm of cloth are visible between two at the hip bones."""
 
 PLEAT_DEPTH = 0.03
-"""Depth of a pleat [m]: two of these are folded away, less than the 7 cm that show, so that folds do not overlap."""
+"""Depth of a pleat [m]: twice the depth is folded away, less than the visible 7 cm, so that folds do not overlap."""
 
 PLEATED_PART_LENGTH = 0.45
-"""Length of the pleated part [m]: as long below its yoke as a gathered skirt is."""
+"""Length of the pleated part [m]: that of a gathered skirt below its yoke."""
 
 HIP_YOKE_SEAM = "hipyoke"
-"""What the seam between yoke and pleats is called."""
+"""Label of the seam between yoke and pleats."""
 
 
 def shown_widths(quarter: float) -> tuple[float, ...]:
-    """Return the widths that show, from the middle to the side [m]: half of one at both ends.
+    """Return the visible widths, from the middle to the side [m]: half of one at both ends.
 
     Args:
         quarter: Length of a quarter of the yoke's lower edge [m].

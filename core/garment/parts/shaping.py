@@ -1,10 +1,8 @@
-"""Shape the trunk at the waist by darts or princess seams.
-
-The construction is that of the trade's books (W. Aldrich, Metric Pattern Cutting for Women's Wear, the close-fitting
-bodice block; H. Joseph-Armstrong, Patternmaking for Fashion Design, the princess line): what the cloth is too wide at
-the waist is shared between the side seam and a dart below the bust point, behind below the shoulder blade. A princess
-seam is that dart drawn on to the middle of the shoulder, and below the waist, where there is no seam, on to the hem.
-"""
+"""Shape the trunk at the waist by darts or princess seams. The construction follows W. Aldrich, Metric Pattern Cutting
+for Women's Wear, the close-fitting bodice block, and H. Joseph-Armstrong, Patternmaking for Fashion Design, the
+princess line: the surplus width at the waist is shared between the side seam and a dart below the bust point, behind
+below the shoulder blade. A princess seam extends that dart to the middle of the shoulder, and below the waist, where
+there is no seam, to the hem."""
 
 from __future__ import annotations
 
@@ -18,27 +16,25 @@ MIDDLE_SHARE = 0.46
 """Share of a quarter of the waist between the middle and its dart, in bodice and skirt: they meet at a waist seam."""
 
 PIECE_LABEL_SUFFIXES = ("", ".side", ".side2")
-"""What the labels of the pieces of a quarter of the waist have between face and side, from the middle."""
+"""Suffixes, between face and side, in the labels of the pieces of a quarter of the waist, from the middle."""
 
 DART_SHARE = 0.6
 """Share of the surplus at the waist that the dart takes; the side seam takes the rest."""
 
 DART_RANGE = (0.015, 0.05)
-"""Least and greatest intake of a dart [m]: a smaller one is not worth a seam, a larger one makes a point."""
+"""Smallest and largest intake of a dart [m]: a smaller one is not worth a seam, a larger one makes a point."""
 
 APEX_BELOW = (0.045, 0.01)
-"""How far below the underarm point darts end in front and behind [m]: 2.5 cm short of the bust point, and at the
+"""Distance of darts' ends below the underarm point in front and behind [m]: 2.5 cm short of the bust point, and at the
 shoulder blade."""
 
 PRINCESS_SEAM_FLARE = 0.05
-"""Flare of each princess seam of a dress [m]: it is wider by this at the hem than at the hip."""
+"""Flare of each princess seam of a dress [m]: its extra width at the hem over that at the hip."""
 
 
 def share_waist(cut: Cut) -> tuple[float, ...]:
-    """Return the shares of a quarter of the waist between the ends of what is sewn there, from the middle to the side.
-
-    Darts, princess seams and six gores leave two; equal gores end where they do.
-    """
+    """Return the shares of a quarter of the waist between its seams and darts, from the middle to the side. Darts,
+    princess seams and six gores make two shares; equal gores one per gore."""
     if cut.has_equal_gores:
         wide = 4.0 / cut.panels_around
         first = wide / 2 if cut.panels_around % 4 else wide  # with an odd number on each face one is in the middle
@@ -49,7 +45,7 @@ def share_waist(cut: Cut) -> tuple[float, ...]:
 
 
 def label_pieces(name: str, face: str, count: int) -> list[str]:
-    """Return what the pieces of the left half of a face's seam are called, from the middle to the side."""
+    """Return the labels of the pieces of the left half of a face's seam, from the middle to the side."""
     return [f"{name}.{face}{part}.left" for part in PIECE_LABEL_SUFFIXES[:count]]
 
 
@@ -61,7 +57,7 @@ class Waistline:
         middle: Length between the middle and the dart [m].
         dart: The dart's intake [m].
         side: Length between the dart and the side seam [m].
-        shares: Of what has no dart, between the ends of what is sewn there.
+        shares: Of a waist without a dart, between the seams that end there.
     """
 
     middle: float
@@ -71,7 +67,7 @@ class Waistline:
 
     @classmethod
     def of(cls, cut: Cut, wide: float, waist: float) -> Waistline:
-        """Return the line of a quarter that is `wide` where it is not shaped and `waist` round the waist [m]."""
+        """Return the line of a quarter that is `wide` without shaping and `waist` around the waist [m]."""
         if cut.shaping is Shaping.NONE:
             return cls(waist, 0.0, 0.0, share_waist(cut))
         dart = min(max(DART_SHARE * (wide - waist), DART_RANGE[0]), DART_RANGE[1])
@@ -79,16 +75,16 @@ class Waistline:
 
     @property
     def half(self) -> float:
-        """Return the whole length, dart included [m]."""
+        """Return the whole length, including the dart [m]."""
         return self.middle + self.dart + self.side
 
     @property
     def centre(self) -> float:
-        """Return how far from the middle the dart's axis stands [m]."""
+        """Return the distance of the dart's axis from the middle [m]."""
         return self.middle + self.dart / 2
 
     def strokes(self, face: str, low: float, apex: float) -> tuple[Stroke, ...]:
-        """Draw the waist from the middle to the side at a height, a dart in it that ends at another [m]."""
+        """Draw the waist at height `low` from the middle to the side, with a dart up or down to height `apex` [m]."""
         if not self.dart:
             labels = label_pieces("waist", face, len(self.shares))
             ends = zip(accumulate(self.shares), labels, strict=True)
@@ -104,16 +100,15 @@ class Waistline:
 def draw_princess(
     face: str, line: Waistline, side: list[Stroke], upper: list[Stroke], apex: float, sewn: bool
 ) -> list[tuple[str, Outline]]:
-    """Draw the middle panel and both side panels of a front or back.
-
-    The gap between both edges of a princess seam is the dart's intake at the waist, none at the apex, and at the hip;
-    towards the hem the panels overlap by `PRINCESS_SEAM_FLARE`. Both edges mirror each other below the apex, so they
-    are equal in length, and are one curve above it.
+    """Draw the middle panel and both side panels of a front or back. The gap between both edges of a princess seam is
+    the dart's intake at the waist, and 0 at the apex and at the hip; towards the hem the panels overlap by
+    `PRINCESS_SEAM_FLARE`. Both edges mirror each other below the apex, so they are equal in length, and are one curve
+    above it.
 
     Args:
         face: `front` or `back`.
         line: The waist.
-        side: The side seam from its lower end, which the first stroke only ends at, to the underarm.
+        side: The side seam from its lower end, which is the end of the first stroke, to the underarm.
         upper: From there over the shoulder to the middle.
         apex: Height of the bust point or shoulder blade [m].
         sewn: Whether the lower end is a waist seam, and not a hem.

@@ -1,10 +1,8 @@
-"""Draft skirts that hang from the natural waist.
-
-Straight, pencil and A-line skirts are the basic skirt block of W. Aldrich, Metric Pattern Cutting for Women's Wear,
-without its darts: the waist is shaped at the side seams. Circle skirts are sectors of a ring whose inner arc is the
-waist; of n panels each has an n-th of the whole angle. Gathered and tiered skirts are rectangles (H. Joseph-Armstrong,
-Patternmaking for Fashion Design), each wider than what it is gathered into.
-"""
+"""Draft skirts that hang from the natural waist. Straight, pencil and A-line skirts are the basic skirt block of W.
+Aldrich, Metric Pattern Cutting for Women's Wear, without its darts: the waist is shaped at the side seams. Circle
+skirts are sectors of a ring whose inner arc is the waist; of n panels each has an n-th of the whole angle. Gathered and
+tiered skirts are rectangles (H. Joseph-Armstrong, Patternmaking for Fashion Design), each wider than the edge it is
+gathered into."""
 
 from __future__ import annotations
 
@@ -34,30 +32,29 @@ from .shaping import Waistline, share_waist
 from .upper_edge import UpperEdge
 
 WAISTBAND_WIDTH = 0.04
-"""Width of a waistband [m]: it is as stiff as two layers of cloth, and still follows the waist."""
+"""Width of a waistband [m]: as stiff as two layers of cloth, it still follows the waist."""
 
 CIRCLE_SKIRT_ANGLES = {Skirt.HALF_CIRCLE: math.pi, Skirt.FULL_CIRCLE: 2 * math.pi}
-"""The whole angle of a circle skirt [rad]."""
+"""Whole angle of a circle skirt [rad]."""
 
 CIRCLE_LENGTH = 0.50
 """Length of a circle skirt from waist to hem [m]: to above the knee."""
 
 
 SKIRT_GATHER_RATIO = 1.5
-"""Ratio of the width of a gathered skirt's upper edge to the width of what it is gathered into: a medium fullness."""
+"""Ratio of the width of a gathered skirt's upper edge to that of the edge it is gathered into: a medium fullness."""
 
 SKIRT_TIER_HEIGHTS = (0.16, 0.18, 0.20)
-"""Heights of a tiered skirt's rectangles from the top [m]: each is longer than the one above, as the eye expects of
-what hangs lower."""
+"""Heights of a tiered skirt's rectangles from the top [m]; by convention each is longer than the one above."""
 
 YOKE_DEPTH = 0.11
 """Height of a hip yoke [m]: to the hip bones, above the widest place."""
 
 YOKE_REACH = 0.62
-"""How far a hip yoke's lower edge is from the waist's girth to the hip's: the share that bodies have at that height."""
+"""Share of the difference between hip and waist girth at a hip yoke's lower edge: that of bodies at that height."""
 
 DART_DEPTH = {"front": 0.09, "back": 0.13}
-"""Length of a skirt's darts [m]: the belly lies higher than the seat."""
+"""Length of a skirt's darts [m]: the belly is higher than the seat."""
 
 DARTED_SKIRTS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
 """Skirts that darts shape; others are wider below the waist than any body."""
@@ -67,8 +64,8 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw the panels of a skirt, of its hip yoke and of its waistband; below a bodice, of a skirt to be sewn to it.
 
     Raises:
-        PartsConflict: where the skirt has not so many panels, a gathered one nothing to be gathered into, or darts or a
-            yoke are asked for that it has no place for.
+        PartsConflict: where the number of panels is not drafted, a gathered skirt has nothing to be gathered into, or
+            the skirt cannot have its darts or yoke.
     """
     _check(cut)
     waist = half_waist(cut, m) / 2
@@ -127,21 +124,16 @@ def _check(cut: Cut) -> None:
 
 
 def half_waist(cut: Cut, m: BodyMeasures) -> float:
-    """Return half of the waist's girth [m]: body + 2 cm where the skirt is held there.
-
-    Below a bodice + 10 cm, and + 6 cm where that is shaped to the waist.
-    """
+    """Return half of the waist's girth [m]: body + 2 cm where the skirt hangs from it. Below a bodice + 10 cm, and + 6
+    cm where that is shaped to the waist."""
     ease = 0.02 if cut.bodice is Bodice.NONE else 0.10 if cut.shaping is Shaping.NONE else 0.06
     return (m.waist + ease) / 2
 
 
 def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
-    """Return the points of a side seam from the hem to the waist [m].
-
-    Allowances: waist + 2 cm (held there). A-line: hip + 5 cm, hem 1.30 m wide, 54 cm long; of four panels hip + 6 cm,
-    hem 1.72 m, 58 cm. Pencil: hip + 4 cm, 50 cm long, the hem 6 cm narrower than the hip line. Straight: the same with
-    a hem as wide as the hip line.
-    """
+    """Return the points of a side seam from the hem to the waist [m]. Allowances: waist + 2 cm. A-line: hip + 5 cm, hem
+    1.30 m wide, 54 cm long; of four panels hip + 6 cm, hem 1.72 m, 58 cm. Pencil: hip + 4 cm, 50 cm long, the hem 6 cm
+    narrower than the hip line. Straight: the same with a hem as wide as the hip line."""
     hip_line = m.hip_height - m.waist_height
     if cut.skirt is Skirt.A_LINE and cut.panels == 4:
         return [(0.37, -0.58), ((m.hip + 0.06) / 4, hip_line), (waist, 0.0)]
@@ -153,13 +145,13 @@ def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
 
 
 def _rectangle(edge: UpperEdge, m: BodyMeasures) -> list[Point]:
-    """Return the side of a gathered skirt: a rectangle of one and a half times what it is gathered into."""
+    """Return the side of a gathered skirt: a rectangle `SKIRT_GATHER_RATIO` as wide as the edge it is gathered into."""
     wide = SKIRT_GATHER_RATIO * edge.quarter
     return [(wide, -0.54), (wide, min(m.hip_height - edge.height, -0.1)), (wide, 0.0)]
 
 
 def _waist_line(edge: UpperEdge, line: Waistline, dip: float, rise: float, face: str) -> list[Stroke]:
-    """Draw half a waist from the side to the middle: sewn and straight, open and dipping there, or darted."""
+    """Draw half a waist from the side to the middle: sewn and straight, open and dipping there, or with a dart."""
     if line.dart:
         apex = -DART_DEPTH[face]
         across = reverse_strokes(Outline((0.0, 0.0), line.strokes(face, 0.0, apex)))
@@ -171,7 +163,7 @@ def _waist_line(edge: UpperEdge, line: Waistline, dip: float, rise: float, face:
 
 
 def _rename(stroke: Stroke, edge: UpperEdge) -> Stroke:
-    """Return a stroke of a darted waist as one of the skirt's own edge: its darts apart from the bodice's."""
+    """Return a stroke of a darted waist with the labels of the skirt, whose darts differ from the bodice's."""
     if stroke.label.startswith("dart."):
         return replace(stroke, label=f"skirt{stroke.label}")
     if not edge.name:
@@ -180,7 +172,7 @@ def _rename(stroke: Stroke, edge: UpperEdge) -> Stroke:
 
 
 def _own_darts(edge: UpperEdge, cut: Cut, hip: float) -> Waistline:
-    """Return a skirt's waist: with darts of its own where it is shaped by them."""
+    """Return a skirt's waist, with darts where these shape it."""
     if cut.shaping is Shaping.DARTS and cut.skirt in DARTED_SKIRTS:
         own = Waistline.of(cut, edge.quarter + (hip - edge.quarter) / 2, edge.quarter)
         return replace(own, dart=min(own.dart, 0.03))
@@ -188,11 +180,8 @@ def _own_darts(edge: UpperEdge, cut: Cut, hip: float) -> Waistline:
 
 
 def _two_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw front and back.
-
-    An open waist dips by 12 mm at the middle and an A-line hem by 15 mm, so that both meet the slanted side seams
-    nearly at a right angle and the hem hangs level.
-    """
+    """Draw front and back. An open waist dips by 12 mm at the middle and an A-line hem by 15 mm, so that both meet the
+    slanted side seams nearly at a right angle and the hem hangs level."""
     gathered = cut.skirt is Skirt.GATHERED
     points = _rectangle(edge, m) if gathered else _silhouette(cut, edge.quarter, m)
     line = Waistline(points[-1][0], 0.0, 0.0) if gathered else _own_darts(edge, cut, points[1][0])
@@ -207,7 +196,7 @@ def _two_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 def _four_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw left and right of front and back, sewn at the centre; a third of an A-line panel's flare lies there."""
+    """Draw left and right of front and back, sewn at the centre, which has a third of an A-line panel's flare."""
     gathered = cut.skirt is Skirt.GATHERED
     points = _rectangle(edge, m) if gathered else _silhouette(cut, edge.quarter, m)
     line = Waistline(points[-1][0], 0.0, 0.0) if gathered else _own_darts(edge, cut, points[1][0])
@@ -232,18 +221,16 @@ def _four_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 GORE_FLARE = 0.03
-"""By how much each side of a gore's seam stands out at the hem [m]: six gores share the flare among six seams."""
+"""Flare of each side of a gore's seam at the hem [m]: six gores share the flare among six seams."""
 
 
 GORE_RISE = 0.02
-"""How much higher a gored hem ends at the side than at the gore seams [m], so that it hangs level."""
+"""Height of a gored hem at the side over that at the gore seams [m], so that it hangs level."""
 
 
 def _six_gores(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw a centre and two side gores in front and behind, as wide at waist and hip as an A-line skirt of two panels.
-
-    The surplus between hip and waist lies in the gore seam by `DART_SHARE`, in the side seam by the rest.
-    """
+    `DART_SHARE` of the surplus between hip and waist is taken in at the gore seam, the rest at the side seam."""
     shaped = replace(cut, skirt=Skirt.A_LINE, shaping=Shaping.DARTS)
     (wide, low), (hip, hip_line), _ = _silhouette(shaped, edge.quarter, m)
     line = _own_darts(edge, shaped, hip)
@@ -314,7 +301,7 @@ def _circle(sweep: float, edge: UpperEdge) -> list[Panel]:
     outer = radius + CIRCLE_LENGTH
 
     def at(distance: float, angle: float) -> Point:
-        """Return a point of the sector, whose axis hangs down from the waist's middle."""
+        """Return a point of the sector, whose axis points down from the waist's middle."""
         return (distance * math.sin(angle), radius - distance * math.cos(angle))
 
     cuts = [half * i / 2 for i in range(3)]
@@ -332,13 +319,13 @@ def _circle(sweep: float, edge: UpperEdge) -> list[Panel]:
 
 
 def _cubic_arc(angle: float) -> float:
-    """Return the length of the cubic that stands for an arc of radius 1; what is sewn to it has just this length."""
+    """Return the length of the cubic for an arc of radius 1, which is exactly the length of the edge sewn to it."""
     start, end = (0.0, 0.0), (math.sin(angle), 1.0 - math.cos(angle))
     return labelled_length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
 def draw_band(face: str, half: float, height: float, shares: tuple[float, ...] = (1.0,)) -> Panel:
-    """Draw half a waistband, `half` to each side of the middle [m]; its seam is cut at the centre, darts and gores."""
+    """Draw half a waistband, `half` to each side of the middle [m], divided at the centre, darts and gores."""
     edge = UpperEdge("band", half, height, shares)
     down = edge.strokes(face, (half, 0.0), Stroke((0.0, 0.0)))
     out = Outline((0.0, 0.0), reverse_strokes(Outline((half, 0.0), tuple(down))))

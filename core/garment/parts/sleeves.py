@@ -1,10 +1,10 @@
-"""Draft sleeves in halves that lie in the plane of front and back; both are cut as one piece, folded along the arm.
+"""Draft sleeves in halves in the plane of front and back; both are cut as one piece, folded along the arm.
 
 A flat sleeve is the front or back of a T-shirt's laid beside the bodice, its cap the armhole's own curve (the flat
 block of W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments). A set-in sleeve has
-a cap of its own, a third of the armhole high and eased into it (her one-piece sleeve block). A raglan sleeve goes on to
-the neck: the bodice ends at a line from the neckline to the underarm, and what lies above it belongs to the sleeve.
-A sleeve of two pieces (her two-piece sleeve block) has a top and an under sleeve, with a forearm and a hindarm seam.
+a cap of its own, a third of the armhole high and eased into it (her one-piece sleeve block). A raglan sleeve reaches
+the neck: the bodice ends at a line from the neckline to the underarm, and the part above belongs to the sleeve. A
+sleeve of two pieces (her two-piece sleeve block) has a top and an under sleeve, with a forearm and a hindarm seam.
 """
 
 from __future__ import annotations
@@ -18,37 +18,32 @@ from ..pattern import Panel
 from .cut import PartsConflict, Sleeve
 
 CAP_HEIGHT = 1.0 / 3.0
-"""Height of a set-in cap by the length of its armhole."""
+"""Height of a set-in cap as a share of the length of its armhole."""
 
 CAP_EASE = 0.04
-"""By how much a set-in cap is longer than its armhole: 2 cm of a shirt's or dress's 45, less than a jacket's 3."""
+"""Share by which a set-in cap is longer than its armhole: 2 cm of a shirt's or dress's 45, less than a jacket's 3."""
 
 SLEEVE_CUFF_WIDTH = 0.06
 """Width of a cuff [m]: that of a shirt."""
 
 CUFF_FULLNESS = 1.25
-"""Width of a sleeve by that of the cuff that it is gathered into: 6 cm of pleats in a shirt's."""
+"""Ratio of the width of a sleeve to that of the cuff it is gathered into: 6 cm of pleats in a shirt's."""
 
 UNDER_CUFF = 0.45
 """Share of half a cuff that belongs to the under sleeve of a sleeve of two pieces: it is the narrower one."""
 
 ELBOW_BOW = 0.008
-"""By how much each side of the forearm seam is hollowed, and of the hindarm seam rounded, at their middle [m]: the
+"""Depth by which each side of the forearm seam is hollowed, and of the hindarm seam rounded, at the middle [m]: the
 sleeve then follows an arm that hangs slightly bent, as the two-piece block's elbow line does."""
 
 FULL_CAP = 0.6
-"""Length of the handles of a set-in cap by its half width: the cap then rises over the shoulder's end like a bell."""
+"""Length of the handles of a set-in cap by its half width: the cap then rises bell-shaped over the shoulder's end."""
 
 
 @dataclass(frozen=True)
 class SleeveCut:
-    """Describe how a sleeve is cut.
-
-    Attributes:
-        droop: Angle below the horizontal of its upper edge in the draft [rad].
-        length: Along the upper edge, from the shoulder's tip [m].
-        cuff_half: Half the cuff's circumference [m].
-    """
+    """Describe the cut of a sleeve: the angle of its upper edge below the horizontal in the draft [rad], its length
+    along that edge from the shoulder's tip [m], and half the cuff's circumference [m]."""
 
     droop: float
     length: float
@@ -61,20 +56,20 @@ SLEEVES = {
     Sleeve.ELBOW: SleeveCut(np.deg2rad(10.0), 0.25, 0.155),
     Sleeve.LONG: SleeveCut(np.deg2rad(4.0), 0.46, 0.11),
 }
-"""The cut of each sleeve. A cap covers the shoulder's end and closes just below the arm. A short one is a T-shirt's: 19
-cm along the top and a cuff of 35 cm, 8 cm of ease; 12 degrees lie between an arm stretched out (0) and one hanging
-(about 60), nearer to the T-pose. To the elbow: a dress's, whose cuff of 31 cm still passes the elbow bent. Long: to the
-wrist bone; it would start its drape beside the stretched-out arm instead of around it if it drooped more, and its cuff
-of 22 cm passes the hand."""
+"""Cut of each sleeve. A cap covers the shoulder's end and closes just below the arm. A short one is a T-shirt's: 19 cm
+along the top and a cuff of 35 cm, 8 cm of ease; 12 degrees are between an arm stretched out (0) and one hanging (about
+60), nearer to the T-pose. To the elbow: a dress's, whose cuff of 31 cm still passes the bent elbow. Long: to the wrist
+bone; with more droop it would start its drape beside the stretched-out arm instead of around it; its cuff of 22 cm
+passes the hand."""
 
 
 @dataclass(frozen=True)
 class SleeveEnd:
-    """Draw what lies below a sleeve's cap, in the plane of its half: along the arm from the cap's top, and across it.
+    """Describe the part of a sleeve below its cap, in the plane of its half: along the arm from the cap's top, and
+    across it.
 
     Attributes:
-        top: Where the cap's top stands [m].
-        cut: The sleeve's cut.
+        top: Position of the cap's top [m].
         side: `front` or `back`.
         banded: Whether the sleeve ends in a cuff of its own.
     """
@@ -125,7 +120,7 @@ def half_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list
     """Draw the left half sleeve of one side in the body's plane and mirror it.
 
     Args:
-        end: What lies below the cap.
+        end: The part below the cap.
         cap: From its top at the shoulder to the underarm.
         height: Of the draft's origin [m].
     """
@@ -133,12 +128,11 @@ def half_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list
 
 
 def two_piece_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list[Panel]:
-    """Draw the left halves of a top and an under sleeve and mirror them.
-
-    Both sides of the seam between them mirror each other at its chord, so that they are equal in length.
+    """Draw the left halves of a top and an under sleeve and mirror them. Both sides of the seam between them mirror
+    each other at its chord, so that they are equal in length.
 
     Args:
-        end: What lies below the cap.
+        end: The part below the cap.
         cap: From its top at the shoulder to the seam, and on to the underarm.
         height: Of the draft's origin [m].
     """
@@ -166,7 +160,7 @@ def two_piece_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) ->
 
 
 def _bow(start: Point, end: Point, left: float) -> tuple[Point, Point]:
-    """Return the handles of a cubic whose middle is so far to the left of its chord [m]."""
+    """Return the handles of a cubic whose middle is `left` [m] to the left of its chord."""
     way = np.subtract(end, start)
     across = np.array([-way[1], way[0]]) / np.linalg.norm(way) * left * 4.0 / 3.0
     return to_point(start + way / 3.0 + across), to_point(start + 2.0 * way / 3.0 + across)
@@ -176,7 +170,7 @@ def raglan_sleeves(end: SleeveEnd, neck: Point, upper: tuple[Stroke, ...], heigh
     """Draw the left half of a raglan sleeve and mirror it.
 
     Args:
-        end: What lies below the shoulder's tip, where the shoulder seam goes on along the arm.
+        end: The part below the shoulder's tip, where the shoulder seam continues along the arm.
         neck: The side neck point [m].
         upper: From there along the neckline and down the raglan line to the underarm.
         height: Of the draft's origin [m].
@@ -186,20 +180,19 @@ def raglan_sleeves(end: SleeveEnd, neck: Point, upper: tuple[Stroke, ...], heigh
 
 
 def set_in_caps(end: SleeveEnd, armholes: tuple[float, float]) -> tuple[Stroke, Stroke]:
-    """Draw the caps of a set-in sleeve's front and back half, from the top to the underarm.
-
-    Both are one S-shaped cubic: level at the top, and running into the lower seam at a right angle. Their height and
-    width are the same, so that the lower seams are; the width is that which gives the longer half its length, and the
-    other's handles are drawn back until it has its own.
+    """Draw the caps of a set-in sleeve's front and back half, from the top to the underarm. Each is one S-shaped cubic:
+    level at the top, and at a right angle to the lower seam at its end. Both have the same height and width, so that
+    the lower seams are equal; the width is solved for the longer half's length, and the other's handles are shortened
+    until it has its own.
 
     Args:
-        end: What lies below the cap.
+        end: The part below the cap.
         armholes: Lengths of the armhole's front and back [m].
 
     Raises:
         PartsConflict: where the sleeve ends within its cap.
     """
-    from scipy.optimize import brentq  # a mere reader of templates does not pay for it
+    from scipy.optimize import brentq  # a slow import, not needed to read templates
 
     high = CAP_HEIGHT * sum(armholes)
     if end.cut.length - (SLEEVE_CUFF_WIDTH if end.banded else 0.0) < high + 0.02:

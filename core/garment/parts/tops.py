@@ -1,8 +1,6 @@
-"""Draft bodices: front and back from the shoulder to a hem at the hips or, cut in one with a skirt, at the knee.
-
-All are blocks for planar placement: front and back stand before and behind the body, and half sleeves continue them in
-the same plane, so that a flattened body in T-pose fits between.
-"""
+"""Draft bodices: front and back from the shoulder to a hem at the hips or, cut in one with a skirt, at the knee. All
+are blocks for planar placement: front and back are placed before and behind the body, and half sleeves continue them in
+the same plane, so that a flattened body in T-pose fits between."""
 
 from __future__ import annotations
 
@@ -46,14 +44,14 @@ from .yokes import cut_yoke, divide_armhole
 FACES = ("front", "back")
 
 PLACED_INWARD = 0.09
-"""How far the side panels of princess seams are placed towards the middle [m]; welding the seams moves them back."""
+"""Distance by which the side panels of princess seams are placed towards the middle [m]; welding moves them back."""
 
 RAGLAN_SHARE = (0.35, 0.5)
-"""Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then runs to the underarm at a
-slant, from the hollow of the collarbone in front and from beside the nape behind."""
+"""Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then slants to the underarm from
+the hollow of the collarbone in front and from beside the nape behind."""
 
 STRAPLESS_DROP = 0.03
-"""How far below the armpit a strapless bodice ends [m]: as a sleeveless armhole does."""
+"""Distance of a strapless bodice's upper edge below the armpit [m]: that of a sleeveless armhole."""
 
 HALTER_STRAP = 0.033
 """Width of a halter at its shoulder seam [m]: its armholes are cut in to beside the neck, in front and behind."""
@@ -126,7 +124,7 @@ class Shoulder:
 
 
 def _label_cap(cap: Stroke, armhole: tuple[Stroke, ...], shoulder: Shoulder) -> tuple[Stroke, ...]:
-    """Return a set-in cap with the labels and notches of the armhole that it is sewn to, divided as it is."""
+    """Return a set-in cap divided as its armhole, with the armhole's labels and notches."""
     if len(armhole) == 1:
         return (replace(cap, label=armhole[0].label, notch=armhole[0].notch),)
     upper = labelled_length(Outline(shoulder.tip, armhole), armhole[0].label)
@@ -140,12 +138,12 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     With sleeves: bust + 10 cm (boxy: a regular T-shirt's) or + 8 cm (the arms move), armhole 7 or 6 cm below the
     armpit, 1 cm of shoulder drop, neck 2 cm wider than the body's at each side. Set in: the shoulder ends at its bone,
     and the armhole 3.5 cm below the armpit. Without: bust + 4 cm (skimming, as ribbed tanks are close), + 5 cm, or + 6
-    cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice hangs by
-    straps of 5.5 cm, a halter, as close, by `HALTER_STRAP` beside the neck (H. Joseph-Armstrong, halter). The front's
-    armhole is hollowed 8 mm more than the back's.
+    cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice has straps
+    of 5.5 cm, a halter, as close, of `HALTER_STRAP` beside the neck (H. Joseph-Armstrong, halter). The front's armhole
+    is hollowed 8 mm more than the back's.
 
     Raises:
-        PartsConflict: where a sleeve's head, a yoke or a collar has not what it is sewn to.
+        PartsConflict: where a sleeve's head, a yoke or a collar lacks what it is sewn to.
     """
     sleeved, set_in = cut.sleeve is not Sleeve.NONE, cut.sleeve_head is SleeveHead.SET_IN
     if not sleeved and cut.sleeve_head is not SleeveHead.FLAT:
@@ -193,7 +191,7 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
 
 
 def _halter_armhole_handles(under: Point, tip: Point) -> tuple[Point, Point]:
-    """Return the handles of a halter's armhole, which runs across to the neck and is hollowed by a tenth of its way."""
+    """Return the handles of a halter's armhole, which reaches the neck and is hollowed by a tenth of its length."""
     (u, v), (x, y) = under, tip
     return (u - 0.40 * (u - x), v + 0.15 * (y - v)), (x + 0.15 * (u - x), y - 0.40 * (y - v))
 
@@ -202,7 +200,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front, back, yoke, collar and sleeves of a top, or of a dress in one piece.
 
     Raises:
-        PartsConflict: where the bodice cannot be shaped, or divided by a yoke, as it is asked for.
+        PartsConflict: where the bodice cannot have its shaping or its yoke.
     """
     if cut.bodice is Bodice.STRAPLESS:
         return _draw_strapless(cut, m)
@@ -233,7 +231,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
 def _draw_single_panel(
     cut: Cut, face: str, line: Waistline, side: list[Stroke], upper: list[Stroke], apex: float
 ) -> Outline:
-    """Draw a front or back in one piece, with darts where it has them."""
+    """Draw a front or back in one piece, with its darts if any."""
     if cut.waist is Waist.SEAM:
         waist = line.strokes(face, side[0].end[1], apex)
         return unfold_closed(Outline((0.0, side[0].end[1]), (*waist, *side[1:], *upper)))
@@ -241,10 +239,8 @@ def _draw_single_panel(
 
 
 def _draw_strapless(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw front and back of a bodice that ends in a level line below the arms (H. Joseph-Armstrong, strapless).
-
-    It is held by its upper edge, which is as long as the body there is round: bust without ease, 3 cm below the armpit.
-    """
+    """Draw front and back of a bodice that ends in a level line below the arms (H. Joseph-Armstrong, strapless). Its
+    upper edge has the length of the body's girth there, bust without ease, 3 cm below the armpit, and so holds it."""
     under = (m.bust / 4, m.armpit_height - STRAPLESS_DROP - m.nape_height)
     line = Waistline.of(cut, under[0], half_waist(cut, m) / 2)
     side, upper = _side_seam(cut, m, under, line), [Stroke((0.0, under[1]), contour="neck")]
@@ -259,7 +255,7 @@ def _draw_strapless(cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 def _inward_shift(part: str) -> float:
-    """Return how far a side panel is placed towards the middle [m]: beyond a shoulder only sleeves are looked for."""
+    """Return the shift of a side panel towards the middle [m]: outside the shoulders only sleeves are expected."""
     return 0.0 if "_side_" not in part else -PLACED_INWARD if part.endswith("left") else PLACED_INWARD
 
 
@@ -272,13 +268,11 @@ def _check_shaping(cut: Cut) -> None:
 
 
 def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list[Stroke]:
-    """Draw the side seam from the hem to the underarm point; the first stroke only ends where it begins.
-
-    A boxy top falls straight to 2 cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm,
-    no darts). A dress that goes on without a zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and
-    goes to the knee; an A-line one is flared to 1.36 m for a free step. With a waist seam it ends at the natural waist.
-    Princess seams take in the waist and widen the hem, and the side seam stands out by as much.
-    """
+    """Draw the side seam from the hem, the end of the first stroke, to the underarm point. A boxy top is straight to 2
+    cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm, no darts). A dress without a
+    zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and reaches the knee; an A-line one is flared
+    to 1.36 m for a free step. With a waist seam it ends at the natural waist. Princess seams take in the waist and
+    widen the hem; the side seam is moved out by as much."""
     sleeved = cut.sleeve is not Sleeve.NONE
     if cut.waist is Waist.SEAM:
         corner = (line.half, m.waist_height - m.nape_height)

@@ -10,13 +10,13 @@ from .shaping import label_pieces
 
 @dataclass(frozen=True)
 class UpperEdge:
-    """Describe what a skirt's upper edge is.
+    """Describe a skirt's upper edge.
 
     Attributes:
-        name: What the seam is called by that holds it; empty where the edge is open.
-        quarter: Length of a quarter of what it is sewn to [m].
+        name: Label of its seam; empty where the edge is open.
+        quarter: Length of a quarter of the edge it is sewn to [m].
         height: Above the feet [m].
-        shares: Of that quarter, between the places where it is cut, from the middle to the side.
+        shares: Of that quarter, between its cuts, from the middle to the side.
     """
 
     name: str
@@ -25,11 +25,11 @@ class UpperEdge:
     shares: tuple[float, ...] = (1.0,)
 
     def labels(self, face: str) -> list[str]:
-        """Return what the pieces of the left half of a face are called, from the middle to the side."""
+        """Return the labels of the pieces of the left half of a face, from the middle to the side."""
         return label_pieces(self.name, face, len(self.shares))
 
     def strokes(self, face: str, start: Point, stroke: Stroke) -> list[Stroke]:
-        """Return a stroke that begins at the side seam [m] as half of the edge, divided as what it is sewn to is."""
+        """Return a stroke that begins at the side seam [m] as half of the edge, divided as the edge it is sewn to."""
         if not self.name:
             return [replace(stroke, contour="waist")]
         *sides, middle = self.labels(face)[::-1]

@@ -8,25 +8,21 @@ from ..outline import Outline, Point, Stroke, cut_stroke, mirror, stroke_points,
 from .cut import Cut, Legs, PartsConflict, Shaping, SleeveHead
 
 YOKE_SHARE = 0.6
-"""Share of an armhole below its yoke: 8 to 9 cm below the shoulder, as shirts have it behind and western shirts in
-front."""
+"""Share of an armhole below its yoke: the yoke ends 8 to 9 cm below the shoulder, as on shirts behind and on western
+shirts in front."""
 
 MIN_YOKE_NECK_DISTANCE = 0.02
-"""Least height between a yoke's seam and the lowest point of its neckline [m]: what is left between them has to be wide
-enough to be sewn."""
+"""Smallest height between a yoke's seam and the lowest point of its neckline [m]: a narrower piece cannot be sewn."""
 
 STROKE_SEGMENT_COUNT = 256
-"""Number of pieces of a stroke among which the one that crosses a height is sought; within it the place is
-interpolated."""
+"""Number of pieces of a stroke among which the one that crosses a height is found, with linear interpolation in it."""
 
 
 def divide_armhole(
     cut: Cut, face: str, under: Point, armhole: Stroke, neckline: tuple[Stroke, ...]
 ) -> tuple[Stroke, Stroke]:
-    """Return an armhole cut where the yoke of a front or back meets it.
-
-    Where the neckline would end within `MIN_YOKE_NECK_DISTANCE` of the yoke's seam, the seam is moved down to be so far
-    below it.
+    """Return an armhole cut where the yoke of a front or back meets it. Where the neckline would end within
+    `MIN_YOKE_NECK_DISTANCE` of the yoke's seam, the seam is moved down to that distance below it.
 
     Args:
         cut: The garment's.
@@ -36,7 +32,7 @@ def divide_armhole(
         neckline: From the side neck point to the middle.
 
     Raises:
-        PartsConflict: where there is no armhole that a yoke could end at.
+        PartsConflict: where there is no armhole for a yoke to end at.
     """
     if cut.sleeve_head is SleeveHead.RAGLAN:
         raise PartsConflict("a bodice's yoke ends at an armhole, which a raglan sleeve has not; choose one of them.")
@@ -57,8 +53,8 @@ def cut_yoke(face: str, upper: list[Stroke]) -> tuple[list[Stroke], list[tuple[s
         upper: Its strokes from the underarm point to the middle; the first ends where the armhole is divided.
 
     Returns:
-        The strokes of what is left below, and the yoke's panels by name: one, or two beside a neckline that reaches
-        below the line.
+        The strokes of the part below, and the yoke's panels by name: one, or two beside a neckline that reaches below
+            the line.
 
     Raises:
         PartsConflict: where a collar would be sewn to both sides of the line.
@@ -78,7 +74,7 @@ def cut_yoke(face: str, upper: list[Stroke]) -> tuple[list[Stroke], list[tuple[s
 
 
 def _divide(strokes: list[Stroke], height: float) -> tuple[list[Stroke], list[Stroke]]:
-    """Return strokes up to where the line that they draw falls to a height [m], and from there on."""
+    """Return strokes up to where their line falls to a height [m], and from there on."""
     crossing = next(i for i, stroke in enumerate(strokes) if i > 0 and stroke.end[1] < height)
     start, stroke = strokes[crossing - 1].end, strokes[crossing]
     above, below = cut_stroke(start, stroke, _share_at(start, stroke, height), (stroke.label, stroke.label))

@@ -1,1 +1,1 @@
-"""Production pieces: from a pattern of net panels to what is cut out of cloth."""
+"""Production pieces: from a pattern of net panels to pieces to be cut out of cloth."""

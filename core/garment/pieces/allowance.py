@@ -1,4 +1,4 @@
-"""Seam allowances by what becomes of an edge."""
+"""Seam allowances by the use of an edge."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ DEFAULT_ALLOWANCES = MappingProxyType({
     EdgeUse.CUFF: 0.025, EdgeUse.HEM: 0.025, EdgeUse.LEG: 0.040, EdgeUse.WAIST: 0.030, EdgeUse.OPEN: 0.010,
     EdgeUse.FOLD: 0.0,
 })  # fmt: skip
-"""Usual widths of industry [m]: seams and what is faced or bound 1 cm, hems of sleeves and tops 2.5 cm, of trousers
-4 cm, a waist with room for elastic 3 cm."""
+"""Usual industrial widths [m]: seams and faced or bound edges 1 cm, hems of sleeves and tops 2.5 cm, of trousers 4 cm,
+a waist with room for elastic 3 cm."""
 
 MAX_SEAM_ALLOWANCE = 0.15
-"""Largest width of a seam allowance [m]; a wider one is a mistake in the unit. The deepest usual hem has 10 cm."""
+"""Largest width of a seam allowance [m]; a wider one has the wrong unit. The deepest usual hem has 10 cm."""
 
 ADJUSTABLE_EDGE_USES = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
-"""Edges whose width may be chosen."""
+"""Uses of edges whose width can be chosen."""
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class Allowances:
 
 
 def read_allowances(text: str) -> Allowances:
-    """Read allowances [mm] from what was typed, or from the text of a table.
+    """Read allowances [mm] from an option or from the text of a table.
 
     Args:
-        text: `none`; `seam=10,hem=25` with the defaults for what is not named; a JSON object of the same names; or
-            CSV lines `name,millimetres`. Empty: the defaults.
+        text: `none`; `seam=10,hem=25` with the defaults for the rest; a JSON object of the same names; or CSV lines
+            `name,millimetres`. Empty: the defaults.
 
     Raises:
-        AllowanceBad: where a name or a width is none.
+        AllowanceBad: where a name or a width is invalid.
     """
     stripped = text.strip()
     if stripped == "none":

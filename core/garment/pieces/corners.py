@@ -10,25 +10,24 @@ from ...geometry.geometry import unit
 from .piece import TURNED_UP_EDGE_USES, EdgeUse
 
 MITRE_LIMIT = 3.0
-"""A mitre longer than this many allowances is cut off: a corner sharper than about 40 degrees."""
+"""Largest length of a mitre [allowances]; a longer one, at a corner sharper than about 40 degrees, is cut off."""
 
 MAX_STRAIGHT_TURN_ANGLE = 1e-3
-"""Turn between two sides below which they run on straight [rad]: 0.1 mm on 10 cm."""
+"""Turn between two sides below which they are straight [rad]: 0.1 mm on 10 cm."""
 
 MIN_FOLD_SIDE_COSINE = np.cos(np.deg2rad(70.0))
-"""Least cosine between a side and the normal of a hem's fold (70 degrees). A side that leans further is not mirrored at
-the fold: the hem would end in a narrow spike."""
+"""Smallest cosine between a side and the normal of a hem's fold (70 degrees). A side at a larger angle is not mirrored
+at the fold, because the hem would end in a narrow spike."""
 
 
 @dataclass(frozen=True)
 class Side:
-    """Describe one edge on its way to the cut line.
+    """Describe one edge before its offset.
 
     Attributes:
         edge: Its index in the piece.
         sew: The edge itself, flattened [m], shape [n, 2].
         width: Its allowance [m].
-        use: What becomes of it.
     """
 
     edge: int
@@ -47,11 +46,9 @@ class Side:
         return unit(self.sew[-1] - self.sew[-2])
 
     def offset(self) -> np.ndarray:
-        """Return it moved outwards (to the right) by its allowance [m], shape [n, 2].
-
-        A vertex moves along the bisector of its sides' normals by width / cos(half the turn), so that every side stays
-        parallel at the allowance's distance.
-        """
+        """Return it moved outwards (to the right) by its allowance [m], shape [n, 2]. A vertex moves along the bisector
+        of its sides' normals by width / cos(half the turn), so that every side stays parallel at the allowance's
+        distance."""
         tangents = np.diff(self.sew, axis=0)
         tangents = tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
         normals = np.stack([tangents[:, 1], -tangents[:, 0]], axis=1)
@@ -61,12 +58,12 @@ class Side:
 
 @dataclass(frozen=True)
 class Corner:
-    """Describe how two offset edges are joined.
+    """Describe the join of two offset edges.
 
     Attributes:
-        before: What becomes of the end of the first: points up to the corner [m], shape [n, 2].
+        before: The first edge's points up to the corner [m], shape [n, 2].
         between: Points between both [m], shape [m, 2].
-        after: What becomes of the beginning of the second [m], shape [k, 2].
+        after: The second edge's points from the corner [m], shape [k, 2].
         fold: Where the fold of a turned-up edge meets the cut line, and the unit vector along it into the cloth; None.
     """
 
@@ -79,16 +76,16 @@ class Corner:
 def join_corner(first: Side, second: Side, before: np.ndarray, after: np.ndarray) -> Corner:
     """Join the offset of an edge to that of the next one.
 
-    - The side of a turned-up edge runs on to its fold and from there as the mirror image of the cut side, so that the
-      hem, turned up, covers it.
-    - At a convex corner both run on to where they meet (mitre); further than `MITRE_LIMIT` allowances from the corner
-      they are cut off at that length. Where they meet nowhere near (unlike widths of edges that run on straight), one
-      steps to the other at a right angle.
+    - The side of a turned-up edge continues to its fold and from there as the mirror image of the cut side, so that the
+    hem, turned up, covers it.
+    - At a convex corner both are extended to where they meet (mitre), but at most by `MITRE_LIMIT` allowances from the
+    corner. Where they do not meet nearby (different widths of edges in a straight line), a step at a right angle joins
+    them.
     - At a concave corner they cross; the loop between is removed later.
 
     Args:
         first, second: The edges.
-        before: Offset of the first, or what the corner at its beginning left of it [m], shape [n, 2].
+        before: Offset of the first, or the rest of it after the corner at its start [m], shape [n, 2].
         after: Offset of the second [m], shape [k, 2].
     """
     if first.use in TURNED_UP_EDGE_USES and second.use not in TURNED_UP_EDGE_USES and second.width + first.width > 0.0:
@@ -156,8 +153,7 @@ class Fold:
             side: The side's offset from the corner on [m], shape [n, 2].
 
         Returns:
-            The side above the fold, and the way from the fold down to the hem's cut edge; None where the side leans too
-            far.
+            The side above the fold, and the line from it down to the hem's cut edge; None where the side leans too far.
         """
         lean = unit(side[1] - side[0])
         if lean @ self.inward < MIN_FOLD_SIDE_COSINE:
@@ -177,11 +173,11 @@ class Fold:
         return rest, up - 2.0 * self.height(up)[:, None] * self.inward
 
     def height(self, points: np.ndarray) -> np.ndarray:
-        """Return how far points lie inside the fold [m], shape [n]."""
+        """Return the distance of points inside the fold [m], shape [n]."""
         return np.asarray((points - self.corner) @ self.inward)
 
     def _up_to_depth(self, way: np.ndarray) -> np.ndarray:
-        """Return the beginning of a way up to the hem's depth, run on straight where it ends before."""
+        """Return the start of a line up to the hem's depth, extended straight where it is shorter."""
         height = self.height(way)
         over = np.flatnonzero(height >= self.depth)
         if not len(over):
@@ -196,7 +192,7 @@ class Fold:
 
 
 def _begin_at(line: np.ndarray, corner: np.ndarray, along: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Return an offset line from a new start on; what lies before it, measured along its edge's tangent, is dropped."""
+    """Return an offset line from a new start on, without the points before it along its edge's tangent."""
     ahead = (line - corner) @ along > (start - corner) @ along + 1e-9
     first = int(np.argmax(ahead)) if ahead.any() else len(line) - 1
     return np.concatenate([start[None], line[first:]])

@@ -10,10 +10,9 @@ Span = tuple[int, int]
 
 
 def find_darts(net: Panel, sewn_to: dict[int, int]) -> tuple[Span, ...]:
-    """Return first and last edge of every dart; the last is counted on past the number of edges.
-
-    Two neighbouring edges that are sewn to each other, and between which the outline turns into the cloth, are a dart;
-    so are those around it that are sewn to each other too.
+    """Return first and last edge of every dart; the last is counted on past the number of edges. Two neighbouring edges
+    that are sewn to each other, and between which the outline turns into the cloth, are a dart; so are those around it
+    that are sewn to each other too.
 
     Args:
         net: The piece.

@@ -1,4 +1,4 @@
-"""What can be wrong with production pieces and what is asked of them, one stable code each."""
+"""Errors of production pieces and their settings, one stable code each."""
 
 from __future__ import annotations
 

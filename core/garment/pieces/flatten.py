@@ -1,4 +1,4 @@
-"""Curves of a piece as polygons, as fine as they are cut."""
+"""Curves of a piece as polygons, within the accuracy of cutting."""
 
 from __future__ import annotations
 
@@ -11,14 +11,12 @@ FLATTENING_TOLERANCE = 5e-5
 """Largest distance between a curve and its polygon [m]: a tenth of the width of a pencil line."""
 
 MAX_EDGE_SEGMENT_COUNT = 512
-"""Largest number of segments of one edge, whatever the tolerance asks for."""
+"""Largest number of segments of one edge, for any tolerance."""
 
 
 def flatten_edge(panel: Panel, edge: int, tolerance: float = FLATTENING_TOLERANCE) -> np.ndarray:
-    """Return points along an edge, ends included, uniform in arc length [m], shape [n, 2].
-
-    A chord of length h misses a curve of curvature k by k h^2 / 8; k is the largest turn between 64 samples.
-    """
+    """Return points along an edge, ends included, uniform in arc length [m], shape [n, 2]. A chord of length h misses a
+    curve of curvature k by k h^2 / 8; k is the largest turn between 64 samples."""
     if panel.edges[edge].kind == "line":
         return edge_points(panel, edge, 1)
     samples = edge_points(panel, edge, 64)
@@ -31,7 +29,7 @@ def flatten_edge(panel: Panel, edge: int, tolerance: float = FLATTENING_TOLERANC
 
 
 def flatten_outline(panel: Panel, tolerance: float = FLATTENING_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
-    """Return a panel's outline as a polygon [m], shape [n, 2], and of each of its sides the edge, shape [n]."""
+    """Return a panel's outline as a polygon [m], shape [n, 2], and the edge of each of its sides, shape [n]."""
     parts = [flatten_edge(panel, i, tolerance)[:-1] for i in range(len(panel.edges))]
     return np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(part) for part in parts])
 

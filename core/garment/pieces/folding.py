@@ -1,4 +1,4 @@
-"""Cut a piece that is its own mirror image on the fold of the cloth."""
+"""Cut a symmetric piece on the fold of the cloth."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MAX_FOLD_AXIS_ANGLE = np.deg2rad(0.5)
 """Largest angle between the axis of a piece and its grainline [rad]: cloth is folded along the warp."""
 
 FOLD_AXIS_TOLERANCE = 1e-7
-"""A point this near to the axis [m] lies on it."""
+"""Distance to the axis [m] below which a point is on it."""
 
 
 def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
@@ -23,7 +23,7 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
 
     Args:
         piece: The whole piece, cut once, its grainline along +y.
-        mirrored: What says that it is its own mirror image.
+        mirrored: Its symmetry.
     """
     axis = mirrored.translation[0] / 2.0
     if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * MAX_FOLD_AXIS_ANGLE) or mirrored.rotation[0, 0] > 0.0:
@@ -64,7 +64,7 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
 def _halve_edges(
     piece: Piece, twins: list[int], axis: float
 ) -> tuple[np.ndarray, list[Edge], list[tuple[int, tuple[float, float], bool]]]:
-    """Return control points and edges with every edge that is its own image cut at the axis, and where each is from."""
+    """Return control points and edges, symmetric edges cut at the axis, and the source of each edge."""
     net = piece.net
     points, edges, parts = [], [], []
     for i, edge in enumerate(net.edges):

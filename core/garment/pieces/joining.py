@@ -14,28 +14,22 @@ from ..validity import check_outline
 from .piece import PanelPlace
 
 HALF_PANEL_WORDS = ("sleeve", "cuff", "band", "wb", "collar")
-"""Parts of names and labels by which panels are known as halves of one piece, in our templates and in published
-datasets. A body's front and back share straight seams too, and are never one piece."""
+"""Parts of names and labels of panels that are halves of one piece, in the library and in published datasets. A body's
+front and back share straight seams too, and are never one piece."""
 
 HALF_JOIN_TOLERANCE = 1e-4
-"""Difference between the two sides of a seam [m] up to which they lie upon each other once joined: scissors cut no
-better."""
+"""Largest difference between the lengths of a seam's sides along which halves are joined [m]: the accuracy of
+scissors."""
 
 MAX_JOINED_GRAIN_ANGLE = np.deg2rad(45.0)
-"""Largest angle between the grainlines of two halves, laid as joined, up to which they are joined [rad]. A half
-sleeve's runs along the arm, its top seam at up to 20 degrees to that; the joined sleeve has its grainline in the
-middle, as a sleeve's is drawn."""
+"""Largest angle between the grainlines of two joined halves [rad]. A half sleeve's is along the arm, its top seam at up
+to 20 degrees to that; the joined sleeve has its grainline in the middle, as usual."""
 
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Describe panels of a pattern that are cut as one.
-
-    Attributes:
-        net: Their common outline.
-        sources: The pattern's edge that each of its edges is.
-        places: Where each panel lies in it.
-    """
+    """Describe panels of a pattern that are cut as one: the common outline, the pattern's edge for each of its edges,
+    and the placement of each panel in it."""
 
     net: Panel
     sources: tuple[EdgeRef, ...]
@@ -44,11 +38,9 @@ class Group:
 
 def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     """Return the panels of a pattern, those joined that are halves of one piece, each in the axes of its first panel.
-
     Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
     the grainlines agree within `MAX_JOINED_GRAIN_ANGLE`. Of several such seams the highest on the wearer is taken: the
-    top of a sleeve, not below it.
-    """
+    top of a sleeve, not below it."""
     groups = {panel.name: _single_panel_group(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
         if seam.gathered or not seam.reversed:

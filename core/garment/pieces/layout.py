@@ -1,4 +1,4 @@
-"""Lay pieces on cloth, and say how much of it they need."""
+"""Lay out pieces on cloth, and compute how much cloth they need."""
 
 from __future__ import annotations
 
@@ -11,23 +11,19 @@ from .piece import Piece
 from .shelves import pack_on_shelves
 
 CLOTH_WIDTH = 1.40
-"""The usual usable width of cloth [m]."""
+"""Usual usable width of cloth [m]."""
 
 CLOTH_GAP = 0.01
 """Free space between pieces on cloth [m]: room for the blade."""
 
 FOLD_LINE_TOLERANCE = 1e-9
-"""A point this near to the fold [m] lies on it: all were put there."""
+"""Distance to the fold [m] below which a point is on it: folding sets them exactly there."""
 
 
 @dataclass(frozen=True)
 class Copy:
-    """Describe one copy of a piece as it is cut, a folded one opened.
-
-    Attributes:
-        name: The piece's.
-        outline: Its cut line, counter-clockwise, the warp along y [m], shape [n, 2].
-    """
+    """Describe one copy of a piece as it is cut, a folded one opened: the piece's name, and the cut line,
+    counter-clockwise, the warp along y [m], shape [n, 2]."""
 
     name: str
     outline: np.ndarray
@@ -40,8 +36,8 @@ class Lay:
     Attributes:
         width: Usable width of the cloth [m].
         length: Length that is used [m]; infinite where a piece is wider than the cloth.
-        used: Share of the cloth that ends up in pieces.
-        copies: Each where it lies: x across the cloth, y along it; empty where a piece is wider.
+        used: Share of the used cloth that is in pieces.
+        copies: Each at its position: x across the cloth, y along it; empty where a piece is wider.
     """
 
     width: float
@@ -51,17 +47,15 @@ class Lay:
 
     @classmethod
     def of(cls, copies: tuple[Copy, ...], width: float) -> Lay:
-        """Describe copies that lie on cloth from y = 0."""
+        """Return the lay of copies on cloth from y = 0."""
         length = max(float(copy.outline[:, 1].max()) for copy in copies)
         area = sum(polygon_area(copy.outline) for copy in copies)
         return cls(width, length, area / (length * width), copies)
 
 
 def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
-    """Return the cloth that all copies of pieces need, folded ones opened, all with their grainline along the cloth.
-
-    A shelf layout of bounding boxes, smaller pieces stacked beside taller ones: what a cutter betters by hand.
-    """
+    """Return the cloth that all copies of pieces need, folded ones opened, all with their grainline along the cloth. A
+    shelf layout of bounding boxes, smaller pieces stacked beside taller ones; a cutter finds a shorter one by hand."""
     copies = list_copies(pieces)
     sizes = np.array([np.ptp(copy.outline, axis=0) for copy in copies]).reshape(-1, 2)
     if not copies or sizes[:, 0].max() > width:
@@ -75,7 +69,7 @@ def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
 
 
 def list_copies(pieces: tuple[Piece, ...]) -> list[Copy]:
-    """Return what is cut of pieces: of a pair half of them mirrored, folded ones opened."""
+    """Return the copies of pieces: half of a pair's mirrored, folded ones opened."""
     found = []
     for piece in pieces:
         outline = piece.cut.points if piece.fold is None else _unfold(piece)
@@ -89,6 +83,6 @@ def _unfold(piece: Piece) -> np.ndarray:
     """Return the cut line of both halves of a folded piece."""
     half, axis = piece.cut.points, float(piece.cut.points[:, 0].min())
     on = half[:, 0] < axis + FOLD_LINE_TOLERANCE
-    first = np.flatnonzero(on & ~np.roll(on, 1))  # the fold runs down on the left side of the right half
+    first = np.flatnonzero(on & ~np.roll(on, 1))  # the fold is the left side of the right half, downwards
     half = np.roll(half, -int(first[0]) - int(on.sum()) + 1, axis=0)[: len(half) - int(on.sum()) + 2]
     return np.concatenate([half, (half[1:-1] * [-1.0, 1.0] + [2.0 * axis, 0.0])[::-1]])

@@ -11,11 +11,9 @@ CORNER_CROSSING_TOLERANCE = 1e-12
 
 
 def remove_loops(points: np.ndarray, tags: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the outer loop of a closed polygon that may cross itself.
-
-    At every crossing the way goes on along the other side, which takes the polygon apart into loops that cross neither
-    themselves nor each other. An offset outline turns its superfluous loops clockwise, or lays them within the outer
-    one; the loop of the largest area is kept.
+    """Return the outer loop of a closed polygon that may cross itself. Changing to the other side at every crossing
+    splits the polygon into loops that cross neither themselves nor each other. The superfluous loops of an offset
+    outline are clockwise, or inside the outer one; the loop of the largest area is kept.
 
     Args:
         points: Corners, counter-clockwise [m], shape [n, 2].
@@ -57,7 +55,7 @@ def _find_crossings(points: np.ndarray) -> list[tuple[int, float, int, float]]:
     with np.errstate(divide="ignore", invalid="ignore"):
         s = (apart[:, 0] * step[j, 1] - apart[:, 1] * step[j, 0]) / cross
         t = (apart[:, 0] * step[i, 1] - apart[:, 1] * step[i, 0]) / cross
-    # A side owns its beginning, not its end, so that a crossing in a corner is found once.
+    # A side includes its start, not its end, so that a crossing in a corner is found once.
     hit = (
         (s >= -CORNER_CROSSING_TOLERANCE)
         & (s < 1 - CORNER_CROSSING_TOLERANCE)

@@ -1,4 +1,4 @@
-"""From a pattern to production pieces."""
+"""Make production pieces from a pattern."""
 
 from __future__ import annotations
 
@@ -26,21 +26,16 @@ CONTOURS = {
     "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
     "waist": EdgeUse.WAIST,
 }  # fmt: skip
-"""What becomes of an open edge, by the contour that it lies on; others are open."""
+"""Use of an open edge by its contour; others are open."""
 
 PIECE_ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff", "collar")
-"""Words of labels and names by which pieces are sorted; what has none comes last."""
+"""Words of labels and names by which pieces are sorted; pieces without one come last."""
 
 
 @dataclass(frozen=True)
 class Style:
-    """Describe what pieces are labelled with.
-
-    Attributes:
-        name: What the style is called.
-        size: Its size by girths, or an empty text.
-        fabric: Name of its cloth, or an empty text.
-    """
+    """Describe the style that pieces are labelled with: its name, its size by girths and the name of its cloth, or
+    empty texts."""
 
     name: str = ""
     size: str = ""
@@ -49,26 +44,19 @@ class Style:
 
 @dataclass(frozen=True)
 class PieceSettings:
-    """Describe how pieces are made.
-
-    Attributes:
-        allowances: Width of the seam allowance by kind of edge.
-        fold: True to draw pieces that are their own mirror image as a half on the fold.
-    """
+    """Describe how pieces are made: seam allowances, and whether symmetric pieces are drawn as a half on the fold."""
 
     allowances: Allowances = field(default_factory=Allowances)
     fold: bool = False
 
 
 def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: Style | None = None) -> PieceSet:
-    """Return the production pieces of a pattern.
-
-    Halves of a sleeve or band are joined, mirrored pairs drawn once, grainlines turned to +y; each piece gets its cut
-    line by `offset_outline`, and notches on both sides of each seam.
+    """Return the production pieces of a pattern. Halves of a sleeve or band are joined, mirrored pairs drawn once,
+    grainlines turned to +y; each piece gets its cut line by `offset_outline`, and notches on both sides of each seam.
 
     Raises:
         PieceBad: where a piece cannot be cut.
-        PanelCrossing, PanelDegenerate: where a panel is none.
+        PanelCrossing, PanelDegenerate: where a panel is invalid.
     """
     settings, style = settings or PieceSettings(), style or Style()
     groups = tuple(turn_group(group) for group in join_halves(pattern))
@@ -151,7 +139,7 @@ def _make_piece(
 
 
 def _find_inner_seams(pattern: Pattern, group: Group) -> dict[int, int]:
-    """Return for each edge of a group that is sewn to another one of it, that one."""
+    """Return, for each edge of a group that is sewn to another one of it, that one."""
     found = {}
     for seam in pattern.seams:
         if seam.a in group.sources and seam.b in group.sources:
@@ -175,7 +163,7 @@ def _describe_edge(
 
 
 def _edge_marks(marks: dict[EdgeRef, tuple[Mark, ...]], edge: PieceEdge) -> tuple[Mark, ...]:
-    """Return the marks of an edge and of its mirrored copy; they are the same but where one side has more."""
+    """Return the marks of an edge and of its mirrored copy, which differ where only one side has a mark."""
     own = marks.get(edge.source, ()) if edge.source else ()
     other = turn_marks(marks.get(edge.twin, ())) if edge.twin else ()
     more = tuple(mark for mark in other if all(abs(mark.at - known.at) > 1e-6 for known in own))
@@ -183,11 +171,9 @@ def _edge_marks(marks: dict[EdgeRef, tuple[Mark, ...]], edge: PieceEdge) -> tupl
 
 
 def _draw_grain(net: Panel) -> np.ndarray:
-    """Return the line to be drawn along the warp [m], shape [2, 2]: four fifths of an upright line, at most 0.4 m.
-
-    Of upright lines nearly as long as the longest, the one nearest to a third of the width is taken: clear of the
-    middle, where texts stand.
-    """
+    """Return the line to be drawn along the warp [m], shape [2, 2]: four fifths of an upright line, at most 0.4 m. Of
+    upright lines nearly as long as the longest, the one nearest to a third of the width is taken, away from the texts
+    in the middle."""
     outline = flatten_outline(net)[0]
     low, high = outline.min(axis=0), outline.max(axis=0)
     ys = np.linspace(low[1], high[1], 202)[1:-1]

@@ -1,4 +1,4 @@
-"""Where notches stand along the edges of a pattern, both sides of a seam alike."""
+"""Marks of notches along the edges of a pattern, alike on both sides of a seam."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from ..pattern import EdgeRef, Pattern
 from .piece import NotchPurpose
 
 GATHER_PARTS = (0.25, 0.5, 0.75)
-"""Where a gathered seam is matched, so that the fullness is spread evenly."""
+"""Fractions at which a gathered seam is matched, so that the fullness is spread evenly."""
 
 NOTCH_FRACTION_TOLERANCE = 1e-6
-"""Difference between two places of notches [share of the edge's length] up to which they are one notch."""
+"""Difference between the fractions of two notches [share of the edge's length] below which they are one."""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """Describe a notch of an edge before it has a place: fraction of the edge's length, purpose, 1 or 2 cuts."""
+    """Describe a notch of an edge before its placement: fraction of the edge's length, purpose, 1 or 2 cuts."""
 
     at: float
     purpose: NotchPurpose
@@ -25,10 +25,8 @@ class Mark:
 
 
 def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
-    """Return the notches of each edge that has some: those of either side of its seam, and those of gathers.
-
-    Notches of a seam of the back are double, so that back is not taken for front.
-    """
+    """Return the notches of each edge that has some: those of either side of its seam, and those of gathers. Notches of
+    a seam of the back are double, which distinguishes back from front."""
     own: dict[EdgeRef, list[float]] = {}
     for panel in pattern.panels:
         for edge, at in panel.notches:
@@ -51,11 +49,11 @@ def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
 
 
 def turn_marks(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:
-    """Return the marks of an edge that is run the other way."""
+    """Return the marks of a reversed edge."""
     return tuple(Mark(1.0 - mark.at, mark.purpose, mark.count) for mark in marks[::-1])
 
 
 def _is_of_back(pattern: Pattern, *names: str) -> bool:
-    """Return whether a seam's panels are named as the back, and none as the front."""
+    """Return whether some of a seam's panels are named as the back, and none as the front."""
     words = [{*re.split(r"[\W_]+", name.lower())} for name in names]
     return any("back" in one for one in words) and not any("front" in one for one in words)

@@ -1,4 +1,4 @@
-"""What a garment needs to be worn and its net panels do not hold."""
+"""List what a wearable garment needs beside its net panels."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from .piece import EdgeUse
 
 
 def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
-    """Return what is missing for a wearable garment, a line each.
+    """Return what is missing for a wearable garment, one line each.
 
     Args:
-        uses: What becomes of the garment's edges.
+        uses: Uses of the garment's edges.
         banded: True where it has a waistband of its own.
     """
     lines = []
@@ -24,6 +24,6 @@ def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
     if EdgeUse.WAIST in uses:
         lines.append("closure at the waist: zip and button, or elastic")
     if EdgeUse.OPEN in uses:
-        lines.append("finish of edges that nobody named: hem, binding or facing")
+        lines.append("finish of unnamed open edges: hem, binding or facing")
     lines += ["closures elsewhere, pockets, linings, labels", "true size name: the size is given by girths"]
     return tuple(lines)

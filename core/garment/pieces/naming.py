@@ -1,4 +1,4 @@
-"""Names of pieces that every cutting program takes."""
+"""Names of pieces that every cutting program accepts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import unicodedata
 from .joining import HALF_PANEL_WORDS
 
 MAX_PIECE_NAME_LENGTH = 20
-"""Largest length of a piece's name [characters]: what Gerber reads."""
+"""Largest length of a piece's name [characters]: that of Gerber's reader."""
 
 SIDES = ("left", "right", "l", "r")
 
@@ -17,7 +17,7 @@ def name_pieces(members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
     """Return a unique name of each piece: upper case letters, digits, `_` and `-`, at most 20.
 
     Args:
-        members: The names of the panels in each piece, and whether it stands for both sides of the wearer.
+        members: The names of the panels in each piece, and whether it is for both sides of the wearer.
     """
     names: list[str] = []
     for panels, both in members:
@@ -31,7 +31,7 @@ def name_pieces(members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
 
 
 def _common(panels: tuple[str, ...], both: bool) -> str:
-    """Return what panels' names have in common, without the side of the wearer where the piece is for both."""
+    """Return the common part of panels' names, without the side of the wearer where the piece is for both."""
     words = [[word for word in re.split(r"[\W_]+", panel) if word] for panel in panels]
     shared = [word for word in words[0] if all(word in other for other in words)]
     if both:

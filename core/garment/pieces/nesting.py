@@ -15,7 +15,7 @@ NESTING_EXPLORATION_TIME, NESTING_COMPRESSION_TIME = 2, 1
 garments."""
 
 GRAIN_TURNS_DEG = (0.0, 180.0)
-"""Turns that keep the grainline [degrees]; cloth with a nap takes but the first."""
+"""Turns that keep the grainline [degrees]; cloth with a nap allows only the first."""
 
 
 def can_nest() -> bool:
@@ -24,10 +24,9 @@ def can_nest() -> bool:
 
 
 def nest_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
-    """Return the shorter lay of pieces: nested by their outlines, or without the extra in boxes on shelves.
-
-    The search (Gardeyn, Vanden Berghe, Wauters, "An open-source heuristic to reboot 2D nesting research", 2025; the
-    library `spyrrow`) ends by the clock: on a slower machine a lay may be longer.
+    """Return the shorter lay of pieces: nested by their outlines, or without the extra in boxes on shelves. The search
+    (Gardeyn, Vanden Berghe, Wauters, "An open-source heuristic to reboot 2D nesting research", 2025; the library
+    `spyrrow`) ends by wall time: on a slower machine a lay may be longer.
 
     Args:
         pieces: The pieces.

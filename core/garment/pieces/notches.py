@@ -1,4 +1,4 @@
-"""Put notches on the cut line."""
+"""Place notches on the cut line."""
 
 from __future__ import annotations
 
@@ -14,28 +14,29 @@ from .offset import Offset
 from .piece import SEWN_EDGE_USES, CutLine, Notch, NotchPurpose, PieceEdge
 
 NOTCH_DEPTH = 0.006
-"""Depth of a notch where the allowance has room for it [m]: a quarter of an inch, as the notcher's punch cuts."""
+"""Depth of a notch where the allowance has room for it [m]: a quarter of an inch, as of a notcher's punch."""
 
 BARE_DEPTH = 0.003
-"""Depth of a notch into a piece without an allowance [m]: it must vanish in the seam."""
+"""Depth of a notch into a piece without an allowance [m]: it must disappear in the seam."""
 
 DOUBLE_NOTCH_SPACING = 0.006
 """Distance of the two cuts of a double notch [m]."""
 
 MIN_NOTCH_SPACING = 0.008
-"""Least distance of a notch from another one, or from the end of its edge [m]. A nearer one is left out: the cloth
+"""Smallest distance of a notch from another one, or from the end of its edge [m]. A nearer one is left out: the cloth
 between them would fray away."""
 
 MAX_RUN_TURN_ANGLE = np.deg2rad(45.0)
-"""Two sewn edges that meet at a smaller turn are one run, and a notch marks where they meet; at more it is a corner."""
+"""Largest turn at which two sewn edges are one run, with a notch where they meet [rad]; a larger turn is a corner."""
 
 NOTCH_VERTEX_TOLERANCE = 3e-4
-"""A notch this near to a vertex of the cut line [m] stands on it."""
+"""Distance to a vertex of the cut line [m] below which a notch is at it."""
 
 
 @dataclass(frozen=True)
 class _Place:
-    """A notch that still has to find the cut line: edge, fraction, purpose, count, sew point, inward direction."""
+    """Describe a notch before its place on the cut line is known: edge, fraction, purpose, count, sew point, inward
+    direction."""
 
     edge: int
     at: float
@@ -57,7 +58,7 @@ def place_notches(
     Args:
         net: The piece.
         edges: What each edge is.
-        marks: What is to be marked on each edge.
+        marks: The marks of each edge.
         offset: Its cut line, and where hems fold.
         darts: Its darts; each gets a notch at either end of its mouth.
     """
@@ -87,7 +88,7 @@ def place_notches(
 
 
 def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
-    """Return the notch at the beginning of edge i where a sewn run goes on through it."""
+    """Return the notch at the start of edge i where a sewn run continues through it."""
     before = (i - 1) % len(edges)
     if before in inner or edges[i].use not in SEWN_EDGE_USES or edges[before].use not in SEWN_EDGE_USES:
         return None
@@ -100,7 +101,7 @@ def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[i
 
 
 def _edge_notches(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:
-    """Return the notches within an edge that stand clear of its ends and of each other."""
+    """Return the notches within an edge that are far enough from its ends and from each other."""
     length = edge_length(net, edge)
     taken = [0.0, length]
     found = []

@@ -1,4 +1,4 @@
-"""Numbers of production pieces: what a table and a report say of them."""
+"""Numbers of production pieces, for tables and reports."""
 
 from __future__ import annotations
 
@@ -19,14 +19,13 @@ class PieceNumbers:
     """Describe the numbers of one piece.
 
     Attributes:
-        name: The piece's.
         quantity: How often it is cut.
         is_pair: True where half of them are cut mirrored.
         is_folded: True where it is cut on the fold.
         perimeter: Length of the sew line of one opened piece [m].
         area: Area within its cut line, opened [m2].
         cloth: Area of all copies [m2].
-        notches: Notches of what is drawn.
+        notches: Number of notches that are drawn.
     """
 
     name: str
@@ -41,12 +40,7 @@ class PieceNumbers:
 
 @dataclass(frozen=True)
 class CutNumbers:
-    """Describe what would be cut of a pattern.
-
-    Attributes:
-        pieces: The numbers of each piece.
-        metrics: Those of the garment by dotted name.
-    """
+    """Describe the pieces of a pattern: the numbers of each, and the garment's metrics by dotted name."""
 
     pieces: tuple[PieceNumbers, ...] = ()
     metrics: Mapping[str, float | None] = field(default_factory=dict)

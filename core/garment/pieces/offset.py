@@ -1,4 +1,4 @@
-"""The cut line: every edge moved outwards by its allowance, joined at the corners, loops removed."""
+"""Compute the cut line: offset every edge by its allowance, join the corners, remove loops."""
 
 from __future__ import annotations
 
@@ -25,23 +25,18 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Offset:
-    """Describe a cut line, and where each fold of a hem meets it.
-
-    Attributes:
-        cut: The cut line.
-        folds: Ends of the folds of turned-up edges: the edge, the point on the cut line [m], the unit vector along the
-            fold into the cloth.
-    """
+    """Describe a cut line, and the ends of the folds of turned-up edges: the edge, the point on the cut line [m], the
+    unit vector along the fold into the cloth."""
 
     cut: CutLine
     folds: tuple[tuple[int, np.ndarray, np.ndarray], ...]
 
 
 def offset_outline(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...]) -> Offset:
-    """Return where a piece is cut: at each point of an edge at its allowance from it; across the mouth of a dart.
+    """Return the cut line of a piece: at its allowance from each edge, straight across the mouth of a dart.
 
     Raises:
-        PieceBad: where what is left once loops are removed is less than the net piece.
+        PieceBad: where the loop that remains is smaller than the net piece.
     """
     sides = _list_sides(net, edges, darts)
     lines = [side.offset() for side in sides]
@@ -60,7 +55,7 @@ def offset_outline(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, 
 
 
 def _list_sides(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...]) -> list[Side]:
-    """Return the edges to be moved, each dart replaced by a line across its mouth, in order of the outline."""
+    """Return the edges to be offset, each dart replaced by a line across its mouth, in order of the outline."""
     count = len(edges)
     inside = {k % count: span for span in darts for k in range(span[0], span[1] + 1)}
     sides = []
@@ -77,7 +72,7 @@ def _list_sides(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...
 
 
 def _close(sides: list[Side], lines: list[np.ndarray], between: list[np.ndarray]) -> CutLine:
-    """Return the closed cut line of moved edges and the points between them."""
+    """Return the closed cut line of offset edges and the points between them."""
     points, tags, corner = [], [], []
     for side, line, more in zip(sides, lines, between, strict=True):
         points += [line, more]
@@ -92,7 +87,7 @@ def _close(sides: list[Side], lines: list[np.ndarray], between: list[np.ndarray]
 
 
 def _merge(points: np.ndarray, tags: np.ndarray, corner: np.ndarray) -> CutLine:
-    """Return a closed line whose vertices stand apart; of vertices that are one, the last tells the side."""
+    """Return a closed line without coincident vertices, each with the tag of the last of those merged."""
     keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > CUT_VERTEX_MERGE_DISTANCE
     if not keep.any():
         return CutLine(points, tags, corner)

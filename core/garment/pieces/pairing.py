@@ -14,8 +14,8 @@ from .joining import Group
 from .piece import PanelPlace
 
 PIECE_MIRROR_TOLERANCE = 1e-4
-"""Largest distance between a mirror image and its counterpart up to which both are cut as one [m]: scissors cut no
-better."""
+"""Largest distance between a mirror image and its counterpart at which both are one drawn piece [m]: the accuracy of
+scissors."""
 
 MIRROR_EDGE_SEGMENT_COUNT = 16
 """Number of parts of an edge at whose ends a mirror image is compared."""
@@ -26,11 +26,10 @@ class MirroredGroup:
     """Describe that a group of panels is the mirror image of another, or of itself.
 
     Attributes:
-        group: What is drawn.
-        twins: For each of its edges, the pattern's edge whose mirror image it is, run the other way.
-        places: Where the panels of the mirrored copy lie; none where the group is its own mirror image.
-        rotation, translation: The mirror image of the group's own points that lies upon it [m], shapes [2, 2], [2];
-            only where it is its own.
+        twins: For each of its edges, the pattern's edge whose mirror image it is, reversed.
+        places: Placement of the panels of the mirrored copy; none where the group is its own mirror image.
+        rotation, translation: The mirror map of the group's own points onto itself [m], shapes [2, 2], [2]; only where
+            it is its own mirror image.
         own: True where the group is its own mirror image.
     """
 
@@ -43,11 +42,9 @@ class MirroredGroup:
 
 
 def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | MirroredGroup, ...]:
-    """Return the groups that are cut, each with its mirrored copy where it has one; copies do not come again.
-
-    The pattern's symmetry (`find_symmetry`) says what belongs together, and tolerates the noise of drafting; a piece is
-    drawn once for two only where its outline lies upon the other's within `PIECE_MIRROR_TOLERANCE`.
-    """
+    """Return the groups to be cut, each with its mirrored copy where it has one; copies are not listed again. The
+    pattern's symmetry (`find_symmetry`) gives the pairs, and tolerates the noise of drafting; one drawn piece stands
+    for two only where the outlines agree within `PIECE_MIRROR_TOLERANCE`."""
     twins = find_twins(pattern)
     home = {place.panel: group for group in groups for place in group.places}
     found: list[Group | MirroredGroup] = []
@@ -68,7 +65,7 @@ def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | Mi
 
 
 def find_twins(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
-    """Return for each edge the edge that is its mirror image, run the other way."""
+    """Return for each edge the edge that is its mirror image, reversed."""
     twins = {}
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]
@@ -80,7 +77,7 @@ def find_twins(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
 
 
 def _match_mirrored_group(group: Group, other: Group, twins: tuple[EdgeRef, ...]) -> MirroredGroup | None:
-    """Return the mirror image of one group laid upon another; None where it misses, or its edges come otherwise."""
+    """Return the mirror image of one group fitted to another; None where outlines or orders of edges differ."""
     numbers = [other.sources.index(ref) if ref in other.sources else -1 for ref in twins]
     steps = {(a - b) % len(numbers) for a, b in zip(numbers, np.roll(numbers, -1), strict=True)}
     if len(numbers) != len(other.sources) or steps != {1} or -1 in numbers:

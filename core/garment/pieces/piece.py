@@ -1,4 +1,4 @@
-"""Production pieces: what is cut out of cloth, with allowance, notches and the seams that join it; no file format."""
+"""Production pieces to be cut out of cloth, with allowance, notches and seams, without a file format."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..pattern import EdgeRef, Panel
 
 
 class EdgeUse(StrEnum):
-    """Describe what becomes of an edge of a piece; the names are those of an allowance table."""
+    """Describe the use of an edge of a piece; the names are those of an allowance table."""
 
     SEAM = "seam"
     GATHERED = "gathered"
@@ -27,10 +27,10 @@ class EdgeUse(StrEnum):
 
 
 SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED)
-"""Edges that are sewn to another piece, or to another edge of their own."""
+"""Uses of edges that are sewn to another piece, or to another edge of their own."""
 
 TURNED_UP_EDGE_USES = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
-"""Edges whose allowance is turned up along them: it must cover the cloth that it lies on."""
+"""Uses of edges whose allowance is turned up along them and so has to cover the cloth below it."""
 
 
 class NotchPurpose(StrEnum):
@@ -45,15 +45,14 @@ class NotchPurpose(StrEnum):
 
 @dataclass(frozen=True)
 class PieceEdge:
-    """Describe what an edge of a piece is in the pattern.
+    """Describe an edge of a piece and its source in the pattern.
 
     Attributes:
-        use: What becomes of it.
         width: Seam allowance [m].
         source: The pattern's edge that it is, or a part of; None for a fold.
         part: Fractions of the source's length at which it begins and ends.
         twin: The pattern's edge of which the mirrored copy (of a pair) or the other half (of a fold) is a mirror image,
-            run the other way; None where there is no copy.
+            reversed; None where there is no copy.
     """
 
     use: EdgeUse
@@ -65,13 +64,12 @@ class PieceEdge:
 
 @dataclass(frozen=True)
 class PanelPlace:
-    """Describe where a panel of the pattern lies in a piece: piece = panel @ rotation.T + translation.
+    """Describe the placement of a panel of the pattern in a piece: piece = panel @ rotation.T + translation.
 
     Attributes:
-        panel: Name of the panel.
         rotation: Orthogonal, shape [2, 2]; its determinant is -1 for a panel of the mirrored copy.
         translation: Shape [2] [m].
-        misfit: Largest distance between the panel, so placed, and the piece [m]; 0 but for a mirrored copy.
+        misfit: Largest distance between the panel, so placed, and the piece [m]; 0 except for a mirrored copy.
     """
 
     panel: str
@@ -82,7 +80,7 @@ class PanelPlace:
 
 @dataclass(frozen=True)
 class Notch:
-    """Mark a place of a piece's edge.
+    """Describe a notch of a piece's edge.
 
     Attributes:
         edge: Index of the edge in the piece; of two that meet at the notch, the first.
@@ -92,7 +90,7 @@ class Notch:
         sew: Its place on the sew line [m], shape [2].
         point: Its place on the cut line, a vertex of it [m], shape [2].
         inward: Unit vector into the cloth, shape [2].
-        depth: How deep it is cut [m], less than the allowance.
+        depth: Depth of the cut [m], less than the allowance.
     """
 
     edge: int
@@ -107,13 +105,13 @@ class Notch:
 
 @dataclass(frozen=True)
 class CutLine:
-    """Describe where a piece is cut: a closed polygon, counter-clockwise.
+    """Describe the cut line of a piece: a closed polygon, counter-clockwise.
 
     Attributes:
-        points: Vertices [m], shape [n, 2]; the last is not the first again.
+        points: Vertices [m], shape [n, 2]; the first is not repeated.
         edge: Of each side, from vertex i to vertex i + 1: the piece's edge that it is parallel to, or -1 beside a
             corner, shape [n].
-        corner: Whether the outline turns at a vertex, shape [n]; the others sample a curve or carry a notch.
+        corner: Whether the outline turns at a vertex, shape [n]; the others sample a curve or have a notch.
     """
 
     points: np.ndarray
@@ -129,13 +127,11 @@ class Piece:
         name: Upper case letters, digits, `_` and `-` only, at most 20, unique.
         net: The sew line: control points, edges and grainline (+y) of the piece as a panel, counter-clockwise, seen
             from the cloth's outside [m].
-        edges: What each edge of `net` is.
-        places: The panels that lie in it, and those of its mirrored copy.
+        places: Placement of its panels, and of those of its mirrored copy.
         quantity: How often it is cut.
         pair: True where half of them are cut mirrored.
-        fold: Index of the edge that lies on the fold of the cloth, or None.
-        cut: Where it is cut.
-        notches: Its notches.
+        fold: Index of the edge on the fold of the cloth, or None.
+        cut: Its cut line.
         darts: Sew lines of darts within the cut line, and other lines that are marked, not cut [m], shape [n, 2] each.
         drills: Points that are marked within it, tips of darts [m], shape [n, 2].
         grain: Both ends of the line to be drawn along the warp [m], shape [2, 2].
@@ -157,7 +153,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class PieceSide:
-    """Point at one edge of a piece; `mirrored` where it is that of the mirrored copy, or of the half below the fold."""
+    """Describe one edge of a piece; `mirrored`: of the mirrored copy, or of the half below the fold."""
 
     piece: int
     edge: int
@@ -169,11 +165,10 @@ class SeamWalk:
     """Describe one seam as it is sewn.
 
     Attributes:
-        name: What the seam is called.
-        step: Where it stands in the sewing order, from 1; seams of one step are sewn alike, left and right.
-        sides: The edges of each side, in the order in which they are met from the seam's start to its end.
+        step: Its number in the sewing order, from 1; mirrored seams, left and right, have one step.
+        sides: The edges of each side, in order from the seam's start to its end.
         lengths: Length of each side on the sew line [m].
-        gathered: True where the first or second side is longer by intent.
+        gathered: True where one side is longer by intent.
     """
 
     name: str
@@ -188,12 +183,12 @@ class PieceSet:
     """Describe all pieces of a garment.
 
     Attributes:
-        name: What the style is called, for people.
+        name: Name of the style, for display.
         size: The size by girths, or an empty text.
         fabric: Name of the cloth, or an empty text.
         pieces: The pieces, bodies first.
         seams: The seams, in the order in which they are sewn.
-        missing: What a wearable garment needs and no pattern of net panels knows, a line each.
+        missing: What a wearable garment needs beside net panels, one line each.
     """
 
     name: str
@@ -205,5 +200,5 @@ class PieceSet:
 
     @property
     def panel_count(self) -> int:
-        """Return how many pieces of cloth there are, copies counted."""
+        """Return the number of pieces of cloth, including copies."""
         return sum(piece.quantity for piece in self.pieces)

@@ -1,4 +1,4 @@
-"""In which order the seams of a garment are sewn: flat as long as may be, tubes last."""
+"""Order in which the seams of a garment are sewn: flat as long as possible, tubes last."""
 
 from __future__ import annotations
 
@@ -16,11 +16,9 @@ Sides = Mapping[EdgeRef, tuple[PieceSide, ...]]
 
 
 def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
-    """Return the seams that are still to be sewn, in order; what lies within a joined piece is none.
-
-    Darts come first. Then, from the top of the garment down, seams that join pieces which hang together nowhere yet:
-    they are sewn flat. Then, from the top down, those that close what is sewn so far to tubes. Seams that are mirror
-    images of each other make one step.
+    """Return the seams to be sewn, in order, without those inside a joined piece. Darts come first. Then, from the top
+    of the garment down, seams that join pieces which are not connected yet: they are sewn flat. Then, from the top
+    down, those that close the connected pieces to tubes. Mirrored seams are one step.
 
     Args:
         pattern: The pattern.
@@ -50,7 +48,7 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[Edge
 
 
 def find_sides(pieces: tuple[Piece, ...]) -> dict[EdgeRef, tuple[PieceSide, ...]]:
-    """Return where each edge of the pattern is in the pieces: its parts in the order in which the edge runs."""
+    """Return the pieces' edges for each edge of the pattern: its parts in the edge's direction."""
     found: dict[EdgeRef, list[tuple[float, PieceSide]]] = {}
     for number, piece in enumerate(pieces):
         for i, edge in enumerate(piece.edges):

@@ -1,4 +1,4 @@
-"""Whether a polish may be kept, and where: neither flips nor self-intersections may grow."""
+"""Check a polish: it may add neither flipped nor crossing faces."""
 
 from __future__ import annotations
 
@@ -10,30 +10,28 @@ from ...geometry.intersections import self_intersections
 from .target_repair import PreparedTarget
 
 MAX_REVERT_ITERATIONS = 4
-"""Largest number of iterations that move faulty places back to where they were before the polish. After these the whole
-polish is refused."""
+"""Largest number of iterations that revert faulty places to before the polish; then the whole polish is refused."""
 
 REVERT_RING_COUNT = 4
-"""Number of face rings over which a place that is moved back fades into the rest, in the first iteration. It doubles in
-each further iteration."""
+"""Number of face rings over which a reverted place fades out, in the first iteration; it doubles in each next one."""
 
 
 def accept_polish(
     finer: np.ndarray, before: np.ndarray, faces: np.ndarray, target: PreparedTarget
 ) -> tuple[np.ndarray, bool]:
-    """Keep a polish where it is sound.
+    """Keep a polish where it adds no faults.
 
-    Around faces that flip or intersect in the polished nodes and not before, the nodes fade back to where they were. If
-    flips or self-intersections still outnumber the former ones after four rounds, nothing of the polish is kept.
+    Around faces that flip or cross after the polish only, the nodes fade back to where they were. If flips or crossings
+    still outnumber the former ones after four rounds, nothing of the polish is kept.
 
     Args:
         finer: Polished nodes [m], shape [node_count, 3].
         before: Nodes before the polish [m], shape [node_count, 3].
         faces: Shape [face_count, 3].
-        target: Its normals tell what is flipped.
+        target: Its normals define which faces are flipped.
 
     Returns:
-        The nodes to go on with, and whether any of the polish is in them.
+        The nodes, and whether any of the polish is in them.
     """
     if not np.isfinite(finer).all():
         return before, False
@@ -58,14 +56,14 @@ def find_flipped_faces(nodes: np.ndarray, faces: np.ndarray, target: PreparedTar
 
 
 def find_crossing_faces(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return which faces intersect a face that is not their neighbour, shape [face_count]."""
+    """Return which faces intersect a non-adjacent face, shape [face_count]."""
     wrong = np.zeros(len(faces), dtype=bool)
     wrong[self_intersections(nodes, faces)] = True
     return wrong
 
 
 def falloff_weights(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
-    """Return 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
+    """Return weights, 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over `rings`."""
     reach = np.zeros(count)
     reach[faces[wrong]] = 1.0
     edges = HalfEdges.of(faces, count).edges

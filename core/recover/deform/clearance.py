@@ -1,4 +1,4 @@
-"""The clean-up: a garment moved out of the exact body with the smallest, smoothest displacement."""
+"""Move a garment out of the exact body by the smallest, smoothest displacement."""
 
 from __future__ import annotations
 
@@ -14,43 +14,38 @@ SMOOTH_LENGTH = 0.02
 """Length over which a push fades [m]: beyond an edge, so that neighbours follow and no face turns over."""
 
 PUSH_ROW_WEIGHT = 300.0
-"""Weight of a pushed row relative to the term that keeps nodes in place: the row moves 80 to 99 % of its way in one
-iteration."""
+"""Weight of a pushed row relative to the term that keeps nodes in place: an iteration moves it by 80 to 99 %."""
 
 CLEARANCE_STRETCH_WEIGHT = 0.1
 """Weight of a triangle outside its bounds of stretch, relative to the term that keeps nodes in place [m2]: at edges of
-1.5 cm a node of such a triangle weighs as much as a pushed node. A third of that took half as many iterations again
-between touching thighs."""
+1.5 cm its nodes weigh as much as pushed ones. A third of it took 50 % more iterations between touching thighs."""
 
 STRETCH_GOAL_FACTOR = 1.1
-"""Factor on the lower bound of stretch that gives the stretch to which triangles are brought back: pushes undo some of
-the correction."""
+"""Factor on the lower bound of stretch that gives the corrected triangles' goal: pushes undo some of it."""
 
 STALLED_DEPTH_SHARE = 0.95
-"""Share of the least depth so far above which an iteration has gained nothing: triangles then hold pushes back."""
+"""Share of the least depth so far above which an iteration counts as without gain: triangles then resist the pushes."""
 
 PUSH_WEIGHT_GROWTH = 1.6
 """Factor on the weight of the pushes after an iteration without gain: cloth leaves the gap between two thighs within 35
 iterations, its widest triangles torn; 1.3 left it 1.4 mm deep."""
 
 MAX_GAP_DEPTH_SHARE = 0.8
-"""Share of the margin that may remain as depth in a gap: the limit of the pipeline is one margin, and measured depths
-are not exact."""
+"""Share of the margin that may remain as depth in a gap: the pipeline's limit is one margin, depths are inexact."""
 
 MAX_CLEARANCE_ITERATIONS = 40
-"""Largest number of iterations. A garment beside a sound body needs 2 to 6; a garment between thighs that intersect
-needs all."""
+"""Largest number of iterations: a garment beside a sound body needs 2 to 6, one between intersecting thighs all."""
 
 PUSH_REVERSAL_COSINE = -0.5
-"""Cosine between two successive pushes of one point below which the second undoes the first."""
+"""Cosine between two successive pushes of one point below which the second reverses the first."""
 
 
 class ProximityCache:
-    """Find what is nearer to the body than a margin, asking again only where it may have come so near.
+    """Find points nearer to the body than a margin, with new distance queries only where a point may have come so near.
 
-    A distance changes no faster than its point moves: a point that was d away and has moved by less than d less the
-    margin since is still further out than that. A point that is pushed back the way it came is in a gap between two
-    parts of the body that is narrower than two margins: its margin is halved, so that it comes to rest in between.
+    A distance changes no faster than its point moves: a point at distance d that has since moved by less than d minus
+    the margin is still outside the margin. A point that is pushed back the way it came is in a gap narrower than two
+    margins between two parts of the body: its margin is halved, so that it comes to rest in between.
     """
 
     def __init__(self, faces: np.ndarray, body: ExposedSurface, margin: float) -> None:
@@ -59,7 +54,7 @@ class ProximityCache:
         self._places: np.ndarray | None = None
 
     def pushes(self, x: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray, float]:
-        """Return rows (nodes, then face centres) below their margins, the way each must go [m], the greatest depth."""
+        """Return rows (nodes, then face centres) below their margins, their displacements [m], the greatest depth."""
         faces = self.faces
         points = np.concatenate([x, x[faces].mean(axis=1)])
         if self._places is None:
@@ -89,13 +84,11 @@ def enforce_clearance(
 ) -> np.ndarray:
     """Move nodes so that no node and no face centre is nearer to the body than a margin.
 
-    Each round finds the nodes and face centres below the margin, and the triangles that are out of their bounds of
-    stretch, and solves for the displacement u that minimises
-
+    Each round finds the nodes and face centres below the margin and the triangles out of their bounds of stretch, and
+    solves for the displacement u that minimises
         sum_i m_i |u_i|^2 + s^4 |M^-1/2 L u|^2 + w sum_r m |u_r - push_r|^2 + h sum_f A_f |(G (x + u))_f - P_f|^2,
-
-    which fades smoothly away from them; P_f as in `ease_stretch`. Both at once: where parts of the body touch the way
-    out is long, and triangles that are only pushed are torn there.
+    which fades smoothly away from them; P_f as in `limit_strain`. Both are solved together: where parts of the body
+    touch, the way out is long, and triangles that are only pushed are torn.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -105,8 +98,8 @@ def enforce_clearance(
         ease: Keep triangles within their bounds.
 
     Returns:
-        Positions [m], the given ones where nothing had to move. Where no round cleared all, those of the round that
-        left the least depth beyond half the margin, then the fewest triangles out of bounds.
+        Positions [m], unchanged where nothing had to move. If no round cleared all, those of the round with the least
+        depth beyond half the margin, then the fewest triangles out of bounds.
     """
     laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
     mass = np.maximum(vertex_areas(nodes, watch.faces), 1e-12)
@@ -118,7 +111,7 @@ def enforce_clearance(
         rows, push, depth = watch.pushes(x)
         wrong, change = find_strain_violations(x, gradient, areas, STRETCH_GOAL_FACTOR * MIN_FACE_STRETCH)
         wrong &= ease
-        # 0.1 mm short of the margin is at rest: the margin itself is ten times that
+        # 0.1 mm short of the margin counts as cleared: the margin is ten times that
         if np.linalg.norm(push, axis=1).max(initial=0.0) < 0.1 * watch.margin and not wrong.any():
             return x
         left = (max(depth - MAX_GAP_DEPTH_SHARE * watch.margin, 0.0), int(wrong.sum()))

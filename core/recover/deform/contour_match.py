@@ -1,4 +1,4 @@
-"""Matched open contours as curves: samples by arc length on both, closest points on the other."""
+"""Match open contours as curves: samples by arc length on both, closest points on the other."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from ...geometry.curves import ClosedCurve, CurvePoints
 from ...scan.contours.target import Contour
 
 CONTOUR_MATCH_SPACING = 5e-3
-"""Distance between samples along a contour [m]: a third of the garment's edges, so that no vertex is passed over."""
+"""Distance between samples along a contour [m]: a third of the garment's edges, so that no vertex is missed."""
 
 
 @dataclass(frozen=True)
 class CurveRows:
-    """Describe rows (1 - t) x_a + t x_b that should come to rest on fixed points.
+    """Describe rows (1 - t) x_a + t x_b with a goal each.
 
     Attributes:
         first: Node a of each row, shape [row_count].
         second: Node b of each row, shape [row_count].
         along: Parameter t, shape [row_count].
-        goal: Where the row belongs [m], shape [row_count, 3].
+        goal: Goal of each row [m], shape [row_count, 3].
         share: Weight of each row; all rows of both directions sum to 2, shape [row_count].
     """
 
@@ -46,7 +46,7 @@ class ContourMatch:
         self._total = max(sum(goal.length for _, _, goal, _ in self._curves), 1e-12)
 
     def rows(self, nodes: np.ndarray) -> CurveRows | None:
-        """Find both directions' rows for the current nodes [m]; None where nothing is matched."""
+        """Return both directions' rows for the current nodes [m]; None where nothing is matched."""
         if not self._curves:
             return None
         parts: list[tuple[np.ndarray, ...]] = []

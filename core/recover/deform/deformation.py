@@ -1,4 +1,4 @@
-"""What the deformer gives."""
+"""Describe the result of the deformer."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class Deformation:
         losses: Weighted loss terms by name, one value per iteration; `total` is their sum.
         polished: Whether the polish was kept.
         matched: Names of the contours that were matched.
-        normals_reversed: Whether the target's normals were turned by the vote.
-        normals_unsigned: Whether only the normals' axes were used, because their signs disagreed among themselves.
+        normals_reversed: Whether the vote reversed the target's normals.
+        normals_unsigned: Whether only the normals' axes were used, because their signs are inconsistent.
         spikes: Target vertices that were moved to the median of their ring.
         flipped_faces: Faces against the target's normal at the closest point, (graded drape, result).
         self_intersecting_faces: Faces in a non-adjacent intersecting pair, (graded drape, result).
         body_depth: Largest depth of a node or face centre inside the exact body [m], 0 where there is none.
-        warnings: What the user should know, one sentence each.
+        warnings: Warnings to the user, one sentence each.
     """
 
     nodes: np.ndarray

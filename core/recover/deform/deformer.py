@@ -26,17 +26,16 @@ from .settings import DeformSettings
 from .target_repair import PreparedTarget, prepare_target
 
 DEFAULT_DEFORM_SETTINGS = DeformSettings()
-"""The setting that is used where none is given."""
+"""The settings used where none are given."""
 
 BODY_DEPTH_WARNING_LIMIT = 1e-3
 """Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
 
 
 BODY_DEPTH_TOLERANCE = 5e-4
-"""Depth in the body that is left as it is [m]: half of what a measure allows. The smooth solve reaches its margin
-within some tenths; a greater depth means that cloth is in a crease. Creases are cut only then: between thighs that
-intersect, a triangle is drawn to 2.5 times its length along the cut if all steps know the cut, to 1.4 times if it is
-made at the end."""
+"""Depth in the body that is left [m]: half of what a measure allows. The smooth solve reaches its margin within some
+tenths; a greater depth means that cloth is in a crease. Only then are creases of the body cut: between intersecting
+thighs a triangle is stretched to 2.5 times its length if all steps use the cut, to 1.4 times if only the last does."""
 
 
 def deform(
@@ -49,13 +48,12 @@ def deform(
 ) -> Deformation:
     """Deform a garment's graded drape onto the target's surface.
 
-    Thesis chapter 4 with the changes that each module's **Deviation** explains. The result keeps the garment's faces,
-    so that its pattern stays its uv map.
+    Thesis chapter 4 with each module's **Deviation**. Faces stay, so that the pattern stays the uv map.
 
     Args:
         garment: The graded drape; its contours are matched with the target's by name.
         target: The surface to be reached.
-        body: The wearer's exposed skin; the result lies outside it, but for what the body's parts pinch.
+        body: The wearer's exposed skin; the result is outside it, except cloth pinched between parts of the body.
         settings: Weights and steps.
         hooks: Progress under the name `deform`, and cancellation at every step.
 
@@ -120,7 +118,7 @@ def _warnings(
     crossings: tuple[int, int],
     depth: float,
 ) -> tuple[str, ...]:
-    """Describe what the user should know, one sentence each."""
+    """Return the warnings to the user, one sentence each."""
     said = []
     matched = {c.name for c, _ in goal.pairs}
     for name in sorted({c.name for c in garment.contours} - matched):

@@ -1,4 +1,4 @@
-"""The last touches on the shape: triangles out of their bounds of stretch, and folds that cross themselves."""
+"""Correct triangles out of their bounds of stretch, and smooth folds that cross themselves."""
 
 from __future__ import annotations
 
@@ -11,15 +11,13 @@ from .acceptance import falloff_weights, find_crossing_faces
 
 MIN_FACE_STRETCH, MAX_FACE_STRETCH = 0.45, 1.55
 """Bounds on the singular values of flat panel to surface. Cloth at rest keeps within 0.9 to 1.2, and panels may be off
-by a fifth; what is beyond these bounds is a collapsed or torn triangle, and spoils a texture."""
+by a fifth; a triangle beyond these bounds is collapsed or torn, and spoils a texture."""
 
 MAX_STRAIN_LIMIT_ITERATIONS = 10
-"""Largest number of iterations of strain limiting; single triangles need three, a pleat that was pressed flat needs the
-ten."""
+"""Largest number of iterations of strain limiting; single triangles need three, a pleat that was pressed flat ten."""
 
 STRETCH_CORRECTION_WEIGHT = 1e-2
-"""Weight of a triangle out of bounds relative to the term that keeps nodes in place [m2]: at edges of 1.5 cm the
-triangle moves 95 % of its way."""
+"""Weight of a triangle out of bounds relative to the term that keeps nodes in place [m2]: at 1.5 cm it moves 95 %."""
 
 STRETCH_FADE_LENGTH = 0.01
 """Length over which a correction fades into the triangles around [m]: less than an edge, so that the fit stays."""
@@ -28,13 +26,11 @@ MAX_CROSSING_ITERATIONS = 5
 """Largest number of iterations that smooth crossings; the patch grows in each."""
 
 CROSSING_RING_COUNT = 2
-"""Number of face rings around a crossing over which a patch fades, in the first iteration; every second iteration adds
-one. On a dress folded over itself at its side seams three rings cleared it no better and cost 0.4 mm more of the
-fit."""
+"""Number of face rings around a crossing over which a patch fades, in the first iteration; every second one adds a
+ring. On a dress folded over itself at its side seams three rings cleared no more and cost 0.4 mm more of the fit."""
 
 CROSSING_SMOOTHING_LENGTH = 0.01
-"""Length below which the first iteration removes folds [m], less than an edge; two edges cost 0.5 mm more of the
-fit."""
+"""Length below which the first iteration removes folds [m], less than an edge; two edges fit 0.5 mm worse."""
 
 CROSSING_LENGTH_GROWTH = 1.4
 """Factor on `CROSSING_SMOOTHING_LENGTH` from iteration to iteration: a folded patch twice as long is flat after two."""
@@ -44,12 +40,10 @@ MIN_PATCH_WEIGHT_SHARE = 1e-4
 
 
 def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Bring triangles whose singular values are out of bounds back to them, moving the others as little as can be.
+    """Bring triangles with singular values out of bounds back to them, moving the others as little as possible.
 
     Each round solves for the displacement u that minimises
-
         sum_i m_i |u_i|^2 + s^4 |M^-1/2 L u|^2 + w sum_f A_f |(G (x + u))_f - P_f|^2,  f out of bounds,
-
     with P_f the 3x2 gradient of f, its singular values clipped.
 
     Args:
@@ -59,7 +53,7 @@ def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
         faces: Shape [face_count, 3].
 
     Returns:
-        Positions [m]; the round with the fewest triangles out of bounds, the given ones if none was out.
+        Positions [m] of the round with the fewest triangles out of bounds, unchanged if none was out.
     """
     x, stay = np.array(nodes), _regularisation_matrix(nodes, gradient, areas, faces)
     best, fewest = x, len(faces) + 1
@@ -78,7 +72,7 @@ def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
 def find_strain_violations(
     nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = MIN_FACE_STRETCH
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return which triangles' singular values are out of bounds, and what brings their gradients back.
+    """Return which triangles' singular values are out of bounds, and the correction of their gradients.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -92,7 +86,7 @@ def find_strain_violations(
     jacobians = np.asarray(gradient @ nodes).reshape(-1, 2, 3).transpose(0, 2, 1)
     values, axes = np.linalg.eigh(np.einsum("fki,fkj->fij", jacobians, jacobians))
     size = np.sqrt(np.maximum(values, 1e-6))
-    # a degenerate panel triangle has no stretch to speak of
+    # the stretch of a degenerate panel triangle is not defined
     wrong = ((size[:, 0] < lowest) | (size[:, 1] > MAX_FACE_STRETCH)) & (areas > 1e-3 * areas.mean())
     share = np.clip(size, lowest, MAX_FACE_STRETCH) / size - 1.0
     change = jacobians @ np.einsum("fik,fk,fjk->fij", axes, share, axes)
@@ -102,11 +96,11 @@ def find_strain_violations(
 def smooth_crossings(
     nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray, allowed: int
 ) -> np.ndarray:
-    """Iron patches whose faces cross, until no more faces cross than are allowed.
+    """Smooth patches whose faces cross, until no more faces cross than are allowed.
 
-    A panel that is wider than the scan folds over itself at its seams. In a patch around each crossing the nodes are
-    let go, and take the smoothest course between those around it: sum_i w_i |x_i - y_i|^2
-    + s^4 / 100 |M^-1/2 L x|^2, with w_i the node's area, down to a ten-thousandth of it in the middle of a patch.
+    A panel wider than the scan folds over itself at its seams. In a patch around each crossing the nodes are released
+    and take the smoothest course between those around: sum_i w_i |x_i - y_i|^2 + s^4 / 100 |M^-1/2 L x|^2, with w_i the
+    node's area, down to a ten-thousandth of it in the middle of a patch.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -116,7 +110,7 @@ def smooth_crossings(
         allowed: Faces that may cross: those of the graded drape.
 
     Returns:
-        Positions [m]; the given ones where no round came down to what is allowed, as smooth patches fit less well.
+        Positions [m]; unchanged where no round reached what is allowed, since smooth patches fit less well.
     """
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
     x, free = nodes, np.zeros(len(nodes))

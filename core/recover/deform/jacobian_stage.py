@@ -1,4 +1,4 @@
-"""The main stage: Adam on per-face Jacobians, positions by the Poisson solve (thesis section 4.2.2)."""
+"""Optimise per-face Jacobians with Adam, positions by the Poisson solve (thesis section 4.2.2)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class StageResult:
 
 
 class FaceAdam:
-    """Adam with one second moment per face (or row block) instead of one per number.
+    """Take Adam steps with one second moment per face (or row block) instead of one per number.
 
     **Deviation** from Kingma and Ba 2015: the mean of the squared gradient over a block's numbers replaces the square
     of each, so that the step turns with the garment (Ling et al. 2022, VectorAdam).
@@ -42,7 +42,7 @@ class FaceAdam:
         self._count = 0
 
     def step(self, factor: float) -> None:
-        """Take one step at the rate times a factor; decay rates 0.9 and 0.999 are the method's own."""
+        """Take one step at the rate times a factor; decay rates 0.9 and 0.999 are those of the source."""
         gradient = self.values.grad
         if gradient is None:
             return
@@ -68,17 +68,17 @@ def optimise_jacobians(
     """Deform the nodes by their Jacobians until the loss no longer improves.
 
     Args:
-        nodes: Where the garment stands [m], shape [node_count, 3].
+        nodes: Initial positions [m], shape [node_count, 3].
         gradient: Positions to Jacobian rows, shape [2 face_count, node_count].
         areas: Rest areas [m2], shape [face_count].
         objective: The loss.
         metric: Rest metric of the strain; it follows the surface during the stage.
         settings: Weights and steps.
-        hooks: Progress and cancellation, asked at every step.
+        hooks: Progress and cancellation, called at every step.
     """
     system = PoissonSystem(gradient, areas)
     jacobians = torch.from_numpy(np.asarray(gradient @ nodes)).requires_grad_(True)
-    # positions() returns zero mean up to the pin's share: what is missing there goes into the offset
+    # positions() returns zero mean up to the regularisation's share: the rest is in the offset
     offset = torch.from_numpy(nodes - system.positions(np.asarray(gradient @ nodes)))
     shift = torch.zeros(1, 3, dtype=torch.float64, requires_grad=True)
     moves = (FaceAdam(jacobians, 2, settings.learning_rate), FaceAdam(shift, 1, settings.translation_rate))
@@ -132,7 +132,7 @@ def _decay(step: int, settings: DeformSettings) -> float:
 
 
 def _is_flat(totals: list[float], settings: DeformSettings) -> bool:
-    """Return whether the second half's last steps brought less than the plateau's share."""
+    """Return whether the second half's last steps improved by less than the plateau's share."""
     if settings.plateau <= 0 or len(totals) < max(settings.iterations // 2, 2 * PLATEAU_WINDOW):
         return False
     before, after = min(totals[:-PLATEAU_WINDOW]), min(totals[-PLATEAU_WINDOW:])

@@ -1,4 +1,4 @@
-"""The loss of the deformation (thesis eq. 4.2 to 4.7) as a torch function of the node positions."""
+"""Compute the loss of the deformation (thesis eq. 4.2 to 4.7) as a torch function of the node positions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .settings import DeformSettings
 from .target_repair import PreparedTarget
 
 BODY_REACH = 0.02
-"""Distance to the body within which a node takes part in the body term [m]: more than it moves between two updates."""
+"""Distance to the body within which a node enters the body term [m]: more than it moves between two updates."""
 
 BODY_SEARCH_INTERVAL = 5
 """Number of searches for matches (ten iterations) between two exact distances to the body. In between the body is a
@@ -27,14 +27,13 @@ plane at the closest point of each node, which moves by less than the curvature 
 
 
 MAX_VERTICES_PER_NODE = 3
-"""Number of target vertices for each node of the garment above which the vertices are thinned out: more vertices say
-nothing more of where a node belongs, and finding all their matches takes most of the time. The polish takes them
-all."""
+"""Number of target vertices for each node above which the vertices are thinned out: further vertices add no information
+on a node's place, and their matches take most of the time. The polish uses all of them."""
 
 
 @dataclass(frozen=True)
 class Matches:
-    """Describe the correspondences of one iteration; everything in it is constant for the derivative.
+    """Describe the correspondences of one iteration; all are constant for the derivative.
 
     Attributes:
         to_target: Closest point on the target of each node.
@@ -52,7 +51,7 @@ class Matches:
 
 
 class Objective:
-    """Weigh a garment's nodes against the target, the body and the garment's own rest shape."""
+    """Evaluate a garment's nodes against the target, the body and the garment's own rest shape."""
 
     def __init__(
         self,
@@ -120,7 +119,7 @@ class Objective:
         return terms
 
     def _data(self, x: torch.Tensor, normal: torch.Tensor, matches: Matches) -> dict[str, torch.Tensor]:
-        """Distances both ways (eq. 3.8 or to the surface) and the cosine distance of normals (eq. 4.3)."""
+        """Return distances both ways (eq. 3.8 or to the surface) and the cosine distance of normals (eq. 4.3)."""
         faces = self._target.surface.faces
         foot = torch.from_numpy(matches.to_target.foot)
         foot_normal = torch.from_numpy(matches.to_target.interpolate(self._target.normals, faces))
@@ -146,7 +145,7 @@ class Objective:
         return {"distance": distance, "normal": self._settings.normal * turned}
 
     def _contour(self, x: torch.Tensor, rows: CurveRows) -> torch.Tensor:
-        """Mean squared distance between matched contours, both directions (second term of eq. 4.2)."""
+        """Return the mean squared distance between matched contours, both directions (second term of eq. 4.2)."""
         along = torch.from_numpy(rows.along)[:, None]
         points = x[torch.from_numpy(rows.first)] * (1 - along) + x[torch.from_numpy(rows.second)] * along
         squared = ((points - torch.from_numpy(rows.goal)) ** 2).sum(1)
@@ -155,7 +154,7 @@ class Objective:
         return (squared * torch.from_numpy(rows.share)).sum()
 
     def _bending(self, x: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:
-        """Sum of k / 2 alpha^2 over inner edges (eq. 4.4), alpha the angle between the two faces' normals."""
+        """Return the sum of k / 2 alpha^2 over inner edges (eq. 4.4), alpha the angle between the faces' normals."""
         unit = normalize(normal, dim=1, eps=1e-12)
         one, other = unit[self._hinges[:, 2]], unit[self._hinges[:, 3]]
         axis = normalize(x[self._hinges[:, 1]] - x[self._hinges[:, 0]], dim=1, eps=1e-12)
@@ -163,7 +162,7 @@ class Objective:
         return 0.5 * self._settings.bending_stiffness * (angle**2).sum()
 
     def _strain(self, first: torch.Tensor, second: torch.Tensor, metric: RestMetric) -> torch.Tensor:
-        """Sum of A (lambda / 2 tr(E)^2 + mu tr(E^2)) (eq. 4.5), E the Green strain against the rest stretch."""
+        """Return the sum of A (lambda / 2 tr(E)^2 + mu tr(E^2)) (eq. 4.5), E the Green strain on the rest stretch."""
         undo = torch.from_numpy(metric.undo)
         gradient = torch.stack([first, second], 2) @ self._inverse @ undo
         green = 0.5 * (gradient.transpose(1, 2) @ gradient - torch.eye(2, dtype=gradient.dtype))
@@ -173,7 +172,7 @@ class Objective:
         return (density * self._areas).sum()
 
     def _watch_body(self, nodes: np.ndarray) -> None:
-        """Renew the planes of the body at the nodes near it, every `BODY_SEARCH_INTERVAL` searches."""
+        """Update the planes of the body at the nodes near it, every `BODY_SEARCH_INTERVAL` searches."""
         if self._searches % BODY_SEARCH_INTERVAL == 0 and self._settings.body > 0:
             distance, out = self._body.measure(nodes)
             near = np.flatnonzero(distance < BODY_REACH)
@@ -182,7 +181,7 @@ class Objective:
         self._searches += 1
 
     def _collision(self, x: torch.Tensor, planes: tuple[np.ndarray, np.ndarray, np.ndarray]) -> torch.Tensor:
-        """Cubes of what is missing to the margin (eq. 4.6), mean over the area, or sum over nodes."""
+        """Return the cubed shortfalls from the margin (eq. 4.6), mean over the area, or sum over nodes."""
         near, out, height = (torch.from_numpy(part) for part in planes)
         missing = torch.relu(self._settings.body_margin + height - (x[near] * out).sum(1)) ** 3
         if self._settings.reduction == "sum":
@@ -191,14 +190,14 @@ class Objective:
 
 
 def subsample_by_grid(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Pick one vertex [m] of each cell of a grid [m], by index, and give it the shares of all in its cell."""
+    """Return the indices of one vertex [m] in each cell of a grid [m], and the summed shares of each cell."""
     cells = np.floor((vertices - vertices.min(axis=0)) / width).astype(np.int64)
     _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return first, np.bincount(cell.reshape(-1), weights=shares)
 
 
 def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> ClosestPoints:
-    """Express each point's nearest vertex as a point of one of its faces."""
+    """Return each point's nearest vertex as a point of one of its faces."""
     distance, nearest = cKDTree(vertices).query(points)
     face_of = np.zeros(len(vertices), dtype=np.int64)
     face_of[faces] = np.arange(len(faces))[:, None]

@@ -1,4 +1,4 @@
-"""From per-face Jacobians to positions: the prefactored Poisson solve (thesis eq. 4.1) as a torch function."""
+"""Solve the prefactored Poisson system from per-face Jacobians to positions (thesis eq. 4.1) as a torch function."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import torch
 from ...geometry.linear import factor_symmetric
 
 POISSON_REGULARISATION_SHARE = 1e-10
-"""Share of the mean diagonal of the Laplacian that is added to its diagonal: the solve leaves translation free, which
-makes the Laplacian singular."""
+"""Share of the Laplacian's mean diagonal that is added to its diagonal: free translation makes it singular."""
 
 
 class PoissonSystem:

@@ -1,4 +1,4 @@
-"""The polish: local-global closest-point iterations that keep triangles close to their rest stretch (ARAP)."""
+"""Polish nodes by local-global closest-point iterations that keep triangles close to their rest stretch (ARAP)."""
 
 from __future__ import annotations
 
@@ -18,22 +18,20 @@ from .settings import DeformSettings
 from .target_repair import PreparedTarget
 
 REST_STRETCH_WEIGHTS = (1e-3, 2e-4)
-"""Weights of the rest stretch relative to the distance, at the first and the last step [m2]: a reach of 3 cm and of 1.4
-cm."""
+"""Weights of the rest stretch relative to the distance, at first and last step [m2]: a reach of 3 and of 1.4 cm."""
 
 SQUARED_CURVATURE_WEIGHTS = (1e-8, 1e-9)
-"""Weights of the squared curvature at the first and the last step [m4]: they resist folds shorter than 1 cm and 0.6
-cm."""
+"""Weights of the squared curvature at first and last step [m4]: they resist folds shorter than 1 cm and 0.6 cm."""
 
 POINT_DISTANCE_WEIGHT, PLANE_DISTANCE_WEIGHT, CONTOUR_DISTANCE_WEIGHT = 0.2, 1.0, 10.0
 """Weights of the distance to the closest point, of its part along the normal, and of the rows of the contours. A fifth
-along the surface lets triangles slide; the contours hold the border against that sliding."""
+along the surface lets triangles slide; the contours keep the border from sliding too."""
 
 MIN_MATCH_NORMAL_COSINE = 0.2
-"""Cosine between normals below which a match does not pull: it belongs to another layer or to a wrong fold."""
+"""Cosine between normals below which a match has no weight: it belongs to another layer or to a wrong fold."""
 
 BODY_CONTACT_WEIGHT = 10.0
-"""Weight of a node inside the body, so that the body wins over a target that lies inside it."""
+"""Weight of a node inside the body, larger than that of a target inside the body."""
 
 
 def polish_nodes(
@@ -49,10 +47,8 @@ def polish_nodes(
     """Bring nodes onto the target by alternating rotations (local) and positions (global).
 
     Each step solves one sparse system for x that minimises
-
         sum_i w_i (|n_i.(x_i - p_i)|^2 + 0.2 |x_i - p_i|^2) + the same for the target's vertices on the garment
         + 10 contours + a sum_f A_f |(G x)_f - R_f S_f|^2 + b |M^-1/2 L x|^2
-
     with p_i the closest point, R_f the rotation nearest to (G x)_f S_f^-1 and S_f the rest stretch. The plane term is
     majorised by a point (the projection of x_i on the plane), so that x, y and z share one factor.
 
@@ -60,14 +56,14 @@ def polish_nodes(
         nodes: Result of the main stage [m], shape [node_count, 3].
         faces: Shape [face_count, 3].
         gradient: Positions to Jacobian rows.
-        metric: Rest areas, and rest stretch as the main stage left it.
+        metric: Rest areas, and rest stretch at the end of the main stage.
         target: The repaired target.
         body: The exact body.
         settings: Number of steps and the margin to the body.
         hooks: Progress and cancellation.
 
     Returns:
-        Polished nodes [m]; whether to keep them is the caller's to judge.
+        Polished nodes [m], unchecked (`accept_polish`).
     """
     weighted = (gradient.T @ sp.diags(np.repeat(metric.areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
@@ -117,7 +113,7 @@ def _normal_weights(cosine: np.ndarray, unsigned: bool) -> np.ndarray:
 def _assemble_node_pulls(
     x: np.ndarray, normals: np.ndarray, mass: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Rows that pull nodes to the target."""
+    """Return rows that pull nodes to the target."""
     found = target.surface.closest(x)
     foot = found.foot
     normal = unit(found.interpolate(target.normals, target.surface.faces))
@@ -131,7 +127,7 @@ def _assemble_node_pulls(
 def _assemble_target_pulls(
     x: np.ndarray, normals: np.ndarray, faces: np.ndarray, area: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Rows that pull the garment to the target's vertices."""
+    """Return rows that pull the garment to the target's vertices."""
     found = TriangleSurface(x, faces).closest(target.surface.vertices)
     picks = found.interpolation(faces, len(x))
     cover, normal = picks @ x, target.normals
@@ -152,9 +148,9 @@ def _selection_matrix(columns: np.ndarray, values: np.ndarray, count: int) -> sp
 def _find_body_violations(
     x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return which nodes are nearer than the margin by the body's planes, and how far they have to go."""
+    """Return which nodes are nearer than the margin by the body's planes, and their displacement to it."""
     out, height = planes
     missing = margin + height - (x * out).sum(1)
-    # a plane says nothing about a node that has left its neighbourhood
+    # a plane is not valid for a node that has left its neighbourhood
     near = (missing > 0) & (missing < 0.02)
     return near, out * (missing * near)[:, None]

@@ -1,4 +1,4 @@
-"""The rest metric of the strain term: what a garment's panels measure once grading errors are taken out."""
+"""Compute the rest metric of the strain term: the stretch of the panels without grading errors."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from ...geometry.connectivity import HalfEdges
 from ...geometry.linear import factor_symmetric
 
 MIN_REST_STRETCH, MAX_REST_STRETCH = 0.6, 1.6
-"""Bounds on a smoothed stretch: a panel that is off by more than this was graded wrongly, and must not be copied."""
+"""Bounds on a smoothed stretch: a panel that is off by more was graded wrongly, and must not be copied."""
 
 
 class RestMetric:
-    """Follow the surface's own stretch, smoothed within each panel over a given length.
+    """Compute the surface's own stretch, smoothed within each panel over a given length.
 
     The deformation gradient F of a face (flat panel to 3D) has the metric C = F^T F. Let C be smoothed over the panel,
-
         (I + s^2 D) Cs = C,  D the area-weighted Laplacian of the faces' adjacency within the panel,
-
     with s the smoothing length. Strain is then measured against the stretch S = Cs^(1/2) instead of the identity, so
     that it resists what varies faster than s (collapsed and sheared triangles) and not a panel that is 20 % too wide.
 

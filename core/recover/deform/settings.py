@@ -1,4 +1,4 @@
-"""What the deformer weighs against what; every default says why."""
+"""Define the weights and steps of the deformer, with the reason for each default."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class DeformSettingsBad(BadInput):
 
 @dataclass(frozen=True)
 class DeformSettings:
-    """Choose the terms of the deformation and their weights.
+    """Describe the terms of the deformation and their weights.
 
     Data terms are area-weighted means of squared distances [m2]; bending and strain are sums (integrals over the
     surface, thesis eq. 4.4 and 4.5), so that no term depends on how finely a surface is meshed.
@@ -25,30 +25,27 @@ class DeformSettings:
         distance: `surface`: closest points on the surface, both ways. `vertices`: the thesis' vertex Chamfer distance
             (eq. 3.8), which snaps vertices onto vertices and cannot rank good results, kept for comparison.
         reduction: `mean` of the squared distances, or `sum` over vertices (the thesis' reading that works).
-        iterations: Steps of Adam at most; on simulated pairs nothing moves after about 150.
+        iterations: Largest number of Adam's steps; on simulated pairs nothing moves after about 150.
         learning_rate: Adam's step on the Jacobians; 2e-2 is a stretch or turn of 2 % a step, the largest that settles.
         translation_rate: Adam's step on the free translation [m]; 2 mm, so that 30 mm of offset need 15 steps.
-        cosine_decay: Let the steps shrink along a half cosine to 2 %; without it the last steps still jitter by 0.3 mm.
+        cosine_decay: Reduce the steps along a half cosine to 2 %; without it the last steps still jitter by 0.3 mm.
         plateau: Stop when the best loss has improved by less than this share over 20 iterations in the second half.
         contour: Weight of the matched open contours (eq. 4.2), mean squared distance between curves.
-        normal: Weight of the normals' cosine distance (eq. 4.3); the thesis' value. It is what unfolds wrong folds.
-        bending: Weight of the dihedral energy (eq. 4.4); a tenth of the thesis' 0.1, which caps the fit at 1.3 mm.
+        normal: Weight of the normals' cosine distance (eq. 4.3), the thesis' value. It unfolds wrong folds.
+        bending: Weight of the dihedral energy (eq. 4.4); a tenth of the thesis' 0.1, which limits the fit to 1.3 mm.
         bending_stiffness: k of eq. 4.4, thesis' value.
-        strain: Weight of the StVK energy (eq. 4.5). 1e-4 balances 1 mm of distance against about 2 % of strain;
-            the thesis' 1 outweighs the data 1e4 times.
+        strain: Weight of the StVK energy (eq. 4.5). 1e-4 balances 1 mm with 2 % of strain; the thesis has 1.
         strain_from: Iteration at which strain sets in.
         lame_lambda: First Lame coefficient of eq. 4.5 [N/m], thesis' value.
         lame_mu: Second Lame coefficient of eq. 4.5 [N/m], thesis' value.
-        metric_scale: Length [m] over which the rest metric of the strain follows the surface; 0 holds the flat panels'
-            metric. Grading is approximate (panels may be 20 % off): with the flat metric the strain would pull the
-            whole tube away from the target. At 10 cm it forbids only what is finer than a panel: collapse, shear noise.
-        match_every: Iterations between two searches for closest points; at 2 % a step they hardly move in two, and the
-            search is half of an iteration.
+        metric_scale: Length [m] over which the rest metric of the strain follows the surface; 0 keeps the flat panels'
+            metric. Panels may be 20 % off after grading: with the flat metric the strain would pull the whole tube away
+            from the target. At 10 cm it resists only what is finer than a panel: collapse, shear noise.
+        match_every: Iterations between searches for closest points, which take half of one; in two they hardly move.
         metric_every: Iterations between two updates of that rest metric.
-        body: Weight of the cubic body term (eq. 4.6), area-weighted mean of cubes [1/m]; 300 makes 5 mm of depth push
-            back 2.2 times as hard as 5 mm of distance pull.
-        body_margin: Distance to the body below which the body term acts, and that the clean-up restores [m]; 1 mm keeps
-            the middle of a flat triangle outside a round body.
+        body: Weight of the cubic body term (eq. 4.6), mean of cubes [1/m]; 300 is 2.2 times the distance term at 5 mm.
+        body_margin: Distance to the body below which the body term acts, and that the clearance restores [m]; 1 mm
+            keeps the middle of a flat triangle outside a round body.
         repair: Repair the target first: spikes to the median of their ring, orientation by vote.
         polish_iterations: Steps of the local-global polish; its annealing is done after 20. 0 leaves it out.
         clear_body: Push the result out of the exact body mesh at the end.
@@ -99,11 +96,11 @@ class DeformSettings:
             raise DeformSettingsBad("metric_every and match_every are at least 1.")
 
     def going_on(self) -> DeformSettings:
-        """Return the same for a garment that already lies on the target and only has to follow its folds.
+        """Return the settings for a garment already on the target that only has to follow its folds.
 
-        A third of the steps at half the rate: at the full one the first steps throw off again what is there. On four
-        garments that ended as far from the target as the whole stage within 0.01 mm on three, 0.2 mm on trousers, in
-        60 % of the time, and the pattern that was fitted to it came out 0.2 % closer on a T-shirt.
+        A third of the steps at half the rate: at the full rate the first steps undo the present fit. Of four garments,
+        three ended as far from the target as after the whole stage within 0.01 mm, trousers 0.2 mm off, in 60 % of the
+        time; the pattern fitted to it was 0.2 % closer on a T-shirt.
         """
         return replace(
             self,
@@ -121,15 +118,13 @@ class DeformSettings:
     def thesis(cls) -> DeformSettings:
         """Return the published setting in the reading that works.
 
-        Thesis section 4.3.1: Adam 2e-3 for 1500 iterations, strain from iteration 500, normals 0.01, bending 0.1,
-        strain 1, body 0.01, and no polish.
+        Thesis 4.3.1: Adam 2e-3, 1500 steps, strain from 500, normals 0.01, bending 0.1, strain 1, body 0.01, no polish.
 
         **Deviation**: as written the setting fails. Eq. 3.8 is a mean of squared metres (about 1e-4), eq. 4.5 with
         weight 1 a sum in joules (about 1): when strain sets in it outweighs the distance 1e4 times and the garment
         snaps back to its rest shape (Chamfer 0.07 -> 0.34-0.83 e-3 m2 measured). With the Chamfer distance summed over
-        the vertices the same weights give results in the range of the thesis' tables; that is the reading taken here.
-
-        On a simulated skirt it took 47 s for 2.4 / 3.1 mm, the default 6 s for 0.4 / 0.4. Eq. 4.6 is a sum over nodes.
+        the vertices, as here, the same weights give results in the range of the thesis' tables. On a simulated skirt it
+        took 47 s for 2.4 / 3.1 mm, the default 6 s for 0.4 / 0.4. Eq. 4.6 is a sum over nodes.
         """
         return cls(
             distance="vertices",

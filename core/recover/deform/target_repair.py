@@ -1,4 +1,4 @@
-"""Make a damaged target usable: spikes, orientation, and which of its borders are damage."""
+"""Repair a damaged target: spikes, orientation, and borders that are damage."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ...scan.contours.spikes import flatten_spikes
 from ...scan.contours.target import Contour, Target
 
 UNSIGNED_SHARE = 0.25
-"""Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
+"""Share of normals against the source after the vote above which signs are not used. Wrong folds give about 0.05."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class PreparedTarget:
         normals: Unit vertex normals after the vote, shape [vertex_count, 3].
         shares: Share of the area at each vertex, sums to 1, shape [vertex_count].
         unsigned: Use the normals' axes only.
-        reversed: The vote turned all normals.
-        spikes: Vertices moved.
+        reversed: The vote reversed all normals.
+        spikes: Number of vertices moved.
         pairs: Matched contours, source first.
         rim: The border that is no matched contour.
     """
@@ -43,14 +43,14 @@ class PreparedTarget:
     rim: Rim
 
     def on_rim(self, points: ClosestPoints) -> np.ndarray:
-        """Return which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
+        """Return which closest points are on a rim: there the source covers a hole or extends beyond a cut."""
         return self.rim.holds(points)
 
 
 def prepare_target(
     target: Target, nodes: np.ndarray, faces: np.ndarray, contours: tuple[Contour, ...], repair: bool
 ) -> PreparedTarget:
-    """Repair a target as seen from the graded drape and match its contours by name.
+    """Repair a target by comparison with the graded drape and match its contours by name.
 
     Args:
         target: The surface to be reached.
@@ -68,7 +68,7 @@ def prepare_target(
     normals = vertex_normals(vertices, target.faces)
     given = np.asarray(target.normals, dtype=np.float64)
     against = (normals * given).sum(1) < 0
-    if noise == 0.0:  # a noisy surface's own normals say nothing about the smoothed one's
+    if noise == 0.0:  # a noisy surface's own normals are not valid for the smoothed one
         normals[against & ~spikes] *= -1
     surface = TriangleSurface(vertices, target.faces)
     turned, unsigned = False, False
@@ -92,25 +92,25 @@ def prepare_target(
 def vote_orientation(
     surface: TriangleSurface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray
 ) -> tuple[bool, bool]:
-    """Decide whether the target's normals are reversed as a whole, and whether their signs mean anything."""
+    """Find whether the target's normals are reversed as a whole, and whether their signs are inconsistent."""
     own = vertex_normals(nodes, faces)
     cosine = (own * unit(surface.closest(nodes).interpolate(normals, surface.faces))).sum(axis=1)
     reversed_ = bool(cosine.mean() < 0)
     share = float(((-cosine if reversed_ else cosine) < 0).mean())
-    # signs may also disagree between neighbours: then they average out at the closest points
+    # signs may also differ between neighbours: then they average out at the closest points
     edges = surface.half_edges
     discord = float(((normals[edges.tail] * normals[edges.head]).sum(axis=1) < 0).mean())
     return reversed_, max(share, discord) > UNSIGNED_SHARE
 
 
 def match_contours(source: tuple[Contour, ...], target: tuple[Contour, ...]) -> tuple[tuple[Contour, Contour], ...]:
-    """Pair contours that bear the same name and are trusted on both sides; the others stay unmatched."""
+    """Pair contours of the same name that are trusted on both sides; the others stay unmatched."""
     named = {c.name: c for c in target if c.trusted and len(c.vertices) >= 3}
     return tuple((c, named[c.name]) for c in source if c.trusted and len(c.vertices) >= 3 and c.name in named)
 
 
 def _find_rim(target: Target, pairs: tuple[tuple[Contour, Contour], ...]) -> Rim:
-    """Find the border that belongs to no matched contour; a vertex that a contour shares is the contour's."""
+    """Find the border that belongs to no matched contour; a vertex shared with a contour is the contour's."""
     count = len(target.vertices)
     on_contour = np.zeros(count, dtype=bool)
     for _, contour in pairs:

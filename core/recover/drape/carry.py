@@ -29,17 +29,16 @@ from .shell import Shell, ShellDistance
 
 @dataclass(frozen=True)
 class PosingSettings:
-    """Set how the body takes its pose.
+    """Describe how the body takes its pose.
 
     Attributes:
-        turn: Angle by which a joint turns in a frame at most [rad]; at 2.25 degrees a wrist moves by 2 cm and a knee by
-            1.5 cm, half an edge of the coarsest cloth.
+        turn: Largest turn of a joint in a frame [rad]; 2.25 degrees move a wrist by 2 cm and a knee by 1.5.
         steps: Position-based steps a frame, without weight.
-        spread: Width over which the ride on the skin is evened out [m]: over a joint's crease, where skin moves
-            against skin, and less than a limb's girth.
+        spread: Width over which the displacement by the skin is smoothed [m]: wider than the crease of a joint, where
+            skin moves against skin, and narrower than a limb's girth.
         settle: Position-based steps under gravity at the end.
-        settlings: Most times that so many steps are taken, until the cloth is settled. Once was enough in 47 of the
-            suite's 48 cases of a template in a pose; a jumpsuit needed it twice on one processor, once on another.
+        settlings: Largest number of such runs until the cloth is settled. One was enough in 47 of the suite's 48 cases
+            of a template in a pose; a jumpsuit needed two on one processor, one on another.
         follow: The position-based steps.
     """
 
@@ -54,8 +53,8 @@ class PosingSettings:
 def transforms_between(body: Body, share: float) -> np.ndarray:
     """Return the transforms [24, 4, 4] of a body that has taken a share of its pose, its pelvis as in the pose.
 
-    Every joint's rotation relative to its parent is taken by that share of its angle. The pelvis turns and moves at
-    once: it carries the whole person, and cloth on it does not feel it.
+    Every joint turns by that share of its angle relative to its parent. The pelvis turns and moves at once: it carries
+    the whole person, and cloth is not affected by that.
     """
     world = body.transforms[:, :3, :3]
     joints = body.rest_joints
@@ -76,20 +75,20 @@ def transforms_between(body: Body, share: float) -> np.ndarray:
 
 
 EXPOSED_SKIN_INTERVAL = 4
-"""Number of frames that share one search for exposed skin, that of the last one: the search takes most of the time of a
+"""Number of frames that share one search for exposed skin, in the last of them: the search takes most of the time of a
 frame, and creases close by millimetres a frame."""
 
 
 @dataclass(frozen=True)
 class PosePath:
-    """Describe the way of a body from its T-pose into its pose, to be gone by every garment.
+    """Describe the path of a body from its T-pose into its pose, shared by all garments.
 
     Attributes:
         body: The wearer.
         transforms: From the rest pose to each frame, the first one the T-pose, shape [frame_count + 1, 24, 4, 4].
-        shells: The outside of the fitted model in each frame but the first.
-        own: The outside of the wearer's own mesh.
-        skin: Its exposed skin, exact.
+        shells: The exposed surface of the fitted model in each frame but the first.
+        own: The exposed surface of the wearer's own mesh.
+        skin: The exact exposed skin of that mesh.
     """
 
     body: Body
@@ -100,7 +99,7 @@ class PosePath:
 
     @classmethod
     def of(cls, body: Body, exposed: ExposedSurface, turn: float = PosingSettings.turn) -> PosePath:
-        """Move the fitted model of a body in frames in which no joint turns by more than an angle [rad]."""
+        """Pose the fitted model of a body in frames in which no joint turns by more than an angle [rad]."""
         frames = max(1, math.ceil(_largest_joint_angle(body) / turn))
         transforms = np.stack([transforms_between(body, frame / frames) for frame in range(frames + 1)])
         surfaces = [skin(body.rest_vertices, body.rest_weights, moved) for moved in transforms[1:]]
@@ -114,15 +113,13 @@ class PosePath:
 
 
 CREEPING_LAYERS = LayerContact(creep=True)
-"""Layers that would cross move by the room they have: a bundle that the body presses must not jam."""
+"""Layers that would cross move as far as they have room: a bundle that the body presses must not jam."""
 
 MAX_FRAME_CLEARANCE_ITERATIONS = 5
-"""Largest number of iterations in which a frame carries cloth out of the body, 2 mm each: creases close by less in a
-frame."""
+"""Largest number of iterations of 2 mm that move cloth out of the body: creases close by less in a frame."""
 
 MAX_BODY_CLEARANCE_ITERATIONS = 4
-"""Largest number of rounds of five steps that move cloth out of the exact body: at 4 mm a step, out of a crease 8 cm
-deep."""
+"""Largest number of rounds of five 4 mm steps that move cloth out of the exact body: out of a crease 8 cm deep."""
 
 
 def _largest_joint_angle(body: Body) -> float:
@@ -144,15 +141,15 @@ def pose_cloth(
     settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Carry cloth into a body's pose and let it settle on the wearer's own mesh: nodes [m] and velocities [m/s].
+    """Carry cloth into a body's pose and settle it on the wearer's own mesh; return nodes [m] and velocities [m/s].
 
-    Layers of cloth stay apart throughout, so what does not cross in the T-pose does not cross in the pose.
+    Layers of cloth stay apart throughout: what does not cross in the T-pose does not cross in the pose.
 
     Args:
         threads: The constraints.
         nodes: Positions around the rest pose [m], shape [node_count, 3].
         way: The body's frames.
-        body: Where the wearer's own mesh is in its pose.
+        body: Signed distance to the wearer's own mesh in its pose.
         settings: Frames and steps.
         held: Nodes that only the skin moves, or None.
     """
@@ -179,12 +176,12 @@ def resolve_body_penetration(
     settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Move cloth out of the wearer's exact mesh, its layers in step, and give the nodes [m], shape [node_count, 3].
+    """Move cloth out of the wearer's exact mesh, its layers together, and return the nodes [m], shape [node_count, 3].
 
-    The grid of distances errs by millimetres where body parts meet. A current takes what is inside out together with
-    the layers around it; `project_outside` does the rest where it crosses nothing, after a few steps without weight if
-    need be. Cloth that still crosses once it is outside, as a fold in the crease of a lap whose nodes leave towards
-    thigh and belly, is taken out of itself there (`untangle_outside`); a node for which there is no way out stays.
+    The distance grid errs by millimetres where body parts meet. `advect_outside` moves cloth out together with the
+    layers around it; `project_outside` does the rest where it creates no crossings, after a few steps without weight if
+    necessary. Cloth that still crosses once outside, such as a fold in the crease of a lap whose nodes leave towards
+    thigh and belly, is untangled there (`untangle_outside`); a node without a way out stays.
     """
     faces, body = threads.faces, ShellDistance(way.own, way.skin)
     nodes = advect_outside(nodes, faces, way.skin, threads.mean_edge)
@@ -209,16 +206,15 @@ def move_with_skin(
     settings: PosingSettings = PosingSettings(),
     held: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Carry cloth on the T-pose into the pose of a body and give the nodes [m], shape [node_count, 3].
+    """Carry cloth on the T-pose into the pose of a body and return the nodes [m], shape [node_count, 3].
 
-    In each frame the cloth rides on the skin around it, and its edges and the contact with the moved body are then
-    restored; layers of cloth that come near each other push each other away. Skinning alone, in one go, pushes a loose
-    shirt's sides through each other where the arm comes down.
+    In each frame the skin around the cloth displaces it; then its edge lengths and the contact with the moved body are
+    restored, and near layers repel each other. Skinning at once would push a loose shirt's sides through each other.
 
     Args:
         threads: The constraints.
         nodes: Positions around the rest pose [m], shape [node_count, 3].
-        way: The wearer's frames; its fitted model is what moves.
+        way: The frames of the wearer's fitted model.
         settings: Steps of a frame.
         held: Nodes that only the skin moves, or None.
     """
@@ -239,15 +235,11 @@ def move_with_skin(
 
 
 MAX_PUSH_OUT_ITERATIONS = 3
-"""Largest number of iterations in which held nodes leave the body: in a hollow one push may end before the other
-surface."""
+"""Largest number of pushes that move pinned nodes out of the body: in a hollow a push may end in the other surface."""
 
 
 def push_outside(points: np.ndarray, body: SignedDistance, thickness: float) -> np.ndarray:
-    """Move points [m], shape [n, 3], that nothing but the skin moves out of a body, to a distance from it [m].
-
-    A waist rides on the skin; where a belly comes down on a lap, the skin goes into itself, and the waist with it.
-    """
+    """Move points [m], shape [n, 3], out of a body that may cross itself, to a distance from it [m]."""
     points = np.array(points)
     for _ in range(MAX_PUSH_OUT_ITERATIONS):
         distance, normal = body.measure(points)
@@ -259,7 +251,7 @@ def push_outside(points: np.ndarray, body: SignedDistance, thickness: float) -> 
 
 
 def _smoothing_operator(threads: DistanceConstraints, width: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the map that evens out a field on the nodes over a width [m]: (1 - width^2 Laplacian)^-1.
+    """Return the operator that smooths a field on the nodes over a width [m]: (1 - width^2 Laplacian)^-1.
 
     On a hexagonal lattice of edge h the Laplacian is 2 / (3 h^2) times the sum of differences to the neighbours.
     """

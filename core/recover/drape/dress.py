@@ -1,4 +1,4 @@
-"""Dress a body that stands in its T-pose: from flat placed panels to a garment that hangs on it."""
+"""Dress a body in its T-pose: from flat placed panels to a garment that hangs on it."""
 
 from __future__ import annotations
 
@@ -25,25 +25,24 @@ from .stance import align_legs
 from .waist import flat_length, waist_loop
 
 SHOULDER_LIFT_HEIGHT = 0.03
-"""Height above the shoulders of the body at which a garment is placed [m]: a sleeve that droops then still starts above
-the middle of the stretched arm, so that its upper seam is pushed up and not down; what is too high sinks under its
-weight."""
+"""Height above the body's shoulders at which a garment is placed [m]: the upper seam of a drooping sleeve then still
+starts above the middle of the stretched arm and is pushed up; what is too high sinks under its weight."""
 
 
 @dataclass(frozen=True)
 class DressSettings:
-    """Set the recipe of the first drape.
+    """Describe the procedure of the first drape.
 
     Attributes:
-        flatten: Distance of the flattened panels from the body's middle plane [m]; more than half the thickness of
-            the squashed body with its contact layer, so that it starts between them.
+        flatten: Distance of the flattened panels from the body's middle plane [m]; more than half the thickness of the
+            squashed body with its contact layer, so that it starts between them.
         squash: Depth of the squashed body as a share of its own; 4 % leaves a torso 1 cm thick.
         frames: Frames in which it is inflated; 40 move its surface by about 3 mm a frame.
         relax: Steps that relax the welded panels' edges in their planes; 60 were enough from 5 times too long.
         settle: Steps under gravity at the end.
         outline: Keep the seams between front and back outside the body's outline in the middle plane.
-        iron: Lay what crosses itself smooth. Before a graded drape, which knows no layers, it gains nothing: forks laid
-            smooth come out of that with half as many crossing faces again.
+        iron: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it crotches
+            came out with half as many crossing faces again.
         follow: The position-based steps.
     """
 
@@ -62,13 +61,13 @@ def place_panels(
 ) -> np.ndarray:
     """Flatten the placed panels to both sides of the body's middle plane and shift them to where they are worn.
 
-    Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is found: a garment with a waist
-    puts it at `waist_height`, any other hangs its shoulder line on the body's. Legs are laid along the body's.
+    Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is computed: a waist is placed at
+    `waist_height`, any other garment with its shoulder line on the body's. Legs are aligned with the body's.
 
     Args:
         garment: The sewn garment, nodes where its file places them.
         body: The body in its T-pose, facing +z.
-        waist_height: Height of the waist contour [m]; where None, where the body is as wide as it.
+        waist_height: Height of the waist contour [m]; if None, where the body has the girth of the contour.
         flatten: Distance from the middle plane [m].
 
     Returns:
@@ -89,7 +88,7 @@ def place_panels(
 
 
 def _upper_edge_height(garment: Garment, loop: np.ndarray, body: Body) -> float:
-    """Return the height of a garment's upper edge [m]: below the arms where its pattern has a neck there, no waist."""
+    """Return the height of a garment's upper edge [m]: below the arms if the pattern calls it a neck, not a waist."""
     edges = [
         garment.pattern.panel(ref.panel).edges[ref.edge].contour
         for ref, line in garment.edge_uv.items()
@@ -104,7 +103,7 @@ def waistband_height(girth: float, body: Body) -> float:
     """Return the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
 
     It slides down from the narrowest place of the trunk, between pelvis and the top of the loins, until the body's
-    convex girth is the band's; a band wider than the hips stays at the pelvis.
+    convex girth equals the band's; a band wider than the hips stays at the pelvis.
     """
     low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
     heights = np.linspace(low, high, 25)
@@ -119,12 +118,11 @@ def waistband_height(girth: float, body: Body) -> float:
 
 
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
-    """Weld the placed panels in the x, y plane without folding them over and give the nodes [m], [node_count, 3].
+    """Weld the placed panels in the x, y plane without folding them over; return the nodes [m], shape [node_count, 3].
 
-    Sleeves are first turned to lie along the arms (`turn_sleeves`), gores to lie beside each other (`fan_out`). The
-    panels are then shifted so that the two sides of their seams lie as near as they can (least squares over one
-    translation per panel, drawn to where they stand a thousandth as much); what gap is left is closed half and half,
-    and spread into each panel as a harmonic displacement.
+    Sleeves are first turned along the arms (`turn_sleeves`), gores laid side by side (`fan_out`). The panels are then
+    shifted so that their seams' gaps are least (least squares over one translation per panel, with a thousandth of the
+    weight on staying in place). Each side closes half of the remaining gap by a harmonic displacement of its panel.
     """
     panels = garment.pattern.panels
     rotation, origin = turn_sleeves(garment, body, SHOULDER_LIFT_HEIGHT)
@@ -168,7 +166,7 @@ def _middle_plane(body: Body) -> float:
 
 
 def _find_node_sides(garment: Garment) -> np.ndarray:
-    """Find the front (+1) and the back (-1) for every node; 0 on seams between the two."""
+    """Return the side of every node, front (+1) or back (-1), shape [node_count]; 0 on seams between the two."""
     total = np.zeros(len(garment.nodes))
     count = np.zeros(len(garment.nodes))
     np.add.at(total, garment.uv_node, find_sides(garment))
@@ -177,7 +175,7 @@ def _find_node_sides(garment: Garment) -> np.ndarray:
 
 
 def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
-    """Return the shift in y [m] that lays the garment's upper outline above the body's, from neck to shoulder."""
+    """Return the shift in y [m] that puts the garment's upper outline above the body's, from neck to shoulder."""
     left, right = body.joint("left_shoulder"), body.joint("right_shoulder")
     centre, half = 0.5 * (left[0] + right[0]), 0.5 * abs(left[0] - right[0])
     gaps = []
@@ -193,7 +191,7 @@ def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
 
 
 def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | None:
-    """Return the highest y of a flattened garment on the line at x [m], or None where it does not reach so far."""
+    """Return the highest y of a flattened garment on the line at x [m], or None where it does not extend so far."""
     start, end = (nodes[faces[:, ends]].reshape(-1, 3) for ends in ([0, 1, 2], [1, 2, 0]))
     across = (start[:, 0] - x) * (end[:, 0] - x) < 0
     if not across.any():
@@ -203,9 +201,9 @@ def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | N
 
 
 def _find_body_halves(garment: Garment) -> np.ndarray:
-    """Find nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
+    """Return which nodes are on panels of the wearer's left (+1) or right (-1) half alone; 0 for all others.
 
-    A panel is one half's where its middle lies further out than a quarter of its width.
+    A panel belongs to one half if its middle is further out than a quarter of its width.
     """
     total, count = np.zeros(len(garment.nodes)), np.zeros(len(garment.nodes))
     for i, panel in enumerate(garment.pattern.panels):
@@ -219,7 +217,7 @@ def _find_body_halves(garment: Garment) -> np.ndarray:
 
 @dataclass(frozen=True)
 class SquashedBody:
-    """A body whose depth is scaled about the plane z = middle.
+    """Describe a body whose depth is scaled about the plane z = middle.
 
     The level set d(x, y, middle + (z - middle) / scale) is zero on the squashed surface; its gradient is returned
     unscaled, so that distance / |gradient| is the distance to first order.
@@ -239,7 +237,7 @@ class SquashedBody:
 
 @dataclass(frozen=True)
 class FlatObstacle:
-    """The obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
+    """Describe the obstacle of the flat phase: front and back stay in their planes, seams outside the outline."""
 
     body: SignedDistance
     middle: float
@@ -259,12 +257,11 @@ class FlatObstacle:
 
 @dataclass(frozen=True)
 class TwoSidedObstacle:
-    """A body with the middle plane as an obstacle: no front node passes behind it, no back node before it.
+    """Describe a body and its middle plane as an obstacle: front nodes stay before the plane, back nodes behind it.
 
-    While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
-    Seams between front and back are in that plane and stay outside the `outline` that the body cuts there: a thin body
-    pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm. Without an outline they
-    are as free as the thin body leaves them.
+    While the body is thin, a crease 1 cm deep would otherwise pass through the neck or the waist to the other side.
+    Seams between front and back are in that plane and stay outside the body's `outline` in it: a thin body could only
+    push them out of the plane, and a sleeve's upper seam would sink through the arm.
     """
 
     body: SignedDistance
@@ -298,12 +295,11 @@ def relax_flat_panels(
     middle: float,
     settings: DressSettings,
 ) -> np.ndarray:
-    """Relax the edges of flattened, welded panels in their planes and give the nodes [m], shape [node_count, 3].
+    """Relax the edges of flattened, welded panels in their planes and return the nodes [m], shape [node_count, 3].
 
-    Each step moves in x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, and
-    seams between them in it, outside the outline that the body cuts there (between the legs, under the arms). What
-    belongs to one half of the wearer stays on it: the forks of trousers, drafted past the middle, are worn in it, from
-    front to back, and would otherwise lie across each other.
+    Steps change x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, seams between
+    them in it, outside the body's outline (between the legs, under the arms). Panels of one half of the wearer stay on
+    it: the crotches of trousers, drafted past the middle but worn from front to back, would otherwise overlap.
     """
     apart = 0.5 * settings.flatten
     centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
@@ -326,22 +322,21 @@ def dress(
     hooks: Hooks = SILENT_HOOKS,
     threads: DistanceConstraints | None = None,
 ) -> np.ndarray:
-    """Dress a body in its T-pose and give the nodes of the garment that hangs on it [m], shape [node_count, 3].
+    """Dress a body in its T-pose and return the nodes of the garment that hangs on it [m], shape [node_count, 3].
 
-    The panels are flattened to both sides of the body's middle plane and welded; their edges relax around a body
-    squashed in depth, which is then inflated to its full size while the cloth follows without weight, its seams between
-    front and back in the middle plane, so that no shoulder slips off the thin body's edge; what crosses itself then is
-    laid smooth; then gravity.
-    Skirts and trousers are held at the height of their waist, as a waistband's friction would hold them.
+    The panels are flattened to both sides of the body's middle plane and welded. Their edges relax around a body
+    squashed in depth. The body is inflated to its full size while the cloth follows without weight, its seams between
+    front and back in the middle plane, so that no shoulder slips off the thin body's edge. Crossing cloth is smoothed;
+    then gravity acts. The waist of skirts and trousers is fixed in height, as by a waistband's friction.
 
     Args:
         garment: The sewn garment, nodes where its file places them.
         body: The body in its T-pose, facing +z, feet near y = 0.
-        distance: Where that body is.
-        waist_height: Height of the waist contour [m], or None for where the body is as wide as it.
-        settings: The recipe.
+        distance: Signed distance to that body.
+        waist_height: Height of the waist contour [m]; if None, where the body has the girth of the contour.
+        settings: The procedure.
         hooks: Progress and cancellation.
-        threads: The constraints of `garment` where they are at hand.
+        threads: The constraints of `garment`, or None to compute them.
     """
     threads = build_distance_constraints(garment, settings.follow.bending) if threads is None else threads
     nodes = place_panels(garment, body, waist_height=waist_height, flatten=settings.flatten)

@@ -1,4 +1,4 @@
-"""Which makers' base patterns the stretch is taken out of before they are graded."""
+"""Find pattern files whose stretch has to be removed before grading."""
 
 from __future__ import annotations
 
@@ -13,25 +13,24 @@ from .stage import DrapeSettings
 from .waist import flat_length, waist_loop
 
 MAX_EASED_FLARE_SHARE = 0.7
-"""Share of a full circle from which a skirt with that flare is not eased: where cloth weighs little, it floats. Halves
-of a circle have 0.5."""
+"""Share of a full circle from which a skirt is not eased: under little weight it floats. Half circles have 0.5."""
 
 
 def needs_easing(pattern: Pattern, category: str) -> bool:
-    """Check whether a maker's base pattern is worn too long, its seams too low, unless it is eased (ADR 0056).
+    """Check whether a pattern file, unless eased, is worn too long with its seams too low (ADR 0056).
 
-    Tops are not: they have no seam round the trunk, nor a crotch, that could hang too low.
+    Tops are not: they have no seam round the trunk and no crotch that could hang too low.
 
     Args:
         pattern: The base pattern.
-        category: What the scan is.
+        category: Category of the scan.
 
     Raises:
         MeshTooCoarse: where the pattern cannot be meshed as it is to be dressed.
     """
     if category != "skirt":
         return category not in TOP_CATEGORIES
-    # as finely as it is dressed: a mesh of fewer vertices may be refused
+    # as finely as for dressing: a coarser mesh may be refused
     garment = mesh_pattern(pattern, DrapeSettings().template_vertices, sweeps=0)
     loop = waist_loop(garment)
     if loop is None:
@@ -42,8 +41,8 @@ def needs_easing(pattern: Pattern, category: str) -> bool:
 
 
 def find_flare(hem: float, waist: float, area: float) -> float:
-    """Return what share of a full circle a skirt of some lengths [m] and area [m2] is cut as: 1 for one with a hole.
+    """Return the share of a full circle as which a skirt of some lengths [m] and area [m2] is cut.
 
-    Of a ring's sector f with radii r and R, hem - waist = 2 pi f (R - r) and area = (hem + waist) (R - r) / 2.
+    For a ring's sector f with radii r and R, hem - waist = 2 pi f (R - r) and area = (hem + waist) (R - r) / 2.
     """
     return (hem - waist) * (hem + waist) / (4.0 * np.pi * area)

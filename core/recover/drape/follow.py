@@ -1,4 +1,4 @@
-"""Let cloth follow a body by position-based dynamics: quick and stable, good enough to start Newton from."""
+"""Move cloth with a body by position-based dynamics: fast, stable, accurate enough to start Newton's method."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ MOVE_REVERSAL_COSINE = -0.5
 """Cosine between two successive moves of a node below which the second reverses the first."""
 
 MOVE_SHARE_GROWTH = 1.2
-"""Factor by which the share of its move that a node takes grows again where it does not reverse: the node takes the
-whole move four steps after the share was halved."""
+"""Factor by which the accepted share of a node's move grows while moves do not reverse: halved, it is 1 after four."""
 
 
 @dataclass(frozen=True)
@@ -51,18 +50,18 @@ class DistanceConstraints:
 
 @dataclass(frozen=True)
 class PbdSettings:
-    """Set the position-based steps.
+    """Describe the position-based steps.
 
     Attributes:
         dt: Step [s]; 1/60 s moves free-falling cloth by 3 mm at first, less than the contact thickness.
         sweeps: Gauss-Seidel sweeps a step; 20 keep a T-shirt's edges within about 2 % under its weight.
         damping: Share of the velocity lost in a step; 0.1 settles cloth in about 60 steps.
-        thickness: Distance kept from the body [m]; the simulator's contact begins at 4 mm, so Newton starts free.
+        thickness: Distance kept from the body [m]; the simulator's contact begins at 4 mm, so Newton starts without it.
         friction: Coulomb coefficient against the body.
-        bending: Stiffness across hinges; 0.1 keeps folds wider than three edges and does not hold a skirt open.
-        travel: Longest move of a node in a step [m]; half an edge, so that nothing jumps through the body.
-        calm: Bring nodes to rest in the second half of the steps that two surfaces, each the nearest in turn, throw to
-            and fro (an armpit's, a lap's); the first half is theirs to find a way out of a crease.
+        bending: Stiffness across hinges; 0.1 keeps folds wider than three edges and does not keep a skirt spread.
+        travel: Longest move of a node in a step [m]; half an edge, so that nothing passes through the body.
+        calm: In the second half of the steps, bring nodes to rest that two surfaces (an armpit's, a lap's) push back
+            and forth, each the nearest in turn; in the first half they may find a way out of a crease.
     """
 
     dt: float = 1.0 / 60.0
@@ -76,7 +75,7 @@ class PbdSettings:
 
 
 def build_distance_constraints(garment: Garment, bending: float = 0.1) -> DistanceConstraints:
-    """Collect the distance constraints of a garment: mesh edges, and the opposite corners of every hinge.
+    """Return the distance constraints of a garment: mesh edges, and the opposite corners of every hinge.
 
     Lengths are those of the flat panels, never of the placed mesh. A pair that two panels share (a seam) takes the mean
     of its two lengths; opposite corners across a seam take the sum of the heights, as if it were pressed flat.
@@ -98,7 +97,7 @@ def build_distance_constraints(garment: Garment, bending: float = 0.1) -> Distan
 
 
 def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pair the opposite corners of every interior edge with their distance when the hinge lies flat [m]."""
+    """Return the opposite corners of every interior edge and their distance when the hinge is flat [m]."""
     face, side = edges.pairs // 3, edges.pairs % 3
     a = np.take_along_axis(rest[face], side[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
     b = np.take_along_axis(rest[face], ((side + 1) % 3)[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
@@ -114,7 +113,7 @@ def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 class ConstraintArrays(NamedTuple):
-    """Distance constraints as the sweeps take them; see `DistanceConstraints`."""
+    """Describe distance constraints in the form of `_sweep`; see `DistanceConstraints`."""
 
     ends: np.ndarray
     lengths: np.ndarray
@@ -122,7 +121,7 @@ class ConstraintArrays(NamedTuple):
 
 
 class BodyPlanes(NamedTuple):
-    """Planes of the body that points are near.
+    """Describe planes of the body near some points.
 
     Attributes:
         points: Indices of the points, shape [count].
@@ -135,7 +134,7 @@ class BodyPlanes(NamedTuple):
     offsets: np.ndarray
 
     def within(self, nodes: np.ndarray, push: float) -> BodyPlanes:
-        """Return the planes so far back that none pushes its point further than `push` [m] from nodes [m]."""
+        """Return the planes moved back so that none pushes its point further than `push` [m] from nodes [m]."""
         return self._replace(offsets=np.minimum(self.offsets, (self.normals * nodes[self.points]).sum(1) + push))
 
 
@@ -146,8 +145,7 @@ class PbdState:
     Attributes:
         nodes: Positions [m], shape [node_count, 3].
         velocities: Velocities [m/s], shape [node_count, 3].
-        carried: Displacement [m] by which the body takes the cloth along in the next step, shape [node_count, 3], or
-            None.
+        carried: Displacement [m] by the body in the next step, shape [node_count, 3], or None.
     """
 
     nodes: np.ndarray
@@ -156,12 +154,12 @@ class PbdState:
 
     @classmethod
     def at_rest(cls, nodes: np.ndarray, carried: np.ndarray | None = None) -> PbdState:
-        """Start from nodes [m], shape [node_count, 3], that do not move."""
+        """Return the state of nodes [m], shape [node_count, 3], with zero velocity."""
         return cls(nodes, np.zeros(np.shape(nodes)), carried)
 
     @property
     def is_settled(self) -> bool:
-        """Whether half of the nodes are slower than 1 cm/s and nine of ten than 3 cm/s: what falls is at 1 m/s."""
+        """Return whether 50 % of the nodes are slower than 1 cm/s and 90 % than 3 cm/s; falling cloth has 1 m/s."""
         speed = np.linalg.norm(self.velocities, axis=1)
         return bool(np.median(speed) < 0.01 and np.quantile(speed, 0.9) < 0.03)
 
@@ -170,10 +168,7 @@ class PbdState:
 def _sweep(
     nodes: np.ndarray, bonds: ConstraintArrays, weight: np.ndarray, planes: BodyPlanes, spaces: HalfSpaces, sweeps: int
 ) -> np.ndarray:
-    """Project, in place, onto the lengths (Gauss-Seidel, alternating direction), into half-spaces, above planes.
-
-    Returns the sum of the pushes [m] that each plane gave, shape [plane_count].
-    """
+    """Project in place onto lengths, by alternating Gauss-Seidel, half-spaces and planes; return planes' pushes [m]."""
     ends, lengths, stiffness = bonds
     touched, normal, offset = planes
     count = len(ends)
@@ -193,7 +188,7 @@ def _sweep(
                 continue
             error = length - lengths[e]
             if stiffness[e] < 1.0 and error > 0.0:
-                continue  # a hinge resists folding; opened flat it is as long as it can be
+                continue  # a hinge resists folding only: flat is its greatest length
             scale = stiffness[e] * error / (length * total)
             nodes[i, 0] += weight[i] * scale * dx
             nodes[i, 1] += weight[i] * scale * dy
@@ -247,16 +242,16 @@ def simulate_pbd(
     held: np.ndarray | None = None,
     layers: LayerContact | None = None,
 ) -> PbdState:
-    """Move cloth for some steps and return where it is then, and how fast.
+    """Move cloth for some steps and return its positions and velocities.
 
     Each step predicts by the velocity, then projects onto edge lengths and outside the body (Mueller et al. 2007,
     position based dynamics), with Coulomb friction on the change in position where the body is touched.
 
     Args:
         threads: The constraints.
-        state: Where the cloth starts.
-        body: Where the body is, or None for no body. Where a point is near two surfaces (between arm and trunk), it may
-            give a second row of distances and gradients after the first.
+        state: The initial state.
+        body: Signed distance to the body, or None for no body. Where a point is near two surfaces (between arm and
+            trunk), it may return a second row of distances and gradients after the first.
         steps: Number of steps.
         settings: Step length, sweeps, friction.
         gravity: Acceleration downwards along -y [m/s2].
@@ -296,21 +291,21 @@ def simulate_pbd(
 
 
 def _limit_length(change: np.ndarray, longest: float) -> np.ndarray:
-    """Shorten each row [m] of a change to a length at most."""
+    """Limit the length of each row [m] of a change."""
     length = np.linalg.norm(change, axis=1, keepdims=True)
     found: np.ndarray = change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
     return found
 
 
 def _damp_reversals(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Return the share of its move that each node takes: half as much where it goes back, else more again."""
+    """Return the share of its move that each node takes: halved where the move reverses, increased elsewhere."""
     size = np.linalg.norm(change, axis=1) * np.linalg.norm(last, axis=1)
     back = (change * last).sum(1) < MOVE_REVERSAL_COSINE * size
     return np.where(back, 0.5 * eased, np.minimum(1.0, MOVE_SHARE_GROWTH * eased))
 
 
 def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: PbdSettings) -> BodyPlanes:
-    """Find the planes of the body that points [m], shape [n, 3], are near."""
+    """Return the planes of the body near points [m], shape [n, 3]."""
     if body is None or not len(points):
         return BodyPlanes(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
     distance, gradient = body.measure(points)
@@ -325,7 +320,7 @@ def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: PbdS
 def _face_planes(
     body: SignedDistance | None, points: np.ndarray, faces: np.ndarray, settings: PbdSettings
 ) -> HalfSpaces:
-    """Keep the centres of faces out of the body, by a quarter of the thickness."""
+    """Return constraints that keep the centres of faces out of the body, by a quarter of the thickness."""
     face, normal, offset = _find_planes(body, points[faces].mean(1), settings)
     corners = np.concatenate([faces[face], faces[face, :1]], axis=1)
     weights = np.tile([1 / 3, 1 / 3, 1 / 3, 0.0], (len(face), 1))
@@ -333,7 +328,7 @@ def _face_planes(
 
 
 def _apply_friction(x: np.ndarray, before: np.ndarray, planes: BodyPlanes, grip: np.ndarray) -> None:
-    """Take back, in place, each touching node's sliding by at most its grip (friction times the push it took) [m]."""
+    """Reduce, in place, each touching node's sliding by at most `grip` [m], friction times the push on it."""
     contact, normal = planes.points, planes.normals
     slide = x[contact] - before[contact]
     slide = slide - (slide * normal).sum(1, keepdims=True) * normal

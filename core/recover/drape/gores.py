@@ -1,4 +1,4 @@
-"""Which side of the wearer each vertex is worn on, and how panels that stand turned around him, as gores, lie flat."""
+"""Find the side of the wearer for each vertex, and flatten panels that are turned around the wearer, such as gores."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from ...garment.orientation import place_points
 from ...geometry.rigid import plane_rotation
 
 TURNED_PANEL_COSINE = 0.95
-"""Cosine between the level outward direction of a panel and the depth axis of the wearer, below which the panel stands
-turned around the wearer, by 18 degrees and more: panels that are drafted for front or back have 1."""
+"""Cosine between the level outward direction of a panel and the wearer's depth axis, below which the panel is turned
+around the wearer, by 18 degrees or more: panels drafted for front or back have 1."""
 
 EDGE_ON_PANEL_COSINE = 0.3
-"""Cosine between the outward direction of a panel and the depth axis of the wearer, below which the depth at which the
-panel is placed, not its direction, tells front from back."""
+"""Cosine between the outward direction of a panel and the wearer's depth axis, below which front or back follows from
+the depth at which the panel is placed, not from its direction."""
 
 MIN_UPRIGHT_SHARE = 0.7
-"""Share of the length of a seam by which it rises, from which the panels on both sides of it stand beside each other.
-Also the share of the outward direction of a panel that is level, from which the panel stands."""
+"""Share of a seam's length by which it rises, from which its two panels stand beside each other. Also the level share
+of a panel's outward direction from which the panel stands upright."""
 
 
 def find_sides(garment: Garment) -> np.ndarray:
-    """Return for each vertex of a garment's flat mesh whether it is worn in front (+1) or behind (-1), shape [n].
+    """Return whether each vertex of a garment's flat mesh is worn in front (+1) or behind (-1), shape [n].
 
-    A panel is in front or behind as a whole, but where it stands turned around the wearer: there each vertex is where
-    it is placed, and of an edge that passes from front to back one end is 0, so that none joins the two.
+    A panel is in front or behind as a whole, unless it is turned around the wearer: there each vertex takes the side
+    where it is placed. Of an edge that crosses from front to back one end is 0, so that no edge joins the two.
     """
     outward, depth = _facing_cosines(garment), np.array([panel.translation[2] for panel in garment.pattern.panels])
     middle = depth.mean()
@@ -48,16 +48,16 @@ def find_sides(garment: Garment) -> np.ndarray:
 
 
 def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:
-    """Return where a garment's flat vertices lie [m], shape [n, 2], with turned panels beside each other as a fan.
+    """Return the flat places of a garment's vertices [m], shape [n, 2], with turned panels side by side as a fan.
 
-    Seen from the front, gores are as narrow as they are turned, and their sides, which slant, lie across each other.
-    Laid flat they are a fan in front and one behind, as the two halves of a circle are. Each is unrolled from the panel
-    that faces most to the front or the back: the next panel is laid where their common seam's points fit best (rigidly,
-    by least squares); a panel at the wearer's side, part of which is in front and part behind, belongs to both.
+    Seen from the front, turned gores are foreshortened, and their slanted sides overlap. Flat they form a fan in front
+    and one behind, like the halves of a circle. Each fan is unrolled from the panel that faces most to front or back:
+    the next panel is placed where the points of their common seam fit best (rigidly, by least squares). A panel at the
+    wearer's side, partly in front and partly behind, belongs to both.
 
     Args:
         garment: The sewn garment, panels as its file places them.
-        flat: Where they lie seen from the front [m], shape [n, 2]; given back where no panel is turned.
+        flat: The vertices as seen from the front [m], shape [n, 2]; returned unchanged where no panel is turned.
     """
     ring = _find_ring(garment)
     if ring is None:
@@ -76,12 +76,7 @@ def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Ring:
-    """Describe panels that stand around the wearer.
-
-    Attributes:
-        panels: Their indices.
-        beside: Pairs of them that an upright seam joins.
-    """
+    """Describe panels that stand around the wearer: their indices, and the pairs that an upright seam joins."""
 
     panels: tuple[int, ...]
     beside: frozenset[tuple[int, int]]
@@ -89,12 +84,12 @@ class _Ring:
 
 @dataclass(frozen=True)
 class _Fan:
-    """Describe what lies flat in front, or behind, seen from the front.
+    """Describe the flat panels in front, or behind, seen from the front.
 
     Attributes:
         mine: Its flat vertices, shape [k].
-        places: Where they lie [m], shape [k, 2].
-        angles: By what angle their panels are turned [rad], shape [k].
+        places: Their positions [m], shape [k, 2].
+        angles: Angle by which their panels are turned [rad], shape [k].
     """
 
     mine: np.ndarray
@@ -107,7 +102,7 @@ class _Fan:
         return cls(*(np.concatenate([getattr(fan, name) for fan in fans]) for name in ("mine", "places", "angles")))
 
     def laid_on(self, other: _Fan, uv_node: np.ndarray) -> _Fan:
-        """Return the fan where the points that it is sewn to another by, or has in common with it, fit best."""
+        """Return the fan moved so that the points it shares with another, or is sewn to, fit best."""
         _, a, b = np.intersect1d(uv_node[self.mine], uv_node[other.mine], return_indices=True)
         if not len(a):
             return self
@@ -121,7 +116,7 @@ def _facing_cosines(garment: Garment) -> np.ndarray:
 
 
 def _is_turned(garment: Garment) -> np.ndarray:
-    """Check which panels stand turned around the wearer, shape [panel_count]."""
+    """Check which panels are turned around the wearer, shape [panel_count]."""
     normals = np.array([panel.rotation[:, 2] for panel in garment.pattern.panels])
     level = np.hypot(normals[:, 0], normals[:, 2])
     return np.asarray((level > MIN_UPRIGHT_SHARE) & (np.abs(normals[:, 2]) < TURNED_PANEL_COSINE * level))
@@ -137,7 +132,7 @@ def _placed_vertices(garment: Garment) -> np.ndarray:
 
 
 def _find_ring(garment: Garment) -> _Ring | None:
-    """Find the turned panels and those that stand beside one; None where there is none."""
+    """Find the turned panels and those beside them; None where no panel is turned."""
     turned = set(np.flatnonzero(_is_turned(garment)).tolist())
     if not turned:
         return None
@@ -153,7 +148,7 @@ def _find_ring(garment: Garment) -> _Ring | None:
 
 
 def _unroll(garment: Garment, ring: _Ring, side: np.ndarray, sign: float) -> _Fan | None:
-    """Lay what of a ring is in front (sign 1) or behind (-1) beside each other; None where nothing of it is there."""
+    """Lay the front (sign 1) or back (-1) of a ring side by side; None where it has no vertices there."""
     pieces, outward = {}, sign * _facing_cosines(garment)
     for panel in ring.panels:
         mine = np.flatnonzero((garment.panel_of_uv == panel) & (sign * side >= 0.0))

@@ -1,4 +1,4 @@
-"""Lay cloth smooth where dressing has folded it through itself."""
+"""Smooth cloth that crosses itself after dressing."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .follow import DistanceConstraints, PbdSettings, PbdState, simulate_pbd
 from .layer_contact import LayerContact
 
 MAX_UNFOLD_ITERATIONS = 6
-"""Largest number of iterations; one is enough for the forks of every shipped pair of trousers, at 350 to 1500 nodes."""
+"""Largest number of iterations; one is enough for the crotches of all shipped trousers, at 350 to 1500 nodes."""
 
 UNFOLD_STEP_COUNT = 5
-"""Number of position-based steps that stretch a patch to its rest lengths again after each iteration."""
+"""Number of position-based steps that restore a patch's rest lengths after each iteration."""
 
 
 def unfold_crossings(
@@ -27,17 +27,16 @@ def unfold_crossings(
     settings: PbdSettings,
     held: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Lay patches that cross themselves smooth, and let them out to their lengths again with layers kept apart.
+    """Smooth patches that cross themselves, and restore their lengths with layers kept apart.
 
-    The panels of trousers are flattened before they are worn; their forks, which are worn across, from front to back,
-    are crumpled into the plane by it and pass through themselves. Once the body has its size there is room for them:
-    a patch around the crossings takes the course between its rim that a soap film takes (sum over its edges of
-    |x_i - x_j|^2 least), which crosses nothing where the rim does not.
+    Trouser panels are flattened before they are worn; their crotches, worn from front to back, are crumpled into the
+    plane and cross themselves. Once the body has its size there is room for them: a patch around the crossings becomes
+    a minimal surface (least sum of |x_i - x_j|^2 over its edges), which does not cross where its rim does not.
 
     Args:
         threads: The cloth.
         nodes: Positions [m], shape [node_count, 3].
-        body: Where it is.
+        body: Signed distance to the body.
         settings: The position-based steps.
         held: Nodes that do not move, or None.
 

@@ -1,4 +1,4 @@
-"""Keep layers of cloth apart during position-based steps: planes between them, and steps that cross undone."""
+"""Keep layers of cloth apart during position-based steps: by planes between them, and by undoing steps that cross."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ from .layers import HalfSpaces, find_layer_constraints
 
 @dataclass(frozen=True)
 class LayerContact:
-    """Choose how layers of cloth are kept apart.
+    """Describe how layers of cloth are kept apart.
 
     Attributes:
-        creep: Let layers that would cross move by the room they have; else their steps are undone.
+        creep: Let layers that would cross move as far as they have room; otherwise their steps are undone.
         gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
-        reach: Distance up to which layers watch each other [m]; the steps that outrun it and cross are undone.
-        push: How far the body pushes a node in a step [m]; less than half the reach, so that the layers above are found
-            and pushed along.
+        reach: Distance up to which pairs of layers are found [m]; longer steps that cross are undone.
+        push: Largest push of the body on a node in a step [m]; below half the reach, so that layers above are found.
     """
 
     creep: bool = False
@@ -28,20 +27,20 @@ class LayerContact:
     push: float = 4e-3
 
     def begin(self, nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> LayerTracker:
-        """Find the faces that cross at first, of a mesh with nodes [m], shape [node_count, 3]; they may stay so."""
+        """Return a tracker for a mesh with nodes [m], shape [node_count, 3]; faces that cross at first may stay so."""
         return LayerTracker(self, faces, edges, self_intersections(nodes, faces), HalfSpaces.none())
 
 
 @dataclass
 class LayerTracker:
-    """Follow the layers of one cloth from step to step.
+    """Track the layers of one cloth from step to step.
 
     Attributes:
         settings: Distances.
         faces: The mesh, shape [face_count, 3].
         edges: Its edges, each once, shape [edge_count, 2].
         crossed: Faces that cross others, after the last step.
-        between: What keeps the layers apart in this step.
+        between: Constraints that keep the layers apart in this step.
     """
 
     settings: LayerContact
@@ -51,7 +50,7 @@ class LayerTracker:
     between: HalfSpaces
 
     def planes(self, nodes: np.ndarray) -> HalfSpaces:
-        """Find what keeps the layers apart in a step from nodes [m], shape [node_count, 3]."""
+        """Return the constraints that keep the layers apart in a step from nodes [m], shape [node_count, 3]."""
         chosen = self.settings
         self.between = find_layer_constraints(nodes, self.faces, self.edges, self.crossed, chosen.gap, chosen.reach)
         return self.between

@@ -1,4 +1,4 @@
-"""Half-spaces that cloth keeps to for one step: layers of cloth stay apart, and faces stay out of the body."""
+"""Define half-space constraints of one step: layers of cloth stay apart, and faces stay out of the body."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 from numba import njit
 
 LAYER_MOVE_SHARE = 0.45
-"""Share of the distance between two layers by which both may move: less than half."""
+"""Share of the distance between two layers by which each may move: less than half."""
 
 
 class HalfSpaces(NamedTuple):
-    """Linear constraints on points of cloth: normal . sum_k weights_k x_k >= offset.
+    """Describe linear constraints on points of cloth: normal . sum_k weights_k x_k >= offset.
 
     Attributes:
         corners: The nodes that a constraint moves, shape [count, 4].
@@ -32,13 +32,13 @@ class HalfSpaces(NamedTuple):
         return cls(np.zeros((0, 4), np.int64), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
 
     def room(self, nodes: np.ndarray, reach: float) -> np.ndarray:
-        """Return how far each node may move and cross nothing [m], shape [node_count].
+        """Return how far each node may move without crossing a layer [m], shape [node_count].
 
         Two layers at a distance that both move by less than half of it do not meet.
 
         Args:
-            nodes: Positions [m] at which these constraints, of pairs nearer than the reach, were found.
-            reach: Distance up to which they were looked for [m].
+            nodes: Positions [m] for which these constraints were found.
+            reach: Distance up to which pairs were found [m].
         """
         between = np.einsum("cd,ck,ckd->c", self.normals, self.weights, nodes[self.corners])
         nearest = np.full(len(nodes), reach)
@@ -46,7 +46,7 @@ class HalfSpaces(NamedTuple):
         return LAYER_MOVE_SHARE * nearest
 
     def joined(self, other: HalfSpaces) -> HalfSpaces:
-        """Return these constraints and then the others."""
+        """Return these constraints followed by the others."""
         return HalfSpaces(
             np.concatenate([self.corners, other.corners]),
             np.concatenate([self.weights, other.weights]),
@@ -58,11 +58,11 @@ class HalfSpaces(NamedTuple):
 def find_layer_constraints(
     nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray, crossed: np.ndarray, gap: float, reach: float
 ) -> HalfSpaces:
-    """Find near pairs of a node and a face, and of two edges, of cloth and keep them on their sides of each other.
+    """Find near pairs of node and face, and of two edges, and constrain them to their sides of each other.
 
-    Where no two faces cross, the direction between the two nearest points tells the sides. A pair nearer than the gap
-    may stay as near as it is but for a tenth of the gap, so that layers part without a jerk. Faces that already cross
-    are left out: where they are does not tell which side they belong on.
+    Where no two faces cross, the direction between the two nearest points gives the sides. A pair nearer than the gap
+    may stay at its distance plus a tenth of the gap, so that layers part without a jerk. Faces that already cross are
+    left out: their positions do not show on which side they belong.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -99,7 +99,7 @@ def _boxes(nodes, groups):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
-    """Collect pairs of a node and a face within reach; faces stand in the order of their lowest y."""
+    """Return pairs of a node and a face within reach; faces are sorted by their lowest y."""
     low, high = _boxes(nodes, faces)
     order = np.argsort(low[:, 1], kind="mergesort")
     floor = low[order, 1]
@@ -134,7 +134,7 @@ def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
-    """Collect pairs of edges within reach that share no node, in the order of their lowest y."""
+    """Return pairs of edges within reach that share no node, sorted by their lowest y."""
     low, high = _boxes(nodes, edges)
     order = np.argsort(low[:, 1], kind="mergesort")
     found, table, values = 0, np.zeros((64, 4), np.int64), np.zeros((64, 8))
@@ -166,7 +166,7 @@ def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _finish(nodes, pair, value):  # type: ignore[no-untyped-def]
-    """Write the unit vector between the two nearest points and their distance [m] behind their four weights."""
+    """Write the unit vector between the two nearest points and their distance [m] after their four weights."""
     total = 0.0
     for d in range(3):
         part = 0.0
@@ -181,7 +181,7 @@ def _finish(nodes, pair, value):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _node_face(nodes, pair, value):  # type: ignore[no-untyped-def]
-    """Find the point of a triangle nearest to a node; false where it is on an edge, which is the edges' pair."""
+    """Find the point of a triangle nearest to a node; false where it is on an edge, which `_near_edges` handles."""
     p, a, b, c = pair[0], pair[1], pair[2], pair[3]
     d00, d01, d11, d20, d21 = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(3):

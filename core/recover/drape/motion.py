@@ -25,18 +25,17 @@ class MotionSettings:
     """Describe when a scan counts as cloth in motion.
 
     Attributes:
-        missed: Distance between drape and scan (RMS, the worse way) above which motion is considered [m]. Folds that
-            fall elsewhere cost garments at rest 6 to 17 mm; 25 mm is half as much again.
-        rates: Angular velocities tried [rad/s], from a slow turn to a twirl of two turns a second; the centrifugal
-            force at 30 cm is 0.8, 2.0 and 4.4 times the weight. Beyond, only the stretch grows.
-        explained: Share of the distance at rest above which a rotation does not count as its explanation: 0.7 leaves
-            less than half of the squares.
-        alike: Of rotations whose distances differ by less than this share, the slowest is taken: a flounce that
-            stands out is pulled on by more speed without changing its shape.
+        missed: Distance between drape and scan (RMS, the worse way) above which motion is considered [m]. Folds in
+            other places cost garments at rest 6 to 17 mm; 25 mm is half as much again.
+        rates: Angular velocities tried [rad/s], from a slow turn to two turns a second; the centrifugal force at 30 cm
+            is 0.8, 2.0 and 4.4 times the weight. Beyond, only the stretch grows.
+        explained: Share of the distance at rest above which a rotation does not explain it; 0.7 halves the squares.
+        alike: Of rotations whose distances differ by less than this share, the slowest is taken: more speed pulls on a
+            flounce that stands out without changing its shape.
         vertices: Vertices of the meshes on which rotations are compared; 1000 come to rest in 1 to 2 s.
-        patience: Factorisations on the way to rest after which a drape that misses the scan by `hopeless` is not waited
-            for: of eight garments seven were at rest by then or nearer than 20 mm, the skirt in motion was 40 mm away.
-        hopeless: That distance, in `missed`: cloth that still moves may come nearer by some millimetres.
+        patience: Factorisations after which a drape is stopped that misses the scan by `hopeless`: of eight garments
+            seven were at rest by then or nearer than 20 mm; the skirt in motion was 40 mm away.
+        hopeless: That distance, as a multiple of `missed`: cloth that still moves may come nearer by some millimetres.
     """
 
     missed: float = 0.025
@@ -59,9 +58,9 @@ def drape_as_scanned(
     motion: MotionSettings = MotionSettings(),
     hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[Garment, Drape]:
-    """Drape a graded pattern at rest; where that misses the scan by far and a rotation explains it, in rotation.
+    """Drape a graded pattern at rest; in rotation where only that comes near the scan.
 
-    Cloth that turns steadily with its wearer rests in the frame that turns, under its weight and omega^2 r outwards.
+    Cloth that turns steadily with its wearer is at rest in the rotating frame, under its weight and omega^2 r outwards.
     The axis is vertical, through the wearer's pelvis, so omega is the only parameter. A garment at rest takes one
     drape, and its result is exactly that of `drape_graded`.
 
@@ -76,7 +75,7 @@ def drape_as_scanned(
         hooks: Progress and cancellation.
 
     Returns:
-        The garment with named contours, and the drape; its `rotation` tells a rotation that was accepted.
+        The garment with named contours, and the drape; its `rotation` is set where one was accepted.
     """
     mesh = remesh(graded, vertex_count)
     coarse = replace(motion, vertices=min(motion.vertices, vertex_count))
@@ -103,7 +102,7 @@ def drape_as_scanned(
     turning = drape_at(found[0])
 
     def score(one: tuple[Garment, Drape]) -> float:
-        """Return a drape's distance from the scan [m]: that at rest less what a rotation has to gain."""
+        """Return a drape's distance from the scan [m]; at rest, the distance that a rotation has to beat."""
         if one is not turning:
             return motion.explained * rest
         return surface_rms(one[0], target) if one[1].converged else float("inf")
@@ -142,10 +141,10 @@ def rotation_of(body: Body, rate: float) -> SteadyRotation:
 
 
 def describe_motion(rotation: SteadyRotation) -> str:
-    """Describe what it means that a drape was found in rotation."""
+    """Return the note on a drape that was found in rotation."""
     return (
         "the cloth was in motion: at rest this pattern hangs far from the scan, turning at "
-        f"{rotation.rate:.0f} rad/s it does not; the graded drape is shown so, and the fabric cannot be told from "
+        f"{rotation.rate:.0f} rad/s it does not; the graded drape turns too, and the fabric cannot be estimated from "
         "cloth in motion."
     )
 

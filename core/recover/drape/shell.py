@@ -1,4 +1,4 @@
-"""The outside of a body in a pose: the skin that another part of the body does not swallow, quick to look up."""
+"""Find distances to the exposed surface of a body in a pose, and to opposite surfaces near by."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ SHELL_CONTACT_THICKNESS = PbdSettings.thickness
 
 MIN_HOLLOW_COSINE = 0.2
 """Smallest cosine between the bisector of a hollow and the normals of its surfaces: a wedge of 23 degrees. In narrower
-ones the bisector is mostly noise, and the way out is measured as if they were as wide."""
+ones the bisector is mostly noise, and the way out is computed as if they were as wide."""
 
 MAX_CURVATURE_DISTANCE = 0.02
-"""Tangential distance up to which a vertex's curvature is trusted [m]: the spacing of the body's vertices."""
+"""Tangential distance up to which a vertex's curvature is used [m]: the spacing of the body's vertices."""
 
 MAX_BODY_CURVATURE = 50.0
-"""Largest curvature used [1/m]: a finger's; what is sharper is a crease of the mesh."""
+"""Largest curvature used [1/m]: a finger's; sharper ones are creases of the mesh."""
 
 NO_SURFACE_DISTANCE = 1.0
 """Distance that is returned where there is no second surface [m]: beyond every contact."""
@@ -38,16 +38,16 @@ NO_SURFACE_DISTANCE = 1.0
 
 @dataclass(frozen=True)
 class Shell:
-    """Describe the vertices of a body that are in the open, and their normals.
+    """Describe the exposed vertices of a body and their normals.
 
-    Where skin passes into skin (the armpit of a hanging arm, the groin of a seated body) it pushes cloth no longer: the
-    nearest point of a swallowed surface leads deeper into the body.
+    Skin inside another part of the body (the armpit of a hanging arm, the groin of a seated body) must not push cloth:
+    the nearest point of such a surface leads deeper into the body.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].
         normals: Outward, unit length, shape [n, 3].
         bends: Mean curvature [1/m], positive where convex, shape [n].
-        tree: Finds the nearest of them.
+        tree: Search tree of the vertices.
     """
 
     vertices: np.ndarray
@@ -57,7 +57,7 @@ class Shell:
 
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray | None = None) -> Shell:
-        """Keep the open vertices of a body's mesh (vertices [m], [n, 3]); `bare` tells which they are, where known."""
+        """Return the exposed vertices of a body's mesh (vertices [m], [n, 3]); `bare` marks them, computed if None."""
         normals = vertex_normals(vertices, faces)
         bare = Solid(vertices, faces).exposed(vertices, normals) if bare is None else bare
         bends = np.clip(edge_curvature(vertices, normals, faces), -MAX_BODY_CURVATURE, MAX_BODY_CURVATURE)
@@ -66,18 +66,15 @@ class Shell:
     def surfaces(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return the distance to the surface at the nearest vertex, and to an opposite surface near by.
 
-        A surface is a paraboloid over the tangent plane of its vertex: at a tangential distance t it is lower than
-        the plane by t^2 / 2 times its mean curvature. Planes alone find gaps too narrow that are not.
-
-        A surface is opposite where each of the two vertices lies in front of the other's plane: across a gap or in the
-        hollow of a joint, never around the edge of one limb.
+        A surface is a paraboloid over the tangent plane of its vertex: at a tangential distance t it is lower than the
+        plane by t^2 / 2 times its mean curvature. Planes alone would find gaps too narrow that are not. A surface is
+        opposite if each of the two vertices is in front of the other's plane: across a gap or hollow.
 
         Args:
             points: Positions [m], shape [n, 3].
 
         Returns:
-            Distances to both [m], shape [n], the second one `NO_SURFACE_DISTANCE` where there is none, and their
-            normals, [n, 3].
+            Distances to both [m], shape [n], the second may be `NO_SURFACE_DISTANCE`, and their normals, shape [n, 3].
         """
         _, index = self.tree.query(points, k=OPPOSITE_CANDIDATE_COUNT)
         normals = self.normals[index]
@@ -112,10 +109,9 @@ class Shell:
         distance: np.ndarray,
         gradient: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Push points out of gaps too narrow for cloth along the bisector of both surfaces, not from one to the other.
+        """Replace distances in gaps too narrow for cloth, so that points leave along the bisector of both surfaces.
 
-        Along m = (n_1 + n_2) / |n_1 + n_2| both distances grow by |n_1 + n_2| / 2 a metre, so the way out of a hollow
-        in which one is d short is d over that.
+        Along m = (n_1 + n_2) / |n_1 + n_2| both distances grow by |n_1 + n_2| / 2 a metre, which divides the shortfall.
         """
         tight = first + second < 2 * SHELL_CONTACT_THICKNESS
         way_out = normal[tight] + opposite[tight]
@@ -130,11 +126,11 @@ class Shell:
 
 @dataclass(frozen=True)
 class ShellDistance:
-    """A body's signed distance with the opposite surfaces and the hollows that it blurs, which its shell knows.
+    """Describe a body's signed distance, with opposite surfaces and hollows from its shell.
 
     Attributes:
-        shell: The vertices in the open.
-        body: The same body, its nearest surface better known.
+        shell: The exposed vertices.
+        body: The same body, with a more accurate distance to the nearest surface.
     """
 
     shell: Shell

@@ -26,10 +26,7 @@ TEMPLATE_FABRIC = DEFAULT_FABRIC
 
 
 def drape_library(folder: Path) -> None:
-    """Drape every template on the body it was drafted for, in T-pose, and keep its nodes beside its pattern file.
-
-    Waists are held at the height where the draft places them, as the first drape leaves them.
-    """
+    """Drape every template on its body in T-pose, its waist pinned at the draft's height, and write its nodes."""
     body = builtin_body(TEMPLATE_WEARER)
     wearer = WearerGeometry(body)
     for info in list_templates():

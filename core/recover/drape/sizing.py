@@ -1,4 +1,4 @@
-"""Draft a shipped template to the wearer's own measures: worn in its size before anything is simulated."""
+"""Draft a shipped template to the wearer's own measures before it is simulated."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ GIRTH_HEIGHT_STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
 
 WAIST_AVERAGING_COUNT = 7
-"""Number of cuts over which the girth of the trunk is averaged before its narrowest place is looked for: the width of a
-waistband."""
+"""Number of cuts over which the trunk's girth is averaged to find the narrowest place: the width of a waistband."""
 
 SHOULDER_BONE_OFFSET = 0.018
 """Distance of the end of the shoulder bone outside of its joint [m]; on the body of the drafts 18.0 against 16.2 cm."""
@@ -29,13 +28,12 @@ NECK_POINT_RATIO = 1.36
 """Ratio of half the distance of the side neck points to half the width of the neck; on the body of the drafts 7 cm."""
 
 MAX_LIBRARY_SIZE_RATIO = 1.12
-"""Ratio of bust or hips of a wearer to those of the drafts of the library, above which none of these goes over the
-wearer: a T-shirt of the library is 1.02 m round the chest. A tank top that was hung on a man of 1.20 m slid down his
-arms."""
+"""Ratio of bust or hips of a wearer to those of the library's drafts, above which no draft fits over the wearer: a
+T-shirt of the library is 1.02 m round the chest. A tank top on a man of 1.20 m slid down his arms."""
 
 
 def measure_wearer(body: Body) -> BodyMeasures:
-    """Take the measures that the drafts need from a body, in its T-pose.
+    """Measure a body in its T-pose for the drafts.
 
     Girths are those of a tape: of the convex hull of a level cut. The hips are the widest place from the crotch to the
     pelvis, the waist the narrowest from there to the armpit.
@@ -70,19 +68,16 @@ def measure_wearer(body: Body) -> BodyMeasures:
 
 
 def oversize_measures(body: Body) -> BodyMeasures | None:
-    """Return the measures to which a base pattern is drafted for a wearer whom the library's size does not go over.
-
-    None for all others: the library's size is graded to the scan like any other, and what is known of it is kept.
-    """
+    """Return the measures of a wearer too large for the library's size; None for others, who keep that size."""
     measures, usual = measure_wearer(body), BodyMeasures()
     is_larger = measures.bust > MAX_LIBRARY_SIZE_RATIO * usual.bust or measures.hip > MAX_LIBRARY_SIZE_RATIO * usual.hip
     return measures if is_larger else None
 
 
 def size_template(name: str, body: Body) -> Pattern:
-    """Draft a shipped template anew from the measures of a body.
+    """Draft a shipped template from the measures of a body.
 
     Raises:
-        TemplateUnknown: where there is none of that name.
+        TemplateUnknown: where no template has that name.
     """
     return draft_template(name, measure_wearer(body))

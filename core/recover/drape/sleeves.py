@@ -1,4 +1,4 @@
-"""Lay sleeves that were drafted for hanging arms along the arms of a T-pose, before anything is welded."""
+"""Turn sleeves that were drafted for hanging arms along the arms of a T-pose, before panels are welded."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from ...geometry.rigid import plane_rotation
 from ...scan.contours.loop import find_loops
 
 MAX_SLEEVE_ARM_ANGLE = np.radians(15.0)
-"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it [rad].
-T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
+"""Angle between sleeve and arm up to which a sleeve stays as drafted if the arm then starts inside it [rad]. T-shirts
+droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
 MIN_HANGING_TUBE_ANGLE = np.radians(75.0)
-"""Angle below the horizontal from which a tube belongs to a leg, or hangs along the trunk, and is no sleeve [rad]."""
+"""Angle below the horizontal from which a tube belongs to a leg or hangs along the trunk, and is no sleeve [rad]."""
 
 MAX_CUFF_SINK_SHARE = 0.5
-"""Share of half the thickness of an arm by which the upper end of a cuff, as it is drafted, may lie below the upper
-side of the arm. It must end above the middle of the arm, to be pushed up; welded and placed on the shoulders, that of a
-T-shirt came 2 cm lower."""
+"""Share of half the thickness of an arm by which the upper end of a cuff, as drafted, may be below the upper side of
+the arm. It must end above the middle of the arm, to be pushed up; welded and placed, a T-shirt's was 2 cm lower."""
 
 MAX_SLEEVE_RAISE_ANGLE = np.radians(45.0)
 """Angle above the arm from which a panel that ends in an opening of its own is no sleeve [rad]: none is drafted for
@@ -27,23 +26,22 @@ raised arms, and from the seams of the side panel of a bodice to its armhole it 
 
 
 def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray, np.ndarray]:
-    """Turn sleeves in the plane of the panels until they lie along the wearer's arms.
+    """Turn sleeves in the plane of the panels until they point along the wearer's arms.
 
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
-    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
-    they are. So do such as hang along the trunk, and panels whose opening lies above their seams, as the side panels of
-    a bodice with princess seams. A sleeve whose upper end would sink to the middle of the arm, which would then come
-    out through it and not through the cuff, is raised until it does not. A turned sleeve's seam with the armhole is as
-    far open as the author's pose differs from the T-pose, which welding spreads into the panels.
+    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay
+    unchanged, as do tubes along the trunk and panels whose opening is above their seams (the side panels of a bodice
+    with princess seams). A sleeve whose upper end would sink to the middle of the arm is raised until it does not, for
+    the arm would come out through it and not through the cuff. The gap at a turned sleeve's armhole is the difference
+    between the author's pose and the T-pose; welding spreads it into the panels.
 
     Args:
-        garment: The sewn garment; where its nodes are does not matter.
+        garment: The sewn garment; its nodes are not used.
         body: The body in its T-pose, facing +z.
-        lift: How far above the body's shoulders the garment is laid [m].
+        lift: Height of the garment above the body's shoulders [m].
 
     Returns:
-        Panel axes in the x, y plane, shape [panel_count, 2, 2], and where each panel's origin stands in it [m], shape
-        [panel_count, 2].
+        Panel axes in the x, y plane, shape [panel_count, 2, 2], and panel origins [m], shape [panel_count, 2].
     """
     pattern = garment.pattern
     rotation = np.stack([panel.rotation[:2, :2] for panel in pattern.panels])
@@ -80,10 +78,10 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
 
 
 def _raise_above(ends: tuple[np.ndarray, np.ndarray], side: float, upward: np.ndarray, sunk: float) -> float:
-    """Return the least angle by which a sleeve is raised until its cuff's top is at most so far below its cap's [m].
+    """Return the least angle that raises a sleeve until its cuff's top is at most `sunk` below its cap's [m].
 
-    A sleeve that is cut in one with a wide body narrows from below and from above: laid with its axis along the arm, it
-    lies below it. At most `MAX_SLEEVE_RAISE_ANGLE`.
+    A sleeve that is cut in one with a wide body narrows from below and above: with its axis along the arm, it would be
+    below the arm. The angle is at most `MAX_SLEEVE_RAISE_ANGLE`.
     """
     for angle in np.arange(0.0, MAX_SLEEVE_RAISE_ANGLE, np.radians(1.0)):
         along = plane_rotation(side * angle).T @ upward
@@ -98,7 +96,7 @@ def _members(garment: Garment) -> list[np.ndarray]:
 
 
 def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
-    """Return the chosen panels that are sewn together, group by group."""
+    """Return the groups of chosen panels that are sewn together."""
     index = {panel.name: i for i, panel in enumerate(pattern.panels)}
     label = np.arange(len(pattern.panels))
     for seam in pattern.seams:
@@ -119,7 +117,7 @@ def _half_thickness(body: Body, name: str) -> float:
 def _ends(
     garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return a sleeve's places at cap and cuff [m], shape [n, 2] each, or None where a group has not both."""
+    """Return a sleeve's vertices at cap and cuff [m], shape [n, 2] each, or None where a group lacks one."""
     inside = np.isin(garment.panel_of_uv, group)
     count = np.bincount(garment.uv_node)
     own = np.bincount(garment.uv_node[inside], minlength=len(count))

@@ -1,4 +1,4 @@
-"""The drape stage: a template on the wearer before grading, and the graded pattern at equilibrium after it."""
+"""Drape a template on the wearer before grading, and the graded pattern to equilibrium after it."""
 
 from __future__ import annotations
 
@@ -36,35 +36,33 @@ from .waist import flat_lengths, waist_loop
 from .wearer import WearerGeometry
 
 MIDDLE_PLANE_DISTANCE = 0.1
-"""Distance of placed panels from the middle plane while their contours are named [m]: more than the depth by which the
-bones bend."""
+"""Distance of placed panels from the middle plane while contours are named [m]: more than bones deviate from it."""
 
 MAX_DRESSED_STRETCH = 1.5
-"""Stretch of the most stretched thousandth of the faces of a dressed pattern at rest, from which it is dressed again,
-on a finer mesh, because cloth is caught. A T-shirt that was caught had 4.7, wide trousers whose legs were caught in
-each other 3.0, ones whose hems were caught under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five
-of these, from 1.31 on, have 1.32 to 1.52 on the finer mesh, too."""
+"""Stretch, exceeded by a thousandth of the faces of a dressed pattern at rest, above which it is dressed again on a
+finer mesh, because cloth is caught. A caught T-shirt had 4.7, wide trousers with legs caught in each other 3.0,
+trousers with hems caught under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five of these, from
+1.31 on, have 1.32 to 1.52 on the finer mesh, too."""
 
 EASED_GRAVITY = 0.5
-"""Weight of cloth that is eased [m/s2], a twentieth of its own: cloth that does not stretch hangs alike under both, and
-skirts do not float."""
+"""Gravity on eased cloth [m/s2], a twentieth of the real one: unstretched cloth hangs alike, skirts do not float."""
 
 
 @dataclass(frozen=True)
 class DrapeSettings:
-    """Set both drapes.
+    """Describe both drapes.
 
     Attributes:
         template_vertices: Vertices of the template's mesh; 1500 resolve a T-shirt with edges of 2.5 cm, enough for the
             measures that grading takes, and dress in under 2 s.
-        pose_steps: Position-based steps that let the skinned cloth find its place on the posed body.
-        ease_steps: Position-based steps under little weight that take the stretch out of a template in the pose. Under
+        pose_steps: Position-based steps that settle the skinned cloth on the posed body.
+        ease_steps: Position-based steps under little weight that remove the stretch of a template in the pose. Under
             its own weight the sweeps do not converge: a dress hung 12 cm too low, its straps stretched to 1.6, its
             waist seam on the hips. 40 steps leave 1 to 3 % of that.
         settle_steps: Position-based steps without weight before Newton. The registered mesh is stretched by up to half
             in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not converge on
             4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
-        apart: The cloth does not pass through itself at rest. Not where a pattern is still to be graded or fitted.
+        apart: The cloth does not pass through itself at rest. Off where a pattern is still to be graded or fitted.
         dress: The first drape.
         follow: The position-based steps in the pose.
         solve: The equilibrium.
@@ -80,12 +78,12 @@ class DrapeSettings:
     solve: SolveSettings = field(default_factory=SolveSettings)
 
     def eased(self) -> DrapeSettings:
-        """Return the same for a template whose stretch would be graded."""
+        """Return the settings for a template whose stretch would be graded."""
         return replace(self, ease_steps=40)
 
 
 def waist_height(target: Target, body: Body) -> float | None:
-    """Return the height of the target's waist contour carried back to the T-pose [m], or None where none is known."""
+    """Return the height of the target's waist contour carried back to the T-pose [m], or None without a waist."""
     waist = target.waist
     if waist is None:
         return None
@@ -104,17 +102,16 @@ def drape_template(
 ) -> Garment:
     """Mesh, sew and dress a base pattern on the wearer, in the wearer's pose, and name its contours.
 
-    The first drape happens on the T-pose; the cloth is then carried into the pose with the skin around it and settles
-    on the wearer's own mesh. Where the target has a waist, the garment's waist is tied to it. Where an opening goes
-    round nothing, the wearer is dressed again with seams that are free in the middle plane.
+    The first drape is on the T-pose; the cloth is then carried into the pose with the skin around it and settles on the
+    wearer's own mesh. Where the target has a waist, the garment's waist is tied to it. If an opening does not surround
+    a part of the body, the wearer is dressed again with seams that are free in the middle plane.
 
     Args:
         pattern: The base pattern.
         wearer: The wearer's geometry.
-        target: Says where the waist sits, or None for the body's own waist.
-        carry: Carry what hangs from a target's waist, and sleeves of hanging arms, with the skin, too. Skinned instead,
-            which does for a start of grading and takes a second less, cloth between the legs can be pinched, and an
-            armhole ends in the armpit.
+        target: The scan, which gives the place of the waist, or None for the body's own waist.
+        carry: Carry also what hangs from a target's waist, and sleeves of hanging arms, with the skin. Skinning
+            suffices to start grading and is a second faster, but can pinch cloth between legs or in armpits.
         settings: Resolution and steps.
         hooks: Progress and cancellation.
 
@@ -126,9 +123,9 @@ def drape_template(
     hooks.progress("template", 0.1, "dressing the T-pose")
     hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
-    # The way into the pose is long, so what is lost is looked for before it.
+    # Posing is expensive, so openings are counted before it.
     if settings.dress.outline and _count_openings(hung, garment, wearer.rest) < loops:
-        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
+        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then surrounds nothing.
         freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
         tried = {"outline held": hung, "outline free": freed}
         hung = choose_best("dressing", tried, lambda nodes: -float(_count_openings(nodes, garment, wearer.rest)), hooks)
@@ -138,7 +135,7 @@ def drape_template(
 
 
 def _count_openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
-    """Count the openings that go round something of the body."""
+    """Count the openings that surround a part of the body."""
     return len(name_contours(nodes, garment.faces, body)[0])
 
 
@@ -150,7 +147,7 @@ def _dress(
     settings: DressSettings,
     hooks: Hooks,
 ) -> np.ndarray:
-    """Dress the T-pose, the waist where the target has it, and give the nodes [m], shape [node_count, 3]."""
+    """Dress the T-pose, the waist where the target has it; return the nodes [m], shape [node_count, 3]."""
     return dress(
         garment,
         wearer.rest,
@@ -172,13 +169,13 @@ def _pose_garment(
     settings: DrapeSettings,
     hooks: Hooks,
 ) -> Garment:
-    """Carry what hangs on the T-pose (nodes [m], shape [node_count, 3]) into the wearer's pose; name its contours."""
+    """Carry cloth on the T-pose (nodes [m], shape [node_count, 3]) into the wearer's pose; name its contours."""
     hooks.progress("template", 0.6, "taking the pose")
     body = wearer.body
     waist = waist_loop(garment)
     if target is None or carry or (waist is None and not has_hanging_sleeves(target, body)):
         nodes, _ = pose_cloth(threads, nodes, wearer.way, wearer.grid, held=waist)
-    else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
+    else:  # skinned: enough to start grading, though in places pinched between legs or under arms
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
@@ -195,18 +192,17 @@ def _pose_garment(
 
 
 def has_hanging_sleeves(target: Target, body: Body) -> bool:
-    """Return whether the wearer's arms hang in sleeves.
+    """Return whether the wearer has hanging arms in sleeves.
 
-    Carried into that pose, cloth is pushed 7 cm down out of the closed armpit; draped as if it could pass through
-    itself, sleeves and sides end inside each other there.
+    Carrying pushes cloth 7 cm down out of the closed armpit; without self-contact sleeves and sides cross there.
     """
     return bool(find_hanging_arms(body)) and any(contour.name.startswith("cuff") for contour in target.contours)
 
 
 def name_contours_as_placed(worn: Garment, rest: Body) -> Garment:
-    """Name a worn garment's contours as its placed panels go round the T-pose, where that names more of them.
+    """Name a worn garment's contours by its placed panels around the T-pose, where that names more of them.
 
-    Trousers that are far too long for their wearer crumple about the feet, and their legs' ends then go round nothing;
+    Trousers far too long for their wearer crumple about the feet, and the ends of their legs then surround nothing;
     flat, they hang over the feet. Lengths are those of the worn contours.
     """
     contours, _ = name_contours(place_panels(worn, rest, flatten=MIDDLE_PLANE_DISTANCE), worn.faces, rest)
@@ -217,7 +213,7 @@ def name_contours_as_placed(worn: Garment, rest: Body) -> Garment:
 
 
 def remesh(garment: Garment, vertex_count: int) -> Garment:
-    """Mesh a garment's pattern anew with a number of vertices, where the garment is."""
+    """Mesh a garment's pattern again with a number of vertices, nodes on the garment's present surface."""
     mesh = mesh_pattern(garment.pattern, vertex_count)
     return mesh.at(resample(garment, garment.nodes, mesh))
 
@@ -236,12 +232,12 @@ def drape_graded(
     """Drape a graded pattern at full resolution, to equilibrium, outside the wearer's exact mesh.
 
     Args:
-        garment: The graded pattern's mesh, nodes near the target: where the equilibrium is looked for.
+        garment: The graded pattern's mesh, nodes near the target, from which the search starts.
         wearer: The wearer's geometry.
         fabric: The cloth.
-        target: Where its waist, if any, holds the garment's.
+        target: The scan; its waist, if any, fixes the garment's.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
-        stop: Asked after each leg of the equilibrium whether to stop.
+        stop: Called after each leg of the equilibrium; returns whether to stop.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -268,7 +264,7 @@ def drape_graded(
 
 
 def measure_stretch(worn: Garment) -> float:
-    """Return by how much all but a thousandth of a worn garment's faces are stretched at most."""
+    """Return the stretch that a thousandth of a worn garment's faces exceeds."""
     stretches = principal_stretches(deformation_gradients(worn.nodes, worn.faces, worn.rest))
     return float(np.quantile(stretches[:, 0], 0.999))
 
@@ -283,17 +279,16 @@ def redrape(
     settings: DrapeSettings = DrapeSettings(apart=True),
     hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[np.ndarray, Drape]:
-    """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
+    """Dress the wearer in a recovered pattern from its rest placement, as if only the pattern were known.
 
-    Nothing is taken from the scan but the waist by which the garment hangs. What settles so may hang in other folds
-    than a drape that starts on the scan, and shows what the pattern is worth on its own. The cloth keeps apart from
-    itself.
+    Only the waist of a garment that hangs from it is taken from the scan. The folds may differ from those of a drape
+    that starts on the scan; the result shows the quality of the pattern alone. The cloth keeps apart from itself.
 
     Args:
-        garment: The pattern's mesh; the result is of its topology, its nodes do not matter.
+        garment: The pattern's mesh; the result has its topology, its nodes are not used.
         wearer: The wearer's geometry.
         fabric: The cloth.
-        target: Where its waist, if any, holds the garment's.
+        target: The scan; its waist, if any, fixes the garment's.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         settings: Steps.
         hooks: Progress and cancellation.
@@ -309,7 +304,7 @@ def redrape(
 
     tried = {"usual": dress_and_settle(settings)}
     if measure_stretch(tried["usual"][0]) > MAX_DRESSED_STRETCH:
-        # a sleeve of few faces can be caught beside an arm, and a leg on the other; what is caught stays so at rest
+        # a sleeve of few faces can be caught beside an arm, a leg on the other; what is caught stays caught at rest
         tried["finer"] = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
     draped, drape = choose_best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)
     return draped.nodes, drape

@@ -1,4 +1,4 @@
-"""Lay the legs of a garment along the wearer's, however far apart the wearer stands."""
+"""Align the legs of a garment with the wearer's, however far apart the wearer stands."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ MIN_GARMENT_LEG_LENGTH = 0.01
 """Length below which a part of the garment is no leg [m]: the spacing of the vertices of the body."""
 
 MIN_LEG_OFFSET_SHARE = 0.05
-"""Share of its width by which the middle of a leg lies beside that of the wearer, at least. A leg that ends at the
-middle of the wearer has half; flat, the forks of trousers reach a third of the width of a leg across (0.13, 0.19 and
-0.24 on three), and the middle of a skirt is 0, its front and back apart or sewn."""
+"""Least distance of a leg's middle from the wearer's, as a share of the leg's width. A leg that ends at the wearer's
+middle has half; flat, the crotches of trousers extend a third of a leg's width across (0.13, 0.19 and 0.24 on three),
+and a skirt's middle is 0, its front and back apart or sewn."""
 
 
 def align_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
-    """Shear the legs of flattened panels sideways until they slope as the body's do; give the nodes [m], [n, 3].
+    """Shear the legs of flattened panels sideways until they slope as the body's do; return the nodes [m], [n, 3].
 
     They are sheared from the middle of the thighs down; above, a low crotch joins them. Drafts hang straight down. On
-    legs that stand apart the outer seam of a narrow leg would start nearer to the inner side of the ankle, and be
-    pushed out there: both seams on one side of the foot.
+    legs that stand apart the outer seam of a narrow leg would start nearer to the inner side of the ankle and be pushed
+    out there: both seams on one side of the foot.
 
     Args:
         nodes: Positions [m], shape [n, 3], in the body's place.
@@ -47,7 +47,7 @@ def align_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
                 sign * (x.mean() - centre) < MIN_LEG_OFFSET_SHARE * (x.max() - x.min())
                 or drop.max() < MIN_GARMENT_LEG_LENGTH
             ):
-                continue  # not this side's: a skirt's middle is the wearer's
+                continue  # not a leg of this side: a skirt's middle is the wearer's
             found.add(side)
             slope = np.polyfit(drop, x, 1)[0]
             worn = np.interp(nodes[leg, 1], joints[:, 1], joints[:, 0])

@@ -1,4 +1,4 @@
-"""Tie a garment's contour to the same contour of a scan: where a waistband's friction holds it."""
+"""Place a garment's waist on that of a scan, where a waistband's friction keeps it."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ LOOP_START_COUNT = 360
 """Number of places along the curve at which the loop may start: 3 mm apart on a waist."""
 
 MIN_SMOOTHED_WAIST_SHARE = 0.95
-"""Share of its length that a waist keeps when it is smoothed, below which it has the teeth of a border that labels cut
-along triangles: four such kept 0.83 to 0.94, ten that garments end at 0.97 to 0.998."""
+"""Share of its length that a waist keeps when smoothed, below which it has teeth because labels cut its border along
+triangles: four such kept 0.83 to 0.94, ten waists of garments that end there 0.97 to 0.998."""
 
 
 def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None = None) -> np.ndarray:
-    """Return each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
+    """Return the place of each point of a closed loop on a closed curve [m], shape [loop_count, 3].
 
-    The loop is spread over the curve in proportion to the lengths, and both run in the same sense of rotation; of
-    `LOOP_START_COUNT` starts on the curve the one counts that moves the loop least (sum of squares).
+    The loop is spread over the curve in proportion to the lengths. Of both directions and `LOOP_START_COUNT` starts on
+    the curve, the one is taken that moves the loop least (sum of squares).
 
     Args:
         loop: Points of the garment's contour in order [m], shape [loop_count, 3].
         curve: Points of the scan's contour in order [m], shape [curve_count, 3].
-        lengths: Length from each point of the loop to the next [m], shape [loop_count]; without it their distances.
+        lengths: Length from each point of the loop to the next [m], shape [loop_count]; if None, their distances.
     """
     lengths = ClosedCurve(loop).lengths if lengths is None else lengths
     starts = np.linspace(0.0, 1.0, LOOP_START_COUNT, endpoint=False)
@@ -38,18 +38,15 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None 
 
 
 def place_waist(points: np.ndarray, target: Target | None, lengths: np.ndarray | None = None) -> np.ndarray:
-    """Find where a waist contour sits: on the target's waist, or where it is if none is known of the target.
+    """Return the places of a waist contour's points [m], shape [n, 3]: on the target's waist, else unchanged.
 
-    The teeth of a waist that labels cut along triangles are smoothed: their length would count, and cloth would lie
-    crumpled where they are longest, and be drawn out elsewhere.
+    A waist with teeth (labels cut along triangles) is smoothed first: the teeth would add to its length, and the cloth
+    would be crumpled where they are longest and stretched elsewhere.
 
     Args:
         points: The garment's waist in order [m], shape [n, 3].
         target: The scan with its contours, or None.
         lengths: How the waist is spread (`tie_contour`).
-
-    Returns:
-        Places of the points [m], shape [n, 3].
     """
     waist = None if target is None else target.waist
     if target is None or waist is None:
@@ -61,6 +58,6 @@ def place_waist(points: np.ndarray, target: Target | None, lengths: np.ndarray |
 
 
 def pin_waist(garment: Garment, target: Target | None = None) -> Pins | None:
-    """Pin what hangs from the waist where it sits (`place_waist`), spread as it is; None for what does not."""
+    """Return pins of a garment's waist at its place (`place_waist`), or None where it does not hang from the waist."""
     waist = waist_loop(garment)
     return None if waist is None else Pins(waist, place_waist(garment.nodes[waist], target))

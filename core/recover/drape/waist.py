@@ -1,4 +1,4 @@
-"""The waist by which a garment hangs: which nodes it has, and how long it is cut."""
+"""Find the waist from which a garment hangs: its nodes and its flat length."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ...scan.contours.loop import find_loops
 def waist_loop(garment: Garment) -> np.ndarray | None:
     """Find the loop of nodes by which a garment hangs from the waist, or None where it hangs from the shoulders.
 
-    A garment with at most three open contours has no neck and no arms: its highest contour is a waist (a tube top and
-    a poncho are the exceptions; both then hang from where their highest contour is placed).
+    A garment with at most three open contours has no neck and no arms: its highest contour is a waist (a tube top and a
+    poncho are the exceptions; both then hang from where their highest contour is placed).
     """
     loops = find_loops(garment.faces)
     if len(loops) > 3 or not loops:
@@ -22,12 +22,12 @@ def waist_loop(garment: Garment) -> np.ndarray | None:
 
 
 def flat_length(garment: Garment, loop: np.ndarray) -> float:
-    """Measure the flat length of a loop of nodes [m]."""
+    """Compute the flat length of a loop of nodes [m]."""
     return float(flat_lengths(garment, loop).sum())
 
 
 def flat_lengths(garment: Garment, loop: np.ndarray) -> np.ndarray:
-    """Measure the flat length from each node of a loop along a border to the next [m], shape [loop_count]."""
+    """Compute the flat length from each node of a loop along a border to the next [m], shape [loop_count]."""
     count, edges = len(garment.nodes), HalfEdges.of(garment.faces)
     sides = np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1) @ [count, 1]
     order = np.argsort(sides)

@@ -1,4 +1,4 @@
-"""The geometry of the wearer: everything a stage may ask about where the body is."""
+"""Describe the wearer's geometry: the body with its distance fields."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .carry import PosePath
 
 @dataclass(frozen=True)
 class WearerGeometry:
-    """The wearer's body with every answer to where it is: distance grids, exposed skin, frames of its pose.
+    """Describe the wearer's body with distance grids, exposed skin and frames of its pose.
 
-    Each takes up to a second and is computed when it is first asked for.
+    Each field takes up to a second and is computed on first use.
 
     Attributes:
         body: The wearer.
@@ -45,7 +45,7 @@ class WearerGeometry:
 
     @cached_property
     def exposed(self) -> ExposedSurface:
-        """Return the exposed skin of the wearer's own mesh: what delivered meshes are cleared of and measured by."""
+        """Return the exposed skin of the wearer's own mesh, from which delivered meshes are cleared and measured."""
         return ExposedSurface.of(self.body)
 
     @cached_property
@@ -54,10 +54,7 @@ class WearerGeometry:
         return PosePath.of(self.body, self.exposed)
 
     def raised(self, heights: np.ndarray) -> WearerGeometry:
-        """Return the geometry of a wearer whose skin lies further out by heights [m], shape [vertex_count].
-
-        Every field is that of the moved mesh: whoever asks it sees one body.
-        """
+        """Return the geometry, with new fields, of a wearer with skin raised by heights [m], shape [vertex_count]."""
         return replace(
             self, body=self.body.raised(heights), offset=heights if self.offset is None else self.offset + heights
         )

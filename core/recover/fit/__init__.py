@@ -1,1 +1,1 @@
-"""The inverse fit: the pattern from a registered garment, by its metric and through the simulator."""
+"""Fit the pattern to a registered garment, by its metric and through the simulator."""

@@ -1,4 +1,4 @@
-"""Adam, step by step (Kingma and Ba 2015), as a value that can be kept and taken up again."""
+"""Take steps of Adam (Kingma and Ba 2015), with a state that can be saved and resumed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FIRST_MOMENT_DECAY, SECOND_MOMENT_DECAY = 0.9, 0.999
 """Decay rates of the first and the second moment, those of the authors and of the thesis (section 3.3.1)."""
 
 ADAM_EPSILON = 1e-30
-"""Number added to the root of the second moment: it only keeps a parameter without any gradient where it is."""
+"""Number added to the root of the second moment: it keeps a parameter without any gradient in place."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Adam:
 
     @classmethod
     def of(cls, size: int) -> Adam:
-        """Begin with no memory."""
+        """Return the initial state."""
         return cls(np.zeros(size), np.zeros(size))
 
     def step(self, gradient: np.ndarray, rates: np.ndarray) -> tuple[Adam, np.ndarray]:

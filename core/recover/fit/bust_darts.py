@@ -1,4 +1,4 @@
-"""Cut bust darts into a graded pattern of the library, where the scan's cloth is pointed as only darts make it."""
+"""Cut bust darts into a graded library pattern where the scan's cloth has the curvature of their ends."""
 
 from __future__ import annotations
 
@@ -30,35 +30,31 @@ from .panel_change import MIN_DART_ANGLE, MIN_DART_WIDTH, describe_dart, panel_s
 from .wedge import Wedge, wanted_strain
 
 MIN_SEAM_END_DISTANCE = 0.04
-"""Least distance of the mouth's middle from the side seam's ends [m]: a bust dart's mouth is 3 to 7 cm wide, and begins
-below the armhole's seam allowance."""
+"""Least distance of the mouth's middle from the side seam's ends [m]: it is 3 to 7 cm wide, below a seam allowance."""
 
 SIDE_SEAM_WARP_COSINE = np.cos(np.radians(45.0))
-"""Cosine of 45 degrees, between the chord of a seam and the warp: a seam whose chord is nearer to the warp than to the
-weft runs along the side."""
+"""Cosine between chord and warp above which a seam is a side seam: nearer to the warp than to the weft (45 degrees)."""
 
 MAX_SHARED_APEX_DISTANCE = 0.08
-"""Distance from the bust point within which the end of another dart counts as ending there [m]: that of a waist dart is
-2.5 cm below it, and slides."""
+"""Distance from the bust point within which another dart counts as ending there [m]: a waist dart ends 2.5 cm below."""
 
 MIRROR_POINT_TOLERANCE = 0.05
 """Largest distance of one bust point from the mirror image of the other in the panel [m]."""
 
 
 def add_bust_darts(state: RecoveryState, graded: Garment, settings: SlideSettings) -> RecoveryState:
-    """Cut bust darts into a slid pattern where the cloth is pointed there, and slide its seams again.
+    """Cut bust darts into a slid pattern where the cloth is pointed, and slide its seams again.
 
-    Without them the side seam goes to the front, to where a front as long as the back is wide enough, and a waist seam
-    goes up. They are kept where they come out wide enough and the front is less strained with them: that they are there
-    is told by the curvature, and what strain is left by the other seams, too.
+    Without them the side seam moves to the front, until a front as long as the back is wide enough, and a waist seam
+    moves up. They are kept if they are wide enough and reduce the front's strain, which other seams change too.
 
     Args:
         state: Target, wearer and base pattern; the pattern's coarse mesh as `slide_seams` left it on the target.
-        graded: The graded pattern's mesh that it was made of.
+        graded: The graded pattern's mesh from which it was made.
         settings: How the seams were slid.
 
     Returns:
-        The state with the darts in garment and base pattern, or as it was.
+        The state with the darts in garment and base pattern, or unchanged.
     """
     slid = made(state.garment)
     points = find_bust_points(TrunkCurvature.of(state.target, state.body))
@@ -86,9 +82,9 @@ def add_bust_darts(state: RecoveryState, graded: Garment, settings: SlideSetting
 def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
     """Plan a dart from a side seam to the bust, with its mirror image.
 
-    Where a dart ends can be seen, where it begins cannot: it can be turned about its apex to any edge. The trade's
-    usual one begins at the side seam below the armhole (W. Aldrich, Metric Pattern Cutting for Women's Wear: underarm
-    dart), and the nearest place there is taken. Its angle is what other darts leave that end there, too.
+    The end of a dart is visible, its beginning is not: it can be turned about its apex to any edge. The usual one
+    begins at the side seam below the armhole (W. Aldrich, Metric Pattern Cutting for Women's Wear: underarm dart), and
+    the nearest place there is taken. Its angle is the curvature less the angles of other darts that end there.
 
     Args:
         garment: The slid pattern's mesh, nodes on the target.
@@ -121,7 +117,7 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
 
 
 def _side_mouths(garment: Garment, index: int) -> list[DartMouth]:
-    """List where a dart may begin at the side seams of a panel: where it is sewn, along the warp, to its own part."""
+    """Return the places where a dart may begin at the side seams of a panel: along the warp, sewn to its own part."""
     pattern = garment.pattern
     drawn, part = pattern.panels[index], find_parts(pattern)
     number = {panel.name: i for i, panel in enumerate(pattern.panels)}

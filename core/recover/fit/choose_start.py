@@ -1,4 +1,4 @@
-"""Choose what a recovery starts from where its graded drape crosses itself: that, or the pattern dressed from flat."""
+"""Choose the start of a recovery whose graded drape crosses itself: that drape, or the pattern dressed from flat."""
 
 from __future__ import annotations
 
@@ -17,21 +17,19 @@ from ..drape.stage import redrape
 from ..state import RecoveryState, made
 
 MAX_FLAT_START_SHARE = 0.8
-"""Share of the distance of the graded drape from the scan that the drape from flat has at most to be taken, both
-deformed onto the scan: it was 0.3 and 0.7 where a sleeve hung crumpled in front of its arm, and 0.95 where five faces
-crossed in an armpit."""
+"""Largest ratio of distances from the scan, after deformation, at which the drape from flat replaces the graded one:
+0.3 and 0.7 where a sleeve hung crumpled in front of its arm, 0.95 where five faces crossed in an armpit."""
 
 
 def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
-    """Keep a graded drape, or where it crosses itself take the pattern dressed from flat if that is nearer to the scan.
+    """Keep a graded drape; where it crosses itself take the pattern dressed from flat if that is nearer to the scan.
 
-    A scan in which a sleeve has grown together with the trunk gives a start in which the two lie in each other, and on
-    the way out of that a sleeve can end beside its arm. Dressed from flat it is on the arm, if in other folds than the
-    scan's. Which is nearer shows when both are deformed onto the scan.
+    In a scan with a sleeve merged with the trunk the two start inside each other, and on the way out a sleeve can end
+    beside its arm. Dressed from flat it is on the arm, though in other folds. Both are compared after deformation.
 
     Args:
         case: The garment to recover.
-        state: The graded pattern as it was draped from the scan, kept apart from itself, and the equilibrium of that.
+        state: The graded pattern draped from the scan with self-contact, and its equilibrium.
         hooks: Progress and cancellation.
     """
     garment, drape, target = made(state.graded), made(state.drape), state.target
@@ -42,7 +40,7 @@ def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryStat
     settings = DeformSettings.of_preset(case.settings.preset)
 
     def reach(start: Garment) -> float:
-        """Return how far a start is from the scan when it is deformed onto it [m], RMS, the worse way."""
+        """Return the distance of a start from the scan after its deformation [m], RMS, the worse way."""
         detail = deform(start, target, state.wearer.exposed, settings=settings, hooks=hooks)
         distance = surface_rms(start.at(detail.nodes), target)
         return MAX_FLAT_START_SHARE * distance if start is garment else distance

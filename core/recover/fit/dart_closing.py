@@ -1,4 +1,4 @@
-"""Close darts of a fitted garment: its pattern, its base pattern, and where its nodes go."""
+"""Close darts of a fitted garment, in its pattern and base pattern, and move its nodes."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .dart_search import relax_panel
 
 
 def required_dart_width(garment: Garment, strain: np.ndarray, dart: Dart) -> float:
-    """Return how wide the least strain makes the mouth of a dart [m].
+    """Return the width of a dart's mouth at the least strain [m].
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
-        dart: Of the garment's pattern.
+        dart: A dart of the garment's pattern.
     """
     index = [panel.name for panel in garment.pattern.panels].index(dart.panel)
     count = len(garment.pattern.panels[index].points)
@@ -30,21 +30,20 @@ def required_dart_width(garment: Garment, strain: np.ndarray, dart: Dart) -> flo
     ends = [garment.edge_uv[EdgeRef(dart.panel, (dart.first + k) % count)][0] - first for k in (0, 2)]
     apart = np.diff(panel.uv[ends] + panel.motion[ends], axis=0)[0]
     sides = np.diff(panel.uv[ends], axis=0)[0]
-    # sides that have run through each other ask for no dart at all
+    # sides that cross need no dart at all
     return float(np.linalg.norm(apart)) if float(apart @ sides) > 0.0 else 0.0
 
 
 def close_darts(garment: Garment, strain: np.ndarray, base: Pattern, darts: Collection[Dart]) -> CutGarment:
     """Close darts of a fitted garment and of its base pattern.
 
-    The control point at each mouth stays; in the base pattern it comes to lie on the line between its neighbours, so
-    that the outline is smooth there.
+    The control point at each mouth stays; in the base pattern it moves to the line between its neighbours.
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
         base: The base pattern.
-        darts: Of both patterns.
+        darts: Darts of both patterns.
     """
     names = {dart.panel for dart in darts}
     pattern, like = relax_panels(garment, strain, base, names)

@@ -1,4 +1,4 @@
-"""Cut planned darts into a fitted garment: its pattern, its base pattern, and where its nodes go."""
+"""Cut planned darts into a fitted garment, in its pattern and base pattern, and move its nodes."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .dart_search import PlannedDart, mirror_of, reflect_wedge, relax_panel
 from .wedge import FlatPanel, Wedge
 
 DART_MOUTH_SAMPLE_COUNT = 200
-"""Number of segments of an edge between which the place nearest to the mouth of a dart is looked for."""
+"""Number of segments of an edge between which the place nearest to the mouth of a dart is found."""
 
 MAX_DART_MEETING_DISTANCE = 0.03
-"""Distance of a mouth along its edge from a point where a dart on the other side of the seam begins, below which it
-takes that point [m]: darts above and below a seam meet."""
+"""Distance along an edge from a point where a dart begins on the seam's other side, below which a mouth takes that
+point [m], so that darts above and below a seam meet."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,12 @@ class OpenPanel:
     """Describe how a panel opens at its darts.
 
     Attributes:
-        panel: Relaxed, without the darts.
-        wedges: The darts to be.
+        panel: The relaxed panel without the darts.
+        wedges: The planned darts.
         angle: Of each [rad].
         motion: Of each flat vertex [m], shape [vertex_count, 2].
-        uv, faces, corner: The opened panel: flat vertices [m], shape [n, 2], faces, and the vertex of `panel` that
-            each is, shape [n]; faces that a dart cuts are there twice, once for each of its sides.
+        uv, faces, corner: The opened panel: flat vertices [m], shape [n, 2], faces, and the vertex of `panel` that each
+            is, shape [n]; faces that a dart cuts occur twice, once for each of its sides.
     """
 
     panel: FlatPanel
@@ -51,7 +51,7 @@ class OpenPanel:
 
     @classmethod
     def of(cls, panel: FlatPanel, wedges: tuple[Wedge, ...], angle: float) -> OpenPanel:
-        """Open a panel at wedges of one angle, so that the least strain is left."""
+        """Open a panel at wedges of one angle with the least strain."""
         load = angle * panel.loads(wedges).sum(axis=1)
         wanted = panel.left + panel.operator @ panel.motion.ravel() + load
         motion = panel.factor.solve(panel.operator.T @ wanted).reshape(-1, 2)
@@ -76,34 +76,34 @@ class OpenPanel:
         return cls(panel, wedges, angle, motion, np.concatenate(uv), np.concatenate(faces), np.concatenate(corner))
 
     def mouth(self, wedge: Wedge) -> tuple[np.ndarray, np.ndarray]:
-        """Return the left and the right end of an opened mouth [m], seen from it towards the apex, shape [2] each."""
+        """Return the left and right end of an opened mouth [m], seen from it towards the apex, shape [2] each."""
         axis = (wedge.apex - wedge.mouth) / wedge.length
         away = self.panel.uv - wedge.mouth
         near = np.argsort(np.linalg.norm(away, axis=1))[:2]
         side = axis[0] * away[near, 1] - axis[1] * away[near, 0]
         jump = self.angle * _rotation_about_apex(wedge.mouth[None], wedge)[0]
-        # two vertices of the outline stand around the mouth, one of them, or both, to its left
+        # two vertices of the outline are nearest to the mouth, one of them, or both, to its left
         base = np.mean([self.motion[i] - (jump if left else 0.0) for i, left in zip(near, side > 0.0, strict=True)], 0)
         return wedge.mouth + base + jump, wedge.mouth + base
 
     def apex(self, wedge: Wedge) -> np.ndarray:
-        """Return where an apex comes to lie [m], shape [2]."""
+        """Return the place of an apex after opening [m], shape [2]."""
         return np.asarray(wedge.apex + self.motion[np.argmin(np.linalg.norm(self.panel.uv - wedge.apex, axis=1))])
 
 
 def _rotation_about_apex(points: np.ndarray, wedge: Wedge) -> np.ndarray:
-    """Return by how much a turn of one radian about a wedge's apex, clockwise, moves points [m], shape [..., 2]."""
+    """Return the displacements of points by a clockwise turn of one radian about a wedge's apex [m], shape [..., 2]."""
     away = points - wedge.apex
     return np.stack([away[..., 1], -away[..., 0]], axis=-1)
 
 
 @dataclass(frozen=True)
 class CutGarment:
-    """Describe a garment whose panels have darts more than before.
+    """Describe a garment whose panels got darts.
 
     Attributes:
         before: The garment without them.
-        opened: By a panel's index, how it opened.
+        opened: Opened panels by index.
         drawn: The pattern as they opened it; its seams are not equal yet.
         pattern: With equal seams.
         base: The base pattern with the same darts.
@@ -120,12 +120,12 @@ class CutGarment:
     owner: tuple[int, ...]
 
     def place(self, source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
-        """Return where another mesh's nodes lie [m], shape [node_count, 3].
+        """Return the nodes of a mesh with the darts [m], shape [node_count, 3].
 
         Args:
             source: A mesh of the pattern without the darts.
             nodes: Its nodes [m], shape [source node_count, 3].
-            target: A mesh of the pattern with them, its control points anywhere.
+            target: A mesh of the pattern with them, for any control points.
         """
         own = map_controls(source).apply(self.before.pattern.points)
         asked = self._unopened(target, map_controls(target).apply(self.drawn.points), target.panel_of_uv)
@@ -139,11 +139,11 @@ class CutGarment:
         return np.stack(sum_of, axis=1) / np.bincount(target.uv_node, minlength=count)[:, None]
 
     def carry_strain(self, strain: np.ndarray, target: Garment) -> np.ndarray:
-        """Return the strain of another mesh's faces, each that of the next face before, shape [face_count, 2, 2].
+        """Return the strain of the faces of a mesh with the darts, from the nearest faces, shape [face_count, 2, 2].
 
         Args:
             strain: Of the faces of the garment without the darts, shape [face_count, 2, 2].
-            target: A mesh of the pattern with them, its control points anywhere.
+            target: A mesh of the pattern with them, for any control points.
         """
         flat = map_controls(target).apply(self.drawn.points)
         asked = self._unopened(target, flat[target.uv_faces].mean(axis=1), target.panel_of_face)
@@ -154,7 +154,7 @@ class CutGarment:
         return found
 
     def _unopened(self, target: Garment, points: np.ndarray, panel_of: np.ndarray) -> np.ndarray:
-        """Return where points of the opened panels were before they opened [m], shape [n, 2]."""
+        """Return points of the opened panels as before opening [m], shape [n, 2]."""
         found = points.copy()
         for index, opened in self.opened.items():
             here = panel_of == index
@@ -170,7 +170,7 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
         base: The base pattern.
-        planned: The darts, at most one of a panel and none of a panel's mirror image.
+        planned: The darts, at most one a panel and none in a panel's mirror image.
     """
     pattern, like = garment.pattern, base
     opened: dict[int, OpenPanel] = {}
@@ -198,7 +198,7 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
 
 
 def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: set[str]) -> tuple[Pattern, Pattern]:
-    """Return a pattern and its base with some panels as their strain asks for: darts open or close as they come out.
+    """Return a pattern and its base with some panels relaxed to their wanted strain: darts open or close freely.
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
@@ -260,7 +260,7 @@ def _meets_dart(pattern: Pattern, edge: EdgeRef) -> bool:
 
 
 def _open_darts(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart, tuple[OpenPanel, Wedge]]) -> Pattern:
-    """Return a pattern whose control points have moved as its panels open."""
+    """Return a pattern whose control points have moved with its opening panels."""
     points = {}
     for index, panel in opened.items():
         drawn = pattern.panels[index]
@@ -277,7 +277,7 @@ def _open_darts(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart,
 
 
 def _transfer_opening(like: Pattern, closed: Pattern, opened: Pattern) -> Pattern:
-    """Return a base pattern that opens as a fitted pattern does, whose panels may lie turned to its own."""
+    """Return a base pattern opened as a fitted pattern, whose panels may be rotated against its own."""
     points = {}
     for base, before, after in zip(like.panels, closed.panels, opened.panels, strict=True):
         turn = fit_rigid(before.points, base.points).rotation

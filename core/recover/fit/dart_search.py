@@ -1,4 +1,4 @@
-"""Where in a panel a dart would take strain that no flat shape of it takes."""
+"""Search the place in a panel where a dart takes most strain that no flat shape takes."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ MIN_DART_LENGTH, MAX_DART_LENGTH = 0.06, 0.22
 from the waist to 2.5 cm below the bust point, 16 to 18 cm; a shorter one is a tuck."""
 
 MAX_DART_WARP_ANGLE = np.radians(25.0)
-"""Largest angle between the axis of a dart and the warp [rad]. Cloth shows where a dart ends, not where it begins: a
-maker can turn one about its apex to any edge. Waist and shoulder darts are drawn along the grain, within 15 degrees; so
-are ours."""
+"""Largest angle between the axis of a dart and the warp [rad]. Cloth shows where a dart ends, not where it begins: it
+can be turned about its apex to any edge. Waist and shoulder darts are drawn along the grain within 15 degrees."""
 
 MIN_DART_GAIN_SHARE = 0.9
-"""Share of the gain of the best dart from which another one with the same end competes with it: of these the one that
-runs most along the warp is chosen."""
+"""Share of the best dart's gain from which darts with the same end compete: the one nearest to the warp wins."""
 
 MIN_MIRROR_APEX_DISTANCE = 0.06
 """Least distance of the apexes of a dart and its mirror image in one panel [m]: nearer they would be one dart on the
@@ -36,20 +34,20 @@ MIN_APEX_DEPTH = 0.025
 """Least distance of an apex from the outline [m]: nearer it is a seam's ease."""
 
 MIN_MOUTH_CORNER_DISTANCE = 0.03
-"""Least distance of a mouth from a panel's corner [m]: nearer it is the corner that is cut otherwise."""
+"""Least distance of a mouth from a panel's corner [m]: nearer the corner itself is cut differently."""
 
 MIN_OUTLINE_CORNER_ANGLE = np.radians(30.0)
-"""Turn of an outline above which it has a corner [rad]."""
+"""Angle of an outline from which it has a corner [rad]."""
 
 
 @dataclass(frozen=True)
 class DartMouth:
-    """Name a place on a panel's outline.
+    """Describe a place on a panel's outline.
 
     Attributes:
-        edge: The edge.
+        edge: Number of the edge.
         segment: Number of the segment of its mesh whose middle it is.
-        place: Where it is [m], shape [2].
+        place: Its position [m], shape [2].
     """
 
     edge: int
@@ -59,7 +57,7 @@ class DartMouth:
 
 @dataclass(frozen=True)
 class PlannedDart:
-    """Describe a dart that is to be cut, with its mirror image in this panel or another one.
+    """Describe a planned dart, with its mirror image in this panel or another one.
 
     Attributes:
         panel: Index of the panel.
@@ -81,11 +79,10 @@ class PlannedDart:
 
 @dataclass(frozen=True)
 class DartProposal(PlannedDart):
-    """Describe a dart that takes strain.
+    """Describe a planned dart with the strain that it takes.
 
     Attributes:
-        before, after: Root mean square of the strain that no flat shape takes, without it and with it, over the panel
-            and its mirror image.
+        before, after: RMS of the strain that no flat shape takes, without and with it, over panel and mirror image.
     """
 
     before: float
@@ -93,7 +90,7 @@ class DartProposal(PlannedDart):
 
     @property
     def share(self) -> float:
-        """Return by which share it lowers the sum of the squared strain."""
+        """Return the share by which it lowers the sum of the squared strain."""
         return 1.0 - (self.after / self.before) ** 2
 
 
@@ -102,8 +99,8 @@ def relax_panel(garment: Garment, strain: np.ndarray, index: int) -> FlatPanel:
 
     Args:
         garment: The flat panels.
-        strain: Wanted strain of each face, as `wanted_strain` gives it, shape [face_count, 2, 2].
-        index: The panel's.
+        strain: Wanted strain of each face (`wanted_strain`), shape [face_count, 2, 2].
+        index: The panel's index.
     """
     first = int(np.flatnonzero(garment.panel_of_uv == index)[0])
     own, faces = garment.panel_of_uv == index, garment.panel_of_face == index
@@ -111,7 +108,7 @@ def relax_panel(garment: Garment, strain: np.ndarray, index: int) -> FlatPanel:
 
 
 def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
-    """Return the root mean square over panels of a strain whose square sums up to so much [m2]."""
+    """Return the root mean square over panels of a strain, given the integral of its square [m2]."""
     area = sum(float(np.abs(signed_areas(panel.uv[panel.faces])).sum()) for panel in panels)
     return float(np.sqrt(max(square, 0.0) / area))
 
@@ -119,15 +116,15 @@ def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
 def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartProposal | None:
     """Find the dart that takes most of a panel's strain, by an exhaustive search over its mesh.
 
-    A panel and its mirror image get darts together, by what both take.
+    A panel and its mirror image get darts together, judged by the sum.
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
-        index: The panel's.
+        index: The panel's index.
 
     Returns:
-        The best; None where no dart that is open takes any, or there is no room for one.
+        The best; None where no open dart takes any, or there is no room for one.
     """
     panel = relax_panel(garment, strain, index)
     places = [
@@ -166,13 +163,13 @@ def mirror_of(garment: Garment, index: int) -> Mirror | None:
 
 
 def is_mirror_image(garment: Garment, index: int) -> bool:
-    """Check whether a panel is the mirror image of another one, which stands for both."""
+    """Check whether a panel is the mirror image of another one, which represents both."""
     mirrors = find_symmetry(garment.pattern).mirrors
     return any(mirror.target == index != mirror.source for mirror in mirrors)
 
 
 def reflect_wedge(mirror: Mirror, wedge: Wedge) -> Wedge:
-    """Return the mirror image of a wedge, which opens as wide to the other side."""
+    """Return the mirror image of a wedge."""
     return Wedge(reflect_point(mirror, wedge.mouth), reflect_point(mirror, wedge.apex))
 
 
@@ -182,7 +179,7 @@ def reflect_point(mirror: Mirror, point: np.ndarray) -> np.ndarray:
 
 
 def list_mouths(garment: Garment, index: int) -> list[DartMouth]:
-    """List the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
+    """Return the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
     panel = garment.pattern.panels[index]
     sewn = {ref for seam in garment.pattern.seams if seam.a.panel != seam.b.panel for ref in (seam.a, seam.b)}
     corners = find_corners(garment, index)
@@ -201,7 +198,7 @@ def list_mouths(garment: Garment, index: int) -> list[DartMouth]:
 
 
 def find_corners(garment: Garment, index: int) -> np.ndarray:
-    """Return the corners of a panel's outline as it is meshed [m], shape [count, 2]."""
+    """Return the corners of a panel's meshed outline [m], shape [count, 2]."""
     panel, found = garment.pattern.panels[index], []
     for i in range(len(panel.edges)):
         here = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
@@ -213,7 +210,7 @@ def find_corners(garment: Garment, index: int) -> np.ndarray:
 
 
 def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth) -> list[Wedge]:
-    """List the wedges that begin at a place, along the warp into the panel."""
+    """Return the wedges that begin at a place, along the warp into the panel."""
     drawn = garment.pattern.panels[index]
     line = garment.uv[garment.edge_uv[EdgeRef(drawn.name, mouth.edge)]]
     along = line[mouth.segment + 1] - line[mouth.segment]

@@ -1,4 +1,4 @@
-"""The thesis' loop: Adam over control points, then fabric too, through the simulator's derivative (section 3.2.5)."""
+"""Descend by Adam over control points, then fabric too, through the simulator's derivative (thesis section 3.2.5)."""
 
 from __future__ import annotations
 
@@ -26,31 +26,31 @@ if TYPE_CHECKING:
     from ...cloth.scene import Scene
 
 _MIN_TRIANGLE_AREA_SHARE = 0.05
-"""Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have an area."""
+"""Smallest share of its area that a flat triangle may keep in a step: the simulator needs non-degenerate triangles."""
 
 
 @dataclass(frozen=True)
 class InverseSettings:
-    """Set the thesis' inverse fit.
+    """Describe the thesis' inverse fit.
 
     Attributes:
-        vertices: Vertices of the mesh that the loop runs on; with 1000 one iteration takes 0.1 to 0.3 s.
-        iterations: Steps of Adam over the control points at most; on three garments the plateau came after 45 to 80.
-        fabric_iterations: Steps over control points and fabric at most, after the first ones have come to a plateau; 0
-            leaves the fabric as it is given. Both bounds together keep a recovery within 150 s of CPU.
+        vertices: Vertices of the mesh of the loop; with 1000 one iteration takes 0.1 to 0.3 s.
+        iterations: Largest number of steps over the control points; on three garments the plateau came after 45 to 80.
+        fabric_iterations: Largest number of steps over control points and fabric, after the plateau of the first ones;
+            0 leaves the fabric as given. Both bounds together keep a recovery within 150 s of CPU.
         rate: Adam's step of a control point [m]; the thesis' 1e-3.
         fabric_rate: Adam's step of a stiffness' logarithm; 5 % a step, so that a factor of 10 takes 46.
-        curvature: How much strongly curved places of the target count more (eq. 3.9); 0 is the plain distance (3.8).
+        curvature: Additional weight of strongly curved places of the target (eq. 3.9); 0 is the plain distance (3.8).
         contour: Weight of the open contours, lambda_open of eq. 3.7.
-        seam: Weight of unequal seams, lambda_seam of eq. 3.6; 0 leaves seams as unequal as they get. At 1 a millimetre
-            in ten seams of ten edges costs as much as 1 mm of distance; the thesis' 0.01 does not hold centimetres.
+        seam: Weight of unequal seams, lambda_seam of eq. 3.6; 0 leaves seams unequal. At 1 a millimetre in ten seams of
+            ten edges costs as much as 1 mm of distance; the thesis' 0.01 allows centimetres.
         panel: Weight of fold-over and of corners that should stay: a centimetre of swing counts as 3 mm of distance.
         material: Weight of a fabric outside the library's range [m2]: a factor of e costs as much as 10 mm of distance.
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
         patience: Steps; fewer would take one jump of a fold for the end.
         keep_every: Steps from one checkpoint to the next.
-        solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30
-            factorisations suffice; a step that ends before it is at rest still has a direction of descent.
+        solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30 factorisations
+            suffice; a step that ends before it is at rest still has a direction of descent.
     """
 
     vertices: int = 1000
@@ -71,12 +71,12 @@ class InverseSettings:
 
 @dataclass(frozen=True)
 class DescentProblem:
-    """Describe what stays the same while Adam descends.
+    """Describe what stays the same during Adam's descent.
 
     Its variables are the effective control points x0, y0, x1, ... [m] and ln of H00, H01, H11, H22, k.
 
     Attributes:
-        scene: The first pattern's mesh, nodes at its drape, contours named, and what acts on it.
+        scene: The scene of the first pattern's mesh, nodes at its drape, contours named.
         chamfer, contour, seam, panel, material: The losses.
         settings: Their weights and the steps.
     """
@@ -114,15 +114,12 @@ class DescentProblem:
         return self.scene.symmetry.expand(variables[: -len(STIFFNESSES)])
 
     def fabric_of(self, variables: np.ndarray) -> Fabric:
-        """Return the fabric; its other properties stay."""
+        """Return the fabric; only its stiffnesses vary."""
         values = np.exp(variables[-len(STIFFNESSES) :]).tolist()
         return replace(self.scene.fabric, **dict(zip(STIFFNESSES, values, strict=True)))
 
     def pattern_of(self, variables: np.ndarray) -> Pattern:
-        """Return the pattern that is cut in the end: seams made equal where they count, locks honoured.
-
-        A gathered seam keeps the ratio that was descended to: mirror images share it, for their points are images.
-        """
+        """Return the final pattern: seams made equal unless gathered, locked coordinates restored."""
         pattern = self.scene.like.with_points(self.points_of(variables))
         if self.settings.seam > 0.0:
             pattern = equalise_seams(pattern, like=pattern, symmetry=self.scene.symmetry)
@@ -135,7 +132,7 @@ class DescentProblem:
     def drape(
         self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray | None, hooks: Hooks
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Bring the cloth to rest from nodes [m]; give positions and friction's anchors, shape [node_count, 3] each."""
+        """Bring the cloth to rest from nodes [m]; return nodes and friction's anchors, shape [node_count, 3] each."""
         from ...cloth.statics import equilibrium
 
         scene, solver, settings = self.at(variables), self.scene.solver, self.settings.solve
@@ -146,7 +143,6 @@ class DescentProblem:
         """Return the loss [m2] and its gradient by the variables, shape [variable_count] (eq. 3.6 and 3.7).
 
             L = L_chamfer + w_o L_contour + w_m L_material + w_s L_seam + w_p L_panel
-
         The drape's part is pulled back through its equilibrium: one factor, one back-substitution.
         """
         weights = self.settings
@@ -166,7 +162,7 @@ class DescentProblem:
         return value, gradient
 
     def take(self, variables: np.ndarray, move: np.ndarray) -> np.ndarray:
-        """Go as much of a move, all or a half, a quarter, an eighth, as folds no panel; none where all do."""
+        """Take the largest part of a move (1, 1/2, 1/4, 1/8) that folds no panel; none where all do."""
         for _ in range(4):
             ahead = self.scene.like.with_points(self.points_of(variables + move))
             if self.scene.is_sound(ahead, _MIN_TRIANGLE_AREA_SHARE):
@@ -178,7 +174,7 @@ class DescentProblem:
 
 @dataclass(frozen=True)
 class Descent:
-    """Describe where the descent is: all that the next step depends on.
+    """Describe the state of the descent, on which the next step depends.
 
     Attributes:
         variables: Control points and fabric, shape [variable_count].
@@ -188,7 +184,7 @@ class Descent:
         best: The variables of the lowest loss so far.
         best_nodes, best_anchors: Their drape.
         losses: The loss at the start and after every step [m2].
-        first: Which of them began the present stage.
+        first: Index of the first loss of the present stage.
         stage: 0: control points; 1: fabric too; 2: done.
     """
 
@@ -205,7 +201,7 @@ class Descent:
     stage: int
 
     def reaches_end(self, settings: InverseSettings) -> bool:
-        """Return whether the present stage is over: its steps are used up, or nothing is gained any more."""
+        """Return whether the present stage is over: its steps are used up, or the loss has reached a plateau."""
         own = self.losses[self.first :]
         if len(own) > (settings.iterations, settings.fabric_iterations)[self.stage]:
             return True
@@ -215,11 +211,10 @@ class Descent:
 
 
 def descend(problem: DescentProblem, hooks: Hooks = SILENT_HOOKS, fit_fabric: bool = True) -> Descent:
-    """Descend by Adam until nothing is gained, then once more with the fabric's stiffnesses joined in.
+    """Descend by Adam to a plateau, then once more with the fabric's stiffnesses added.
 
     **Deviation**: the thesis differentiates 10 to 20 time steps of 0.05 s. Here the derivative is that of the state at
-    rest, as `Implicit` takes it: both agree there, and one gradient costs 5 ms at 1000 vertices, not 20 solves. Each
-    step starts from the last one's rest, with its friction.
+    rest (`Implicit`): both agree there, and a gradient costs 5 ms at 1000 vertices, not 20 solves.
     """
     settings = problem.settings
     state = load(hooks, "fit.inverse", Descent, problem.scene.garment.nodes) or _begin(problem, hooks)
@@ -264,7 +259,7 @@ def _step(problem: DescentProblem, state: Descent, hooks: Hooks) -> Descent:
 
 
 def _next_stage(problem: DescentProblem, state: Descent, hooks: Hooks, fit_fabric: bool) -> Descent:
-    """Go back to the best and begin the next stage, without Adam's memory."""
+    """Return to the best variables and begin the next stage with a new Adam state."""
     if state.stage == 1 or not fit_fabric or problem.settings.fabric_iterations == 0:
         return replace(state, stage=2)
     loss, gradient = problem.evaluate(state.best, state.best_nodes, state.best_anchors)

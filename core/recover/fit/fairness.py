@@ -1,4 +1,4 @@
-"""Make a recovered pattern's curves fair, and its flat mesh with them."""
+"""Make a recovered pattern's curves fair, and update its flat mesh."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .locks import find_locked_points
 def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:
     """Return a garment whose boundary has no corner where its base pattern has none and the scan proves none.
 
-    Nodes stay. It comes back as it is where nothing has to bend, or a panel would cross itself.
+    Nodes stay. Returned unchanged where nothing has to bend, or a panel would cross itself.
 
     Args:
         garment: The recovered pattern, meshed.
         base: The base pattern.
-        held: Effective coordinates that locks hold, bool, shape [p]; see `find_held`.
+        held: Locked effective coordinates, bool, shape [p]; see `find_locked_coordinates`.
         proved: Corners that the scan proves.
     """
     pattern = garment.pattern

@@ -1,4 +1,4 @@
-"""The hybrid method: pattern and place by isometry, register again, then pattern and cloth through the simulator."""
+"""Run the hybrid method: pattern by isometry, second registration, then pattern and cloth through the simulator."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .shape import ShapeFit, ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
 
 Starts = dict[str, tuple[np.ndarray, np.ndarray | None]]
-"""Nodes from which an equilibrium is looked for, and friction's anchors there or None [m], by name."""
+"""Start nodes of an equilibrium, and friction's anchors there or None [m], by name."""
 
 
 def fit_pattern(
@@ -46,15 +46,15 @@ def fit_pattern(
     """Recover the pattern of a registered garment and drape it.
 
     Args:
-        case: The scan; its settings tell the vertices of the recovered pattern's mesh, how to register again, and what
-            stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        case: The scan; its settings give the vertices of the recovered pattern's mesh, the preset of the second
+            registration and the locks: `fabric`, `panel:NAME` (and its mirror image).
         state: The graded pattern's mesh at its drape, and its nodes on the target.
-        settings: How to fit through the simulator.
+        settings: Settings of the fit through the simulator.
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The recovered garment; its detail mesh is the second registration, with the pattern and the place that isometry
-        found; where that ended further from the scan than the first, one that begins at the first, if it is nearer.
+        The recovered garment. Its detail mesh is the second registration, from the result of isometry; where that is
+        further from the scan than the first, one from the first, if that is nearer.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
@@ -105,7 +105,7 @@ def _fit_panels(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState
 
 
 def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: Hooks) -> RecoveryState:
-    """Mesh the fitted pattern finely and register it, from where isometry laid it."""
+    """Mesh the fitted pattern finely and register it, from the nodes of the isometry fit."""
     graded, fitted = made(state.graded), made(state.garment)
     pattern = fitted.pattern
     if held.any():
@@ -118,7 +118,7 @@ def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: 
 
 
 def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
-    """State the fit of pattern and cloth on the registered mesh, or on a coarser one."""
+    """Build the fit of pattern and cloth on the registered mesh, or on a coarser one."""
     from ...cloth.locking import reduce_membrane_stiffness
     from ...cloth.scene import Scene
     from ...cloth.topology import Topology
@@ -132,13 +132,13 @@ def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settin
 
 
 def _raise_body(state: RecoveryState, problem: ShapeProblem, hooks: Hooks) -> tuple[RecoveryState, ShapeProblem]:
-    """Raise a body that was guessed below the cloth to where the cloth rests on it."""
+    """Raise a body that was estimated below the cloth to where the cloth rests on it."""
     hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
     offset = estimate_body_offset(replace(problem, scene=problem.scene.with_folds_held()), state.wearer, hooks)
     wearer, garment = state.wearer.raised(offset), made(state.garment)
     skin, faces = wearer.exposed.sparing_pinched, garment.faces
     registered = untangle_outside(project_outside(garment.nodes, skin, faces), skin, faces)
-    graded = project_outside(made(state.meshes).graded, wearer.exposed, faces)  # draped on the body as guessed
+    graded = project_outside(made(state.meshes).graded, wearer.exposed, faces)  # draped on the body before raising
     state = replace(state, wearer=wearer, garment=garment.at(registered), meshes=Meshes(graded, registered))
     return state, replace(problem, scene=problem.scene.with_body(wearer.grid))
 
@@ -174,7 +174,7 @@ def _find_equilibrium(
     starts: Starts,
     hooks: Hooks,
 ) -> Drape:
-    """Return the equilibrium of the recovered pattern, apart from itself, from each of some starts; the best of all."""
+    """Return the best equilibrium, with self-contact, of the recovered pattern from some starts."""
     from ...cloth.bending_friction import BendingFriction
     from ...cloth.collision.self_contact import SelfContact
     from ...cloth.locking import reduce_membrane_stiffness

@@ -1,4 +1,4 @@
-"""How many independent things a misfit over a garment tells: neighbours miss alike."""
+"""Count the independent observations in a misfit over a garment: those of neighbours are correlated."""
 
 from __future__ import annotations
 
@@ -6,36 +6,31 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 MAX_CORRELATION_DISTANCE = 0.25
-"""Largest distance at which places are compared [m]: half a torso. Misfits that are alike over more than that are
-few."""
+"""Largest distance at which places are compared [m]: half a torso. Few misfits are correlated over more."""
 
 CORRELATION_BIN_WIDTH = 0.01
-"""Width of the classes of distance [m]: less than half a fold. Between the classes that have pairs, rho is
-interpolated."""
+"""Width of the classes of distance [m]: less than half a fold. Between classes with pairs, rho is interpolated."""
 
 MAX_CORRELATION_SAMPLE_COUNT = 1000
 """Largest number of places that are compared: 3 cm apart on a garment of 1 m2, and 100 000 pairs."""
 
 MIN_NEIGHBOUR_COSINE = 0.3
-"""Smallest cosine between two normals at which their places are neighbours on the cloth, not front and back of a
-fold."""
+"""Smallest cosine between two normals at which their places are neighbours on the cloth, not two sides of a fold."""
 
 
 def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarray, areas: np.ndarray) -> float:
     """Return the number of independent observations in a misfit over cloth: the degrees of freedom of its mean square.
 
         n = A / int_0^R rho(s)^2 2 pi s ds,    rho(s) = <m_i m_j> / <m_i^2> over pairs at distance s
-
     A mean square L over A then scatters by sqrt(2 / n) of itself (Bayley and Hammersley, Journal of the Royal
     Statistical Society 8, 1946; Bretherton et al., Journal of Climate 12, 1999).
 
-    Notation: A sum of `areas`; m `misfit`; R `MAX_CORRELATION_DISTANCE`; averages weighted by area, in classes of
-    `CORRELATION_BIN_WIDTH`.
+    Notation: A sum of `areas`; m `misfit`; R `MAX_CORRELATION_DISTANCE`; averages by area, binned.
 
     Args:
         places: Points of the cloth [m], shape [n, 3].
         normals: Unit normals there, shape [n, 3].
-        misfit: What is missed at each [m], shape [n].
+        misfit: Misfit at each [m], shape [n].
         areas: Of the cloth around each [m2], shape [n].
     """
     size = float((areas * misfit**2).sum() / areas.sum())

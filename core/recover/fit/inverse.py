@@ -1,4 +1,4 @@
-"""The inverse method: the thesis' loop on a coarse mesh, then the recovered pattern's drape at full resolution."""
+"""Run the inverse method: the thesis' loop on a coarse mesh, then the recovered pattern's drape at full resolution."""
 
 from __future__ import annotations
 
@@ -26,17 +26,16 @@ def fit_inverse(
     settings: InverseSettings = InverseSettings(),  # noqa: B008 - frozen
     hooks: Hooks = SILENT_HOOKS,
 ) -> RecoveryState:
-    """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
+    """Recover a pattern as in the thesis, by a descent through the simulator from the graded pattern's drape.
 
     Args:
-        case: Its settings tell the vertices of the recovered pattern's mesh, and what stays as it is given: `fabric`,
-            `panel:NAME` (and its mirror image).
+        case: Its settings give the mesh's vertices and the locks (`fabric`, `panel:NAME` and its mirror image).
         state: Target, wearer, the cloth to begin with, and the graded pattern's mesh at rest.
         settings: Weights and steps.
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The state with the pattern's mesh at its equilibrium, and the fabric that was descended to.
+        The state with the pattern's mesh at its equilibrium, and the fabric of the descent.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
@@ -67,7 +66,7 @@ def fit_inverse(
     found_state = replace(
         state,
         garment=fine.at(untangle_outside(nodes, wearer.exposed.sparing_pinched, fine.faces)),
-        laid=None,  # that was of another mesh
+        laid=None,  # it belongs to another mesh
         fabric=found,
         simulated=drape,
         estimates=_report_fabric(found) if fit_fabric else (),
@@ -77,8 +76,8 @@ def fit_inverse(
 
 
 def _report_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:
-    """State the found stiffnesses with the prior's spread: a descent says where it ended, not how sure that is."""
-    note = "descended to; how well it is known was not asked (the hybrid method tells)"
+    """Return the found stiffnesses with the prior's spread, for a descent gives no standard deviations."""
+    note = "end of the descent, without a standard deviation (the hybrid method estimates it)"
     spreads = {name: ratio_prior(name, MaterialSettings())[1] for name in STIFFNESSES}
     found = (FabricEstimate(n, getattr(fabric, n), spreads[n], spreads[n], False, note) for n in STIFFNESSES)
     return (*found, report_density(fabric))

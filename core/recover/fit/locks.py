@@ -1,4 +1,4 @@
-"""What the user locks: panels and single control points that the fit leaves as they were graded."""
+"""Apply the user's locks: panels and single control points that the fit leaves as they were graded."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from ..case import Case
 from ..state import RecoveryState, made
 
 _MAX_LOCK_ITERATIONS = 40
-"""Largest number of alternations between equal seams and locked points; each halves the remaining error, so 40 take a
-decimetre below 1e-12 m."""
+"""Largest number of alternations between equal seams and locked points; each halves the error, 1 dm to 1e-12 m."""
 
 
 class LockUnknown(BadInput):
@@ -24,27 +23,23 @@ class LockUnknown(BadInput):
 
 
 def locks_of(case: Case, state: RecoveryState) -> tuple[str, ...]:
-    """Return what the user locks; also the fabric where the cloth was in motion, which tells nothing of it."""
+    """Return the user's locks, and that of the fabric where the cloth was in motion, which gives no evidence of it."""
     locks, drape = case.settings.locks, state.drape
     return locks if drape is None or drape.rotation is None else (*locks, "fabric")
 
 
 def fit_reference(case: Case, state: RecoveryState) -> Pattern:
-    """Return the pattern whose symmetry, proportions and curves a fit keeps.
-
-    Where curves are free, fits start from those that the scan has shown.
-    """
+    """Return the pattern whose symmetry, proportions and curves a fit keeps: the graded one where curves are free."""
     return made(state.graded).pattern if case.has_free_curves else state.base
 
 
 def find_locked_coordinates(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
-    """Return which effective coordinates locks hold, shape [p]: those of locked panels, points and their mirror images.
+    """Return which effective coordinates are locked, shape [p]: of locked panels, points and their mirror images.
 
     Args:
         pattern: The pattern that is fitted.
-        like: The template: tells the symmetry.
-        locks: `panel:NAME` and `point:PANEL/INDEX`, the control point at which edge INDEX of the panel begins, from 0;
-            other words are passed over.
+        like: The template, which gives the symmetry.
+        locks: `panel:NAME` and `point:PANEL/INDEX`, the point where edge INDEX begins, from 0; others are ignored.
 
     Raises:
         LockUnknown: where a lock names no panel, or no control point of its panel.
@@ -68,7 +63,7 @@ def find_locked_coordinates(pattern: Pattern, like: Pattern, locks: tuple[str, .
 
 
 def _points_of(pattern: Pattern, name: str, word: str) -> slice:
-    """Return where a panel's control points are in `Pattern.points`."""
+    """Return the slice of a panel's control points in `Pattern.points`."""
     names = [panel.name for panel in pattern.panels]
     if name not in names:
         raise LockUnknown(f"the lock '{word}' names no panel of the pattern; it has {', '.join(names)}.")
@@ -77,10 +72,9 @@ def _points_of(pattern: Pattern, name: str, word: str) -> slice:
 
 
 def restore_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
-    """Return the pattern with held effective coordinates as in `start`, its other seams made equal to them.
+    """Return the pattern with locked effective coordinates as in `start`, its other seams made equal to them.
 
-    A panel of which only some points are held is first laid on them as it is: where a flat panel lies means nothing,
-    and its free points come along.
+    A panel with some locked points is first moved rigidly onto them: its flat place has no meaning.
     """
     symmetry = find_symmetry(like)
     fixed = symmetry.reduce(start.points).ravel()[held]
@@ -97,14 +91,14 @@ def restore_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.nda
 
 
 def find_locked_points(like: Pattern, held: np.ndarray) -> np.ndarray:
-    """Find the control points that held effective coordinates leave no freedom, bool, shape [point_count]."""
+    """Return which control points locked effective coordinates leave no freedom, bool, shape [point_count]."""
     follows = abs(find_symmetry(like).matrix) @ (~held).astype(float)
     found: np.ndarray = (follows.reshape(-1, 2) == 0.0).all(axis=1)
     return found
 
 
 def _align_to_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
-    """Move each panel rigidly so that its held points come to lie where `start` has them, by least squares."""
+    """Move each panel rigidly so that its locked points are nearest to those of `start`, by least squares."""
     still = find_locked_points(like, held)
     points, goal = pattern.points.copy(), start.points
     for first, end in zip(pattern.point_starts[:-1], pattern.point_starts[1:], strict=True):

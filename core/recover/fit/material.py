@@ -1,4 +1,4 @@
-"""Find how stiff in bending a registered garment's cloth is, and say what one drape tells of the other parameters."""
+"""Fit a registered garment's bending stiffness, and estimate what one drape shows of the other parameters."""
 
 from __future__ import annotations
 
@@ -23,14 +23,13 @@ MEMBRANE_STIFFNESSES = ("H00", "H01", "H11", "H22")
 
 _MAX_FOLDING_SIGMA_COUNT = 3.0
 """Number of standard deviations by which the folding of the nearest drape may be off before folds and misfit count as
-contradicting each other: k then stands in for something that the simulator does not have, and is not known."""
+contradicting each other: k then replaces something that the simulator lacks, and is not identified."""
 
 FOUND_BENDING_SUFFIX = ", bending found from the scan"
-"""What a fabric's title ends with where its k is not the named fabric's."""
+"""End of a fabric's title where its k is not the named fabric's."""
 
 _MAX_IDENTIFIED_STD_SHARE = 0.5
-"""Share of the standard deviation of the prior up to which a parameter counts as identified: the drape leaves at most
-half of it."""
+"""Largest share of the prior's standard deviation at which a parameter counts as identified: the drape halves it."""
 
 
 def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
@@ -40,10 +39,10 @@ def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
 
 
 def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
-    """Return the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
+    """Return the bending energy of nodes [m] per unit of k, a pure number: the amount of folding, independent of place.
 
-    S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
-    grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
+    S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `cloth/bending.py`. It falls steadily as k grows,
+    also where the drape has other folds than the target and distances give no evidence.
     """
     from ...cloth.energy import Energy
     from ...cloth.scene import Scene
@@ -54,11 +53,7 @@ def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class _TriedStiffnesses:
-    """Stiffnesses that were tried: the checkpoint `fit.fabric`.
-
-    Attributes:
-        rows: ln(k / density), ln of the folding, ln of the loss.
-    """
+    """Describe the stiffnesses tried (checkpoint `fit.fabric`): rows of ln(k / density), ln folding, ln loss."""
 
     rows: tuple[tuple[float, float, float], ...]
 
@@ -69,18 +64,16 @@ def fit_bending(
     """Estimate k of the cloth of a registered garment, at the density of the problem's fabric.
 
     Equilibria from the registered nodes over the library's range of k / density, widened; then
-
         -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
-
     with S `measure_folding`, L the registered loss, its noise unknown, and the library's prior; both curves
     interpolated. Two more equilibria beside the best sharpen it.
 
-    **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a scan
-    with a measure that does not ask where the folds are cannot get caught.
+    **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a search
+    over the range with a measure that is independent of the folds' places has no local minima.
 
     Returns:
-        The fabric with the found k, or as it was given where the drape does not tell k; and what is known of it. Where
-        the nearest drape folds far more or less than the target, its k is returned, but not as identified.
+        The fabric with the found k, or unchanged where the drape does not identify k; and its estimate. Where the
+        nearest drape folds far more or less than the target, its k is returned, but not as identified.
     """
     settings = settings or MaterialSettings()
     fabric = problem.fabric
@@ -137,17 +130,17 @@ def fit_bending(
 def refine_bending(
     fabric: Fabric, k: float, std: float, estimate: FabricEstimate, settings: MaterialSettings | None = None
 ) -> tuple[Fabric, FabricEstimate]:
-    """State k as the fit through the simulator left it, `std` its standard deviation.
+    """Return k as fitted through the simulator, `std` its standard deviation.
 
     Returns:
-        The fabric with that k, and what is known of it; as `fit_bending` gives them.
+        The fabric with that k, and its estimate, as `fit_bending` returns them.
     """
     settings = settings or MaterialSettings()
     return _report_bending(fabric, k, replace(estimate, std=max(std, settings.least_std), note=""))
 
 
 def _report_bending(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
-    """Return the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
+    """Return the fabric with a found k, and the estimate; its previous note ends the new one."""
     within = f"within a factor {np.exp(estimate.std):.1f} (one standard deviation)"
     note = f"fitted: ratio to the assumed weight, {within}{estimate.note}"
     kept = tuple(pair for pair in fabric.sources if pair[0] != "k")
@@ -173,17 +166,14 @@ def posterior(
     loss: float,
     settings: MaterialSettings | None = None,
 ) -> tuple[np.ndarray, tuple[FabricEstimate, ...], float]:
-    """Describe how well control points, k and membrane stiffnesses are known, by the Gauss-Newton matrix and residual.
+    """Estimate the uncertainty of control points, k and membrane stiffnesses by the Gauss-Newton matrix and residual.
 
         covariance = (n / (2 L) J^T W J + prior^-1)^-1
-
-    over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size comes from
-    the misfit L itself, n from how far it is alike (`count_independent`). The stiffnesses that are stated are
-    `fabric`'s; the problem's own membrane may be softened.
+    over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size follows
+    from the misfit L itself, n from its correlation (`count_independent`). Reported stiffnesses are `fabric`'s.
 
     Returns:
-        Standard deviation of each control point [m], shape [point_count, 2]; an estimate of each membrane stiffness;
-        and the standard deviation of ln k.
+        Standard deviations of control points [m], [point_count, 2]; estimates of membrane stiffnesses; std of ln k.
     """
     from scipy.linalg import block_diag
 
@@ -213,24 +203,24 @@ def posterior(
 
 
 def _report_membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
-    """State a membrane stiffness as it was given: it was not fitted, whatever the drape might tell."""
+    """Return the estimate of a membrane stiffness as given, which is not fitted."""
     told = (
         "the drape leaves it open"
         if std >= _MAX_IDENTIFIED_STD_SHARE * spread
-        else "the drape bears on it, but it is not fitted"
+        else "the drape depends on it, but it is not fitted"
     )
     return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {told}")
 
 
 def report_density(fabric: Fabric) -> FabricEstimate:
-    """State the weight: a drape at rest depends on ratios to it alone."""
+    """Return the estimate of the density: a drape at rest depends only on ratios to it."""
     note = "not identifiable: a drape at rest fixes only the other parameters' ratios to it; the library's value"
     logs = np.log([each.density for each in load_fabrics()])
     return FabricEstimate("density", fabric.density, float(logs.std()), float(logs.std()), False, note)
 
 
 def nearest_fabrics(fabric: Fabric, count: int = 3) -> tuple[str, ...]:
-    """Name the fabrics of the library that bend most alike under their own weight: nearest in ln(k / density)."""
+    """Return the library's fabrics with the most similar bending under their own weight: nearest in ln(k / density)."""
     at = np.log(fabric.k / fabric.density)
 
     def away(other: Fabric) -> float:

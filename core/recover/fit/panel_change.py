@@ -1,4 +1,4 @@
-"""Panels may change: a dart is added where a panel cannot be isometric to the scan, a needless one is closed."""
+"""Change panels: add a dart where a panel cannot be isometric to the scan, and close needless ones."""
 
 from __future__ import annotations
 
@@ -29,49 +29,42 @@ from .isometry import CONTROL_POINT_TOLERANCE, choose_isometry_settings, mesh_on
 from .wedge import wanted_strain
 
 MIN_DART_WIDTH = 0.01
-"""Smallest width of the mouth of a dart [m]: a narrower one is sewn less than 5 mm from its fold; a maker eases it into
-the seam."""
+"""Smallest width of the mouth of a dart [m]: a narrower one is within 5 mm of its fold and eased."""
 
 MIN_PANEL_STRAIN = 0.01
-"""Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
-gives as much."""
+"""RMS over a panel of the strain that no flat shape takes, below which it gets no dart: woven cloth has as much."""
 
 PROPOSED_SHARE = 0.4
-"""Share of the sum of squared strain that a dart has to take for it to be tried. On panels that were cut without one
-the best dart takes 0.36 at most where it is open by `MIN_DART_ANGLE` (one had 0.45, which a drape with it takes back),
-on those that were cut with one 0.43 to 0.7."""
+"""Share of the sum of squared strain that a dart has to take to be tried. On panels cut without one the best dart of
+`MIN_DART_ANGLE` takes at most 0.36 (one had 0.45, which a drape with it rejects), on those cut with one 0.43 to 0.7."""
 
 KEPT_SHARE = 1.0 / 3.0
-"""The same of one that is kept, after the whole pattern was fitted with it: equal seams, symmetry and proportions leave
-some of the strain that the panel alone would be rid of."""
+"""The same for a dart that is kept, after the whole pattern was fitted with it: equal seams, symmetry and proportions
+leave some strain that the panel alone would not have."""
 
 MIN_DART_ANGLE = np.radians(5.0)
-"""Smallest angle of a dart at its apex [rad]: `MIN_DART_WIDTH` at a length of 11 cm, between those of front and back
-skirt darts."""
+"""Smallest angle of a dart at its apex [rad]: `MIN_DART_WIDTH` at 11 cm, between skirt darts' lengths."""
 
 DART_RELAXATION_ITERATIONS = 2
-"""Number of iterations in which darts open or close as the strain of their panels asks for, before they are judged:
-they change by less than 1 mm in a third."""
+"""Number of iterations in which darts open or close before they are judged: a third changes them by less than 1 mm."""
 
 
 StrainedState = tuple[RecoveryState, np.ndarray]
-"""A state whose garment is a coarse mesh of a pattern fitted by isometry, nodes on the target, while its `meshes` are
-those of `graded`, a fine mesh of the same panels; and the strain that the cloth of each face of the coarse mesh is
-believed to have, shape [face_count, 2, 2]."""
+"""A state with a coarse mesh of a pattern fitted by isometry, nodes on the target, and the `meshes` of `graded`, a fine
+mesh of the same panels; and the estimated strain of the coarse mesh's faces, shape [face_count, 2, 2]."""
 
 
 def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS) -> RecoveryState:
-    """Close darts that the scan has no use for, and add those that its panels cannot be isometric without.
+    """Close darts that the scan does not need, and add those without which panels cannot be isometric to it.
 
     Args:
         case: `keep_cut` and locked panels leave panels as they are.
-        state: The garment as `fit_isometry` left it, the base pattern that it was fitted like, the graded drape, and
-            its nodes on the target.
+        state: The garment from `fit_isometry`, its base pattern, the graded drape, and its nodes on the target.
         hooks: Cancellation.
 
     Returns:
-        The fitted pattern with the base pattern and the graded drape of the same panels, that of the pattern with them
-        where darts were added; with nothing changed the state that was given.
+        The fitted pattern with the base pattern and the graded drape of the same panels (a new drape where darts were
+        added); the given state where nothing changed.
     """
     if case.settings.keep_cut or case.has_locked_panels:
         return state
@@ -86,7 +79,7 @@ def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS)
 
 
 def _close_darts(case: Case, given: StrainedState) -> StrainedState:
-    """Close the darts for which the scan asks for less than `MIN_DART_WIDTH`, unless one would be proposed again."""
+    """Close the darts that need less than `MIN_DART_WIDTH`, unless one would be proposed again."""
     state, strain = given
     garment = made(state.garment)
     if not find_darts(garment.pattern):
@@ -111,10 +104,9 @@ def _close_darts(case: Case, given: StrainedState) -> StrainedState:
 
 
 def _add_darts(case: Case, given: StrainedState) -> RecoveryState:
-    """Add the darts that take enough strain and come out wide enough; one that does not is taken back.
+    """Add the darts that take enough strain and are wide enough; others are removed again.
 
-    What cloth is believed to be strained by is then that of a drape with them. Without them a skirt is compressed at
-    its waist, which hides half of what a dart takes in.
+    The strain is then that of a drape with them: without them compression at a skirt's waist hides half the intake.
     """
     state, strain = given
     garment = made(state.garment)
@@ -151,7 +143,7 @@ def _add_darts(case: Case, given: StrainedState) -> RecoveryState:
 
 
 def _refit(case: Case, given: StrainedState, cut: CutGarment) -> StrainedState:
-    """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
+    """Return the panels with other darts, meshed again and fitted to the target by isometry."""
     state, strain = given
     graded, nodes = made(state.graded), made(state.meshes)
     garment, carried = refit_with_darts(cut, made(state.garment), strain, state, _settings_of(case))
@@ -162,7 +154,7 @@ def _refit(case: Case, given: StrainedState, cut: CutGarment) -> StrainedState:
 
 
 def _drape_with_darts(case: Case, given: StrainedState) -> StrainedState:
-    """Drape the panels on the wearer, and believe of their cloth on the target what that drape is strained by."""
+    """Drape the panels on the wearer, and estimate their cloth's strain on the target from that drape."""
     state, _ = given
     garment, registered = made(state.garment), made(state.meshes).detail
     start, rotation = move_pattern(made(state.graded), garment.pattern), made(state.drape).rotation
@@ -175,14 +167,14 @@ def _drape_with_darts(case: Case, given: StrainedState) -> StrainedState:
 def refit_with_darts(
     cut: CutGarment, before: Garment, strain: np.ndarray, state: RecoveryState, settings: SlideSettings
 ) -> tuple[Garment, np.ndarray]:
-    """Mesh a pattern with other darts anew, and fit it to the target by isometry.
+    """Mesh a pattern with other darts again, and fit it to the target by isometry.
 
     Args:
         cut: The pattern, and where its darts were cut.
         before: The garment without them.
-        strain: The strain that the cloth of its faces is believed to have, shape [face_count, 2, 2].
+        strain: The estimated strain of the cloth of its faces, shape [face_count, 2, 2].
         state: The target and the wearer.
-        settings: How.
+        settings: Steps and their end.
 
     Returns:
         The garment, and the strain of its faces.
@@ -194,9 +186,7 @@ def refit_with_darts(
 
 
 def _relax_darts(case: Case, given: StrainedState, panels: set[str]) -> StrainedState:
-    """Let the darts of some panels open or close as strain asks for, and fit again, `DART_RELAXATION_ITERATIONS`
-    times.
-    """
+    """Open or close the darts of some panels by their strain, and fit again, `DART_RELAXATION_ITERATIONS` times."""
     state, strain = given
     for _ in range(DART_RELAXATION_ITERATIONS):
         garment = made(state.garment)
@@ -211,7 +201,7 @@ def _settings_of(case: Case) -> SlideSettings:
 
 
 def _fit(start: Garment, strain: np.ndarray, base: Pattern, state: RecoveryState, settings: SlideSettings) -> Garment:
-    """Fit a pattern and its place on the target to each other, from where a garment lies."""
+    """Fit a pattern and its nodes on the target to each other, from a garment's nodes."""
     named = start.at(start.nodes, name_contours(start.nodes, start.faces, state.body)[0])
     problem = Isometry.of(named, state.target, state.body, base, strain, settings.isometry)
     return solve_isometry(problem, named, settings.settled, lambda step: None)
@@ -222,7 +212,7 @@ def panel_strains(garment: Garment, strain: np.ndarray) -> dict[str, float]:
 
     Args:
         garment: The flat panels and their nodes on the target.
-        strain: That the cloth of each face is believed to have, shape [face_count, 2, 2].
+        strain: Estimated strain of the cloth of each face, shape [face_count, 2, 2].
     """
     wanted, strains = wanted_strain(garment, strain), {}
     for index, panel in enumerate(garment.pattern.panels):
@@ -241,13 +231,13 @@ def _mirror_images(pattern: Pattern, dart: Dart) -> set[Dart]:
 
 
 def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> Finding:
-    """Return that a dart was added or closed, with its place and the evidence for it.
+    """Return the finding that a dart was added or closed, with its place and evidence.
 
     Args:
         pattern: The pattern that has the dart.
-        dart: Which.
+        dart: The dart.
         kind: `added` or `closed`.
-        width: Of its mouth [m]; of one that was closed: what the scan asks for.
+        width: Of its mouth [m]; of a closed one the width that the scan needs.
         strain: Root mean square over the panel of the strain that no flat shape takes, before and after.
     """
     panel = pattern.panel(dart.panel)
@@ -266,7 +256,7 @@ def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain:
         )
     else:
         message = (
-            f"A dart of {where} was closed: the scan asks for {1e3 * width:.0f} mm, less than "
+            f"A dart of {where} was closed: the scan needs {1e3 * width:.0f} mm, less than "
             f"{1e3 * MIN_DART_WIDTH:.0f}, and without it strain goes from {fall}; --keep-cut leaves it."
         )
     return Finding(FindingKind.PANEL_CHANGE, message, width, evidence)

@@ -1,4 +1,4 @@
-"""Corners that the scan proves: where a seam's line meets the rim, the rim turns by more than it does elsewhere."""
+"""Find corners that the scan proves: at a seam's end the rim turns by more than elsewhere."""
 
 from __future__ import annotations
 
@@ -16,37 +16,35 @@ from ...scan.contours.target import Contour, Target
 from ..proved_corner import ProvedCorner
 
 RIM_WINDOW_LENGTH = 0.02
-"""Length on either side of a seam's end within which the rim's corner is sought [m]: registration finds the place of a
-seam on the surface to a centimetre, on two of our targets to 14 mm."""
+"""Length on either side of a seam's end within which the rim's corner is searched [m]: registration finds the place of
+a seam on the surface to a centimetre, on two of our targets to 14 mm."""
 
 RIM_ARM_LENGTH = 0.04
-"""Length of rim beyond the window on either side that tells how the rim curves without a corner [m]: with both windows
-and arms 12 cm, a third of the narrowest cuffs."""
+"""Length of rim beyond the window on either side that gives its curvature without a corner [m]: with both windows and
+arms 12 cm, a third of the narrowest cuffs."""
 
 MIN_CORNER_SIGMA_COUNT = 3.0
 """Standard deviations by which a corner has to be larger than `MAX_SMOOTH_CORNER_ANGLE`."""
 
 MIN_CORNER_STD = np.radians(0.5)
-"""Standard deviation that no corner falls below [rad]: corners smaller than this are not mended in patterns either."""
+"""Lower bound of a corner's standard deviation [rad]: smaller corners are not corrected in patterns either."""
 
 MAX_CORNER_STD = MAX_SMOOTH_CORNER_ANGLE / 2.0
-"""Standard deviation above which no corner is proved [rad]: the angle that the pattern gets has to be told within what
-is smooth. Without it 1 of 60 skirts with 1 mm of noise got a corner of 41 degrees in place of 20."""
+"""Standard deviation above which no corner is proved [rad]: the corner's angle has to be known within what is smooth.
+Without it 1 of 60 skirts with 1 mm of noise got a corner of 41 degrees in place of 20."""
 
 MIN_RIM_PLACE_COUNT = 8
-"""Number of places on the rim without a seam that are needed to know how much the rim turns by itself."""
+"""Number of places on the rim without a seam that are needed to estimate its own turning."""
 
 
 def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pattern) -> tuple[ProvedCorner, ...]:
     """Find the corners of a scan's rim at the ends of seams where the base pattern is smooth.
 
-    On a surface that can be laid flat a rim turns by pi less the sum of the faces' angles at each of its vertices: what
-    its flat outline turns by, whatever folds the surface hangs in. A corner is what the rim turns by within
-    `RIM_WINDOW_LENGTH` of a seam's end, less what it would at the rate of its arms. How far that is to be trusted is
-    told by the same figure at all other places of the rim, and of the rim on the other side of the body, with the
-    corners themselves taken out: noise, teeth and stretched cloth turn a rim there as much. Mirror images count as one.
-
-    Only contours that the scan shows and that are trusted prove anything.
+    On a developable surface a rim turns at each vertex by pi less the sum of the faces' angles: the turn of its flat
+    outline, independent of folds. A corner is the rim's turn within `RIM_WINDOW_LENGTH` of a seam's end, less that at
+    the rate of its arms. Its standard deviation is that of the same figure at all other places of the rim, and of the
+    rim on the other side of the body, without the corners themselves: noise, teeth and stretched cloth turn a rim there
+    as much. Mirror images count as one. Only visible, trusted contours are used.
 
     Args:
         garment: The recovered pattern's mesh, contours named.
@@ -86,13 +84,13 @@ def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pat
 
 @dataclass(frozen=True)
 class _Rim:
-    """A rim of the target laid flat.
+    """Describe a flattened rim of the target.
 
     Attributes:
         points: Its vertices in order [m], shape [count, 3].
         arc: Arc length up to each of them [m], shape [count].
         part: Half of the lengths of both sides [m], shape [count].
-        turn: By how much it turns at each, positive where it bulges out [rad], shape [count].
+        turn: Turn at each, positive where convex [rad], shape [count].
     """
 
     points: np.ndarray
@@ -111,24 +109,22 @@ class _Rim:
 
     @property
     def length(self) -> float:
-        """Length of the rim [m]."""
+        """Return the length of the rim [m]."""
         return float(self.part.sum())
 
     def nearest(self, place: np.ndarray) -> float | None:
-        """Return the arc length of the nearest vertex to a place [m]; None where it is farther than
-        `RIM_WINDOW_LENGTH`.
-        """
+        """Return the arc length of the nearest vertex to a place [m]; None if beyond `RIM_WINDOW_LENGTH`."""
         distance = np.linalg.norm(self.points - place, axis=1)
         nearest = int(np.argmin(distance))
         return float(self.arc[nearest]) if distance[nearest] <= RIM_WINDOW_LENGTH else None
 
     def apart(self, at: float) -> np.ndarray:
-        """Return how far each vertex is from an arc length along the rim [m], shape [count]."""
+        """Return the distance of each vertex from an arc length along the rim [m], shape [count]."""
         way = np.abs(self.arc - at)
         return np.asarray(np.minimum(way, self.length - way))
 
     def corner(self, at: float) -> float:
-        """Return how far the rim turns within the window beyond the rate of its arms [rad]; NaN on too short a rim."""
+        """Return the rim's turn within the window beyond the rate of its arms [rad]; NaN on too short a rim."""
         apart = self.apart(at)
         window, arms = (
             apart <= RIM_WINDOW_LENGTH,
@@ -140,7 +136,7 @@ class _Rim:
         return float(self.turn[window].sum() - rate * self.part[window].sum())
 
     def elsewhere(self, places: Iterable[float]) -> np.ndarray:
-        """Return the corners at all vertices whose windows hold none of some places [rad], those places made even."""
+        """Return the corners [rad] at all vertices whose windows contain none of some places, with these smoothed."""
         turn, free = self.turn.copy(), np.ones(len(self.turn), dtype=bool)
         for at in places:
             apart = self.apart(at)
@@ -157,10 +153,7 @@ class _Rim:
 
 
 def _spreads(rims: Mapping[str, _Rim], places: Mapping[SmoothJoin, tuple[str, float]]) -> dict[str, float]:
-    """Return the root mean square of the corners elsewhere on each rim and its other side's [rad], by name.
-
-    Infinite where there are too few places.
-    """
+    """Return the RMS of the corners elsewhere on each rim and its other side's [rad], by name; infinite if too few."""
     sides: dict[str, list[np.ndarray]] = {}
     for name, rim in rims.items():
         elsewhere = rim.elsewhere({at for other, at in places.values() if other == name})
@@ -174,7 +167,7 @@ def _spreads(rims: Mapping[str, _Rim], places: Mapping[SmoothJoin, tuple[str, fl
 
 
 def _is_free(base: Pattern, join: SmoothJoin) -> bool:
-    """Return whether the boundary at a join is sewn to nothing."""
+    """Return whether the boundary at a join is unsewn."""
     sewn = {ref for seam in base.seams for ref in (seam.a, seam.b)}
     return not any(edge in sewn for edge in boundary_edges(base, join))
 

@@ -1,4 +1,4 @@
-"""What is simulated while a pattern is fitted: one mesh whose rest shape and fabric follow from parameters."""
+"""Define the simulated scene of a fit: one mesh whose rest shape and fabric follow from parameters."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FitScene:
-    """The cloth of a fit and what acts on it, by how far its parameters are from the first pattern's.
+    """Describe the cloth of a fit and its scene as a function of the parameters' difference from the first pattern's.
 
-    Parameters are the effective control points x0, y0, x1, ... [m], then logarithms of the fabric's that are fitted.
+    Parameters are the effective control points x0, y0, x1, ... [m], then logarithms of the fitted fabric parameters.
 
     Attributes:
         garment: The mesh of the first pattern, contours named; nodes where the fit starts.
-        like: The template: tells symmetry and the ratios of gathered seams.
-        first: The cloth of the first pattern, and what acts on it.
-        parameters: How rest shape and fabric follow.
-        solver: Analysed for the mesh.
+        like: The template, which gives symmetry and the ratios of gathered seams.
+        first: The scene of the first pattern.
+        parameters: The derivatives of rest shape and fabric.
+        solver: Solver analysed for the mesh.
         locked: Which effective coordinates stay, shape [shape_count].
     """
 
@@ -61,8 +61,8 @@ class FitScene:
         Args:
             garment: The first pattern's mesh, contours named, nodes where the fit starts.
             like: The template.
-            scene: The cloth of the garment's own topology, and what acts on it.
-            fabric: Names of the fabric's parameters that are fitted, too.
+            scene: The scene of the garment's own topology.
+            fabric: Names of fabric parameters that are fitted, too.
             locked: Which effective coordinates stay, shape [shape_count]; None where none does.
         """
         from ...cloth.parameters import Parameters
@@ -81,19 +81,19 @@ class FitScene:
 
     @property
     def fabric(self) -> Fabric:
-        """Return the cloth at first."""
+        """Return the initial cloth."""
         return self.first.fabric
 
     def with_fabric(self, fabric: Fabric) -> FitScene:
-        """Return the same with another cloth at first."""
+        """Return the scene with another initial cloth."""
         return replace(self, first=replace(self.first, fabric=fabric))
 
     def with_body(self, body: DistanceGrid) -> FitScene:
-        """Return the same on another body."""
+        """Return the scene with another body."""
         return replace(self, first=replace(self.first, body=body))
 
     def with_folds_held(self) -> FitScene:
-        """Return the same with the internal friction that holds the folds in which the fit starts."""
+        """Return the scene with bending friction that keeps the folds at the start of the fit."""
         from ...cloth.bending_friction import BendingFriction
 
         friction = BendingFriction.at(self.first.topology, self.garment.nodes)
@@ -104,17 +104,17 @@ class FitScene:
         return self.symmetry.reduce(pattern.points).ravel()
 
     def at(self, away: np.ndarray) -> Scene:
-        """Return the scene so far from the first parameters, shape [p]."""
+        """Return the scene at a difference from the first parameters, shape [p]."""
         return self.parameters.move(self.first, away)
 
     def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> FactoredEquilibrium:
-        """Return the derivative of the drape that stopped at nodes and friction's anchors [m], [node_count, 3] each."""
+        """Return the derivative of the drape at nodes and friction's anchors [m], [node_count, 3] each."""
         from ...cloth.derivative import linearise_at
 
         return linearise_at(self.at(away), nodes, anchors, self.solver)
 
     def with_locks(self, pattern: Pattern) -> Pattern:
-        """Return a pattern with what is locked as it was first."""
+        """Return a pattern with its locked coordinates restored."""
         return restore_locked(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
 
     def is_sound(self, pattern: Pattern, least: float = 0.0) -> bool:
@@ -127,7 +127,7 @@ class FitScene:
         return self.least_share(pattern) > least
 
     def least_share(self, pattern: Pattern) -> float:
-        """Compute the smallest share of its first area that a flat triangle has; negative where one turned over."""
+        """Compute the smallest ratio of a flat triangle's area to its initial area; negative where one turned over."""
         mesh = self.garment
         moved = mesh.uv + map_controls(mesh).apply(pattern.points - mesh.pattern.points)
         return float((signed_areas(moved[mesh.uv_faces]) / signed_areas(mesh.rest)).min())

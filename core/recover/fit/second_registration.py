@@ -13,13 +13,12 @@ from ..drape.motion import surface_rms
 from ..state import RecoveryState
 
 MAX_SECOND_DISTANCE_RATIO = 1.1
-"""Ratio of the distance of the second registration to that of the first, up to which the second is taken. Of four
-garments with the base patterns of the library two had 1.0, trousers 1.2, shorts 1.7; from the first registration on it
-came to 1.0 on the shorts, to 1.8 on the trousers."""
+"""Largest ratio of the second registration's distance to the first's at which the second is taken. Of four garments two
+had 1.0, trousers 1.2, shorts 1.7; from the first registration shorts had 1.0, trousers 1.8."""
 
 
 def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
-    """Return a garment that already lies on the scan, registered with it; its contours are named."""
+    """Return a garment already on the scan, registered again; its contours are named."""
     settings = DeformSettings.of_preset(case.settings.preset).going_on()
     return start.at(deform(start, state.target, state.wearer.exposed, settings=settings, hooks=hooks.quiet()).nodes)
 
@@ -27,13 +26,13 @@ def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hook
 def choose_nearer_registration(
     first: Garment, second: Garment, case: Case, state: RecoveryState, hooks: Hooks
 ) -> Garment:
-    """Return the second registration, or its mesh registered from the first on where that is nearer to the scan.
+    """Return the second registration, or its mesh registered from the first where that is nearer to the scan.
 
     Args:
         first: The first registration.
         second: A mesh of a pattern of the same panels, registered from where the pattern was fitted.
         case: The scan.
-        state: The target, and the wearer; cloth is kept outside.
+        state: The target, and the wearer as an obstacle.
         hooks: Cancellation.
     """
     if surface_rms(second, state.target) <= MAX_SECOND_DISTANCE_RATIO * surface_rms(first, state.target):

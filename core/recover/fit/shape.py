@@ -34,9 +34,8 @@ class ShapeFit:
         pattern: Seams equal within 1e-6 m, symmetry of the template kept.
         fabric: The cloth, with the k that was fitted, or as the problem gave it.
         nodes: Its equilibrium on the mesh of the fit [m], shape [node_count, 3].
-        misfits: Root mean square misfit at the start and after each step that was taken [m].
-        outcome: `plateau` (the last step gained too little, or the next promises too little), `no gain` (no step lowers
-            the objective) or `iterations`.
+        misfits: Root mean square misfit at the start and after each accepted step [m].
+        outcome: `plateau` (last or predicted gain too small), `no gain` (no step lowers the objective), `iterations`.
         drape: The equilibrium with its friction.
     """
 
@@ -50,13 +49,13 @@ class ShapeFit:
 
 @dataclass(frozen=True)
 class ShapeProblem:
-    """What stays the same while a pattern is fitted.
+    """Describe what stays the same while a pattern is fitted.
 
     Attributes:
-        scene: The mesh of the first pattern, nodes registered on the target, and what acts on it. Its parameters are
-            the effective control points, and ln k where `bending` is given.
+        scene: The scene of the first pattern's mesh, nodes registered on the target. Its parameters are the effective
+            control points, and ln k where `bending` is given.
         loss: The misfit.
-        settings: How.
+        settings: Steps and prior.
         precision: Inverse covariance of the parameters around the first ones [1/m2; 1 for ln k], shape [p, p].
         bending: Standard deviation of ln k around the fabric's where k is fitted, too; None where it stays.
     """
@@ -69,7 +68,7 @@ class ShapeProblem:
 
     @classmethod
     def of(cls, scene: FitScene, settings: ShapeSettings) -> ShapeProblem:
-        """Prepare the fit of a garment that stands on the target, contours named."""
+        """Prepare the fit of a garment on the target, contours named."""
         loss = RegisteredLoss.of(scene.garment, settings.slide)
         return cls(scene, loss, settings, _precision(scene.garment.pattern, scene.like, settings))
 
@@ -80,42 +79,39 @@ class ShapeProblem:
 
     @property
     def fabric(self) -> Fabric:
-        """Return the cloth at first."""
+        """Return the initial cloth."""
         return self.scene.fabric
 
     def with_fabric(self, fabric: Fabric) -> ShapeProblem:
-        """Return the same with another cloth at first."""
+        """Return the problem with another initial cloth."""
         return replace(self, scene=self.scene.with_fabric(fabric))
 
     def fitting_bending(self, std: float) -> ShapeProblem:
-        """Return the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
+        """Return the problem with k fitted, too; the prior's standard deviation of ln k is `std`."""
         parameters = replace(self.scene.parameters, fabric=("k",))
         scene = replace(self.scene, parameters=parameters)
         return replace(self, scene=scene, precision=_append_diagonal(self.precision, std**-2), bending=std)
 
     def away(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
-        """Return how far the parameters are from the first ones [m; 1 for ln k], shape [p]."""
+        """Return the parameters' difference from the first ones [m; 1 for ln k], shape [p]."""
         points = self.scene.effective(pattern) - self.scene.effective(self.garment.pattern)
         return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
 
     def at(self, pattern: Pattern, fabric: Fabric | None = None) -> Scene:
-        """Return the scene with the cloth, with another k where k is fitted, cut by a pattern."""
+        """Return the scene with a pattern and, where k is fitted, a fabric."""
         return self.scene.at(self.away(pattern, fabric or self.fabric))
 
     def drape(
         self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT_HOOKS, fabric: Fabric | None = None
     ) -> Drape:
-        """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
+        """Bring the cloth to rest from nodes [m], with friction anchored where it was registered."""
         from ...cloth.statics import equilibrium
 
         scene, solver, anchors = self.at(pattern, fabric), self.scene.solver, self.garment.nodes
         return equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=self.settings.solve, hooks=hooks)
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
-
-        The implicit derivative as `linearise_at` takes it; only steps that gain are taken.
-        """
+        """Return gradient [p] and Gauss-Newton matrix [p, p] of the loss by the parameters (`linearise_at`)."""
         rest = self.scene.linearise(self.away(pattern, fabric or self.fabric), drape.nodes, drape.anchors)
         moves = rest.push(*self.scene.parameters.rates(rest.scene))
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
@@ -126,17 +122,14 @@ class ShapeProblem:
         return 0.5 * count * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
 
     def observations(self, nodes: np.ndarray) -> float:
-        """Return n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
+        """Return n, the number of independent observations of the target in a drape [m], shape [node_count, 3]."""
         normals, areas = self.loss.normals, self.scene.first.topology.rest.node_areas
         return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(
         self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
     ) -> tuple[np.ndarray, float]:
-        """Return the Levenberg-Marquardt step, shape [p], that keeps all seams equal to first order, and its gain.
-
-        `weight` is n / (2 L), by which the loss counts. The gain is what the objective's quadratic model promises.
-        """
+        """Return the Levenberg-Marquardt step [p], seams equal to first order, and its gain; `weight` is n / (2 L)."""
         gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
         curvature = matrix + self.precision
         matrix = curvature + damping * np.diag(np.diag(matrix))
@@ -147,10 +140,7 @@ class ShapeProblem:
         return step, -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
 
     def cut(self, away: np.ndarray) -> tuple[Pattern | None, Fabric]:
-        """Return the pattern, seams equal, and the cloth so far from the first ones [m; 1 for ln k], shape [p].
-
-        None for a pattern of which a panel folds over.
-        """
+        """Return pattern (seams equal; None if folded) and cloth at a difference [m; 1 for ln k], shape [p]."""
         scene, fabric = self.scene, self.fabric
         first = scene.effective(self.garment.pattern)
         if self.bending is not None:
@@ -163,10 +153,9 @@ class ShapeProblem:
 def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.ndarray:
     """Return the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R + g g^T / a^2.
 
-    s is `spread`, but no more than `spread_share` of the panel's mean width; R are the rates of the base pattern's
-    `Proportions` in standard deviations: what the metric left as it is cut, a front by its back, is not for the
-    simulator to share out anew point by point. g is the rate of ln of the whole area, a `area_spread`: how much cloth
-    there is the metric measures, wrinkles too, which the simulator has not.
+    s is `spread`, but at most `spread_share` of the panel's mean width; R are the rates of the base pattern's
+    `Proportions` in standard deviations, which the simulator must not change. g is the rate of ln of the whole area, a
+    `area_spread`: the metric measures all cloth, including wrinkles that the simulator lacks.
     """
     free = find_symmetry(like).matrix.toarray()
     whole = area_growth(pattern).reshape(1, -1) / settings.area_spread
@@ -179,7 +168,7 @@ def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.n
 
 
 def _append_diagonal(matrix: np.ndarray, last: float) -> np.ndarray:
-    """Add a row and a column that are zero but for their common end."""
+    """Append a row and a column that are zero except for their common element."""
     from scipy.linalg import block_diag
 
     return np.asarray(block_diag(matrix, last))
@@ -188,7 +177,7 @@ def _append_diagonal(matrix: np.ndarray, last: float) -> np.ndarray:
 def seam_null_space(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
     """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count].
 
-    Seams that repeat others up to what a file rounds (`MIN_SINGULAR_VALUE_SHARE`) take no motion away.
+    Seams that repeat others up to rounding in a file (`MIN_SINGULAR_VALUE_SHARE`) remove no motion.
     """
     rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
     if locked is not None:
@@ -201,16 +190,7 @@ def seam_null_space(pattern: Pattern, like: Pattern, locked: np.ndarray | None =
 
 @dataclass(frozen=True)
 class _ShapeCheckpoint:
-    """What the next iteration starts from: the checkpoint `fit.shape`.
-
-    Attributes:
-        points: Control points [m], shape [point_count, 2].
-        k: Of the fabric [N m].
-        drape: Its equilibrium.
-        damping: Of the next step.
-        misfits: As `ShapeFit.misfits`.
-        settled: True where that is all.
-    """
+    """Describe the start of the next iteration (checkpoint `fit.shape`); `settled` is true where the fit has ended."""
 
     points: np.ndarray
     k: float
@@ -221,15 +201,14 @@ class _ShapeCheckpoint:
 
 
 def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT_HOOKS) -> ShapeFit:
-    """Fit control points, and k where the problem asks for it, so that the equilibrium comes to lie on the target.
+    """Fit control points, and k where the problem includes it, so that the equilibrium is on the target.
 
     Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the parameters p,
-    p0 the first ones, P `precision`, by Levenberg-Marquardt with the implicit Jacobian dx*/dp. n is counted anew before
-    each step. Only steps that lower it are taken, and none is tried that promises too little.
+    p0 the first ones, P `precision`, by Levenberg-Marquardt with the implicit Jacobian dx*/dp. n is computed again
+    before each step. Only steps that lower it are taken, and none with too small a predicted gain is tried.
 
-    **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit itself says how
-    far to believe it: a drape in other folds than the target's has a large L that is alike over wide stretches, and
-    pulls little at the pattern.
+    **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit determines its own
+    weight: a drape in other folds than the target's has a large L, correlated over wide stretches, and little weight.
     """
     settings, outcome = problem.settings, "iterations"
     inputs = (problem.garment.nodes, problem.fabric.k)

@@ -1,4 +1,4 @@
-"""Mesh a pattern anew and transfer another mesh's drape to it."""
+"""Mesh a pattern again and transfer another mesh's drape to it."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ...scan.contours.contours import name_contours
 
 
 def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
-    """Mesh a pattern anew and transfer the drape of another mesh of it, contours named.
+    """Mesh a pattern again and transfer the drape of another mesh of it, contours named.
 
-    Meshed anew, because triangles that are moved along with many points get thin in narrow corners.
+    Meshed again, because triangles that are moved with many points become thin in narrow corners.
 
     Args:
-        pattern: What to mesh; panels and seams as `garment`'s.
-        count: Vertices, about.
+        pattern: The pattern to mesh; panels and seams as `garment`'s.
+        count: Approximate number of vertices.
         garment: A mesh of the same panels.
-        nodes: Positions of that one [m], shape [node_count, 3].
+        nodes: Its positions [m], shape [node_count, 3].
         body: The wearer, on whom the contours are named.
     """
     mesh = mesh_pattern(pattern, count)

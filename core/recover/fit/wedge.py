@@ -1,4 +1,4 @@
-"""How far flat panels are from isometric to the cloth on a scan, and how much of it a dart in a panel would take."""
+"""Compute how far flat panels are from isometric to the cloth on a scan, and the strain that a dart would take."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from ...geometry.geometry import deformation_gradients, gradient_operator, shape
 from ...geometry.linear import Factor, factor_symmetric
 
 PANEL_REGULARISATION_SHARE = 1e-9
-"""Share of the mean diagonal of the matrix that is added to its diagonal, as a stiffness against the rigid motions of a
-panel: nothing pulls along them."""
+"""Share of the matrix' mean diagonal added to its diagonal, against a panel's rigid motions, which have no load."""
 
 
 @dataclass(frozen=True)
 class Wedge:
-    """Describe a dart that might be cut into a panel.
+    """Describe a possible dart of a panel.
 
     Attributes:
         mouth: Middle of its mouth, on the panel's outline [m], shape [2].
-        apex: Where it ends within the panel [m], shape [2].
+        apex: Its end within the panel [m], shape [2].
     """
 
     mouth: np.ndarray
@@ -36,10 +35,10 @@ class Wedge:
 
 
 def wanted_strain(garment: Garment, strain: np.ndarray) -> np.ndarray:
-    """Return by how much each flat face is off the one that its cloth in space asks for, shape [face_count, 2, 2].
+    """Return the strain of each flat face relative to the one that its cloth in space needs, shape [face_count, 2, 2].
 
-    With F the map from the flat face to space, U the strain that the cloth is believed to have and R the isometry
-    nearest to F U, the cloth asks for J = U^-1 R^T F; what is returned is the symmetric part of J - I.
+    With F the map from the flat face to space, U the estimated strain of the cloth and R the isometry nearest to F U,
+    the cloth needs J = U^-1 R^T F; the symmetric part of J - I is returned.
 
     Args:
         garment: The flat panels and their nodes on the target.
@@ -53,19 +52,18 @@ def wanted_strain(garment: Garment, strain: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FlatPanel:
-    """Describe the strain of one panel that no flat shape of it takes out.
+    """Describe the strain of one panel that no flat shape of it takes.
 
-    To first order a panel whose vertices move by u misses the wanted strain e by sum_f A_f |e_f - sym(grad u)_f|^2.
-    Its least over u is the strain that is left; a dart is a jump of u.
+    To first order a panel whose vertices move by u misses the wanted strain e by sum_f A_f |e_f - sym(grad u)_f|^2. Its
+    least over u is the remaining strain; a dart is a jump of u.
 
     Attributes:
         uv: Flat vertices [m], shape [vertex_count, 2].
         faces: Indices into `uv`, shape [face_count, 3].
-        operator: From u, (x0, y0, ...), to the strain (xx, yy, sqrt(2) xy) of each face times the root of its area [m],
-            shape [3 face_count, 2 vertex_count].
+        operator: From u (x0, y0, ...) to strains (xx, yy, sqrt(2) xy) times root area, [3 face_count, 2 vertex_count].
         factor: Of operator^T operator.
-        left: The strain that is left, in the operator's units, shape [3 face_count].
-        motion: The u that leaves it [m], shape [vertex_count, 2].
+        left: The remaining strain, in the operator's units, shape [3 face_count].
+        motion: The u of the least strain [m], shape [vertex_count, 2].
     """
 
     uv: np.ndarray
@@ -109,11 +107,10 @@ class FlatPanel:
         return cls(uv, faces, operator, factor, wanted - operator @ motion, motion.reshape(-1, 2))
 
     def jump(self, wedge: Wedge) -> tuple[np.ndarray, np.ndarray]:
-        """Return what a wedge of one radian, opened to the left of its axis seen from the mouth, does to cut faces.
+        """Return the effect on faces of a wedge of one radian, opened to the left of its axis seen from the mouth.
 
         Returns:
-            The faces that the axis cuts, shape [n]; by how much their corners to its left and before its apex move [m],
-            shape [n, 3, 2].
+            The faces that the axis cuts, shape [n]; motions of their corners left of it before the apex [m], [n, 3, 2].
         """
         axis = (wedge.apex - wedge.mouth) / wedge.length
         away = self.uv - wedge.apex
@@ -122,12 +119,12 @@ class FlatPanel:
         cut = is_left.any(axis=1) & ~is_left.all(axis=1) & (along.min(axis=1) < 0.0)
         faces = np.flatnonzero(cut)
         moves = is_left[faces] & (along[faces] < 0.0)
-        # Below the apex what is to the left turns clockwise about it, away from the axis.
+        # Below the apex the left side turns clockwise about it, away from the axis.
         turned = np.stack([away[:, 1], -away[:, 0]], axis=1)[self.faces[faces]]
         return faces, np.where(moves[..., None], turned, 0.0)
 
     def loads(self, wedges: Sequence[Wedge]) -> np.ndarray:
-        """Return the strain that each of some wedges of one radian puts on the faces, shape [3 face_count, count]."""
+        """Return the strain of the faces by each of some wedges of one radian, shape [3 face_count, count]."""
         gradients, area = shape_gradients(self.uv[self.faces]), np.abs(signed_areas(self.uv[self.faces]))
         found = np.zeros((3 * len(self.faces), len(wedges)))
         for k, wedge in enumerate(wedges):
@@ -139,7 +136,7 @@ class FlatPanel:
         return found
 
     def respond(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how wedges work on the strain that is left: its square falls by 2 a p - a^2 s at an angle of a [rad].
+        """Return wedges' effect on the remaining strain: its square falls by 2 a p - a^2 s at an angle a [rad].
 
         Args:
             loads: Of the wedges, shape [3 face_count, count].
@@ -149,7 +146,7 @@ class FlatPanel:
         """
         right = self.operator.T @ loads
         stiffness = (loads**2).sum(axis=0) - (right * self.factor.solve(right)).sum(axis=0)
-        # Vertices on both sides of an open dart lie further apart without strain: what it loads is no strain of theirs.
+        # Vertices on both sides of an open dart are further apart without strain: its load is no strain of theirs.
         return -loads.T @ self.left, stiffness
 
 

@@ -1,1 +1,1 @@
-"""Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
+"""Grade a base pattern by its contours along the bones and the stretch between them (thesis 3.2.3)."""

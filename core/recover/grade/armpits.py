@@ -1,4 +1,4 @@
-"""The cloth that hanging arms hide: no scan shows it, so it is neither drawn to the scan nor lost."""
+"""Find the cloth that hanging arms hide: no scan shows it, so it takes no closest points."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .parts import find_parts
 
 @dataclass(frozen=True)
 class Armpits:
-    """Describe which nodes of a worn garment lie between the trunk and a hanging arm.
+    """Describe which nodes of a worn garment are between the trunk and a hanging arm.
 
     Attributes:
-        hidden: Nodes there: the scan's nearest surface is another piece of cloth, shape [node_count].
-        held: Those of them on seams between parts, as the end of an armhole: they stay where they are worn, for what
-            lies between them and the cloth that is seen tells the lengths of side and sleeve, shape [node_count].
+        hidden: Nodes there, whose nearest surface of the scan is other cloth, shape [node_count].
+        held: Those of them on seams between parts, such as the end of an armhole. They stay where they are worn, for
+            the cloth between them and the visible cloth gives the lengths of side and sleeve, shape [node_count].
     """
 
     hidden: np.ndarray

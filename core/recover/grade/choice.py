@@ -28,25 +28,22 @@ from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
 
 STAND_IN_CATEGORIES = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
-"""The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
-shorter, but no seam is added."""
+"""Categories whose templates replace those of a category without its own: grading changes lengths, but adds no seam."""
 
 
 MAX_NAMED_CUT_COUNT = 3
-"""Largest number of cuts that a result names, the chosen one among them."""
+"""Largest number of cuts in a result, the chosen one among them."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Name one cut that was compared with a scan.
+    """Describe one cut that was compared with a scan.
 
     Attributes:
         template: Name by which it is drafted.
-        misfit: How unlike the scan it is: root of the sum of squares of the deviation of its girths along the garment
-            (of the lengths of its contours, where the scan does not show them) and of the distance between necklines,
-            both relative.
-        girths: The first of the two; None where the scan does not show its girths.
-        neckline: The second; None where it has no neckline to be compared.
+        misfit: Root sum of squares of `girths` (if None, that of contour lengths) and `neckline`, both relative.
+        girths: Deviation of its girths along the garment; None where the scan does not show its girths.
+        neckline: Distance between its necklines and the scan's; None where it has none to compare.
     """
 
     template: str
@@ -55,7 +52,7 @@ class Candidate:
     neckline: float | None = None
 
     def describe(self) -> Finding:
-        """Return the cut as a finding, with what its misfit is made of."""
+        """Return the cut as a finding, with the parts of its misfit."""
         parts = {"misfit": self.misfit, "girths": self.girths, "neckline": self.neckline}
         known = {name: float(np.round(value, 4)) for name, value in parts.items() if value is not None}
         return Finding(FindingKind.CUT, value=self.misfit, evidence={"template": self.template} | known)
@@ -69,7 +66,7 @@ class Choice:
         template: Its name.
         pattern: Drafted with the parts and measures that the scan shows.
         candidates: The best cuts, the chosen one first; empty where the user named it.
-        notes: What the user should know, one sentence each.
+        notes: Notes to the user, one sentence each.
     """
 
     template: str
@@ -88,20 +85,19 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     """Choose template and parts for a target by its contours.
 
     The template is that of `rank_templates`, with the sleeves and the girths that the scan shows. A garment with a neck
-    then gets the necklines, in front and behind, whose lines are nearest to the scan's (`fit_necklines`): the shipped
-    one where they agree or differ in depth only, which grading mends, or else one drafted with the scan's proportion of
-    depth to width. Grading moves control points and never makes a corner, so a V has to be there before it. It is
-    drafted to the wearer's measures where the library's size does not go over him.
+    then gets the necklines, in front and behind, nearest to the scan's (`fit_necklines`): the shipped ones where they
+    agree or differ in depth only, else ones drafted with the scan's ratio of depth to width. Grading corrects depths
+    but makes no corner, so a V has to be drafted. A wearer too large for the library's size gets a draft.
 
     Args:
         target: The target.
         body: The wearer.
-        parts: Choices of parts that the user fixed, by part. What garments of the target's category have no place for
-            is noted and left out: of a person's clothes, each takes what concerns it.
+        parts: Choices of parts that the user fixed, by part. Parts that garments of the target's category do not have
+            are noted and left out: each of a person's garments takes those that apply to it.
 
     Raises:
         TemplateMissing: where there is no template for the category.
-        PartUnknown, PartsConflict: where the user's parts are none, or cannot be sewn to each other.
+        PartUnknown, PartsConflict: where the user's parts do not exist, or cannot be sewn to each other.
     """
     wanted, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     found: dict[str, tuple[int, Candidate, Cut]] = {}
@@ -128,7 +124,7 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
 
 @dataclass(frozen=True)
 class _RankedCut:
-    """A cut but for its necklines: contours that only it or the scan has, its misfit, and whether that is of girths."""
+    """Describe a cut without its necklines: number of unmatched contours, misfit, and misfit by girths if any."""
 
     template: str
     cut: Cut
@@ -138,12 +134,12 @@ class _RankedCut:
 
 
 def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_RankedCut]:
-    """Rank the cuts but for their necklines, the chosen one first.
+    """Rank the cuts without their necklines, the chosen one first.
 
-    Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
-    those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them. A
-    dress or jumpsuit whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell.
-    Gores that the user chose flare as those that the scan's hem shows.
+    Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`);
+    among those with the fewest unmatched contours every cut by its girths (`search_cuts`), where the scan shows them. A
+    dress or jumpsuit whose cloth is curved across the waist has a seam there (`has_curved_waist`), which girths do not
+    show. Gores that the user chose flare as the scan's hem shows.
     """
     ranked, templates = [], rank_templates(target, list(CUTS))
     curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
@@ -165,7 +161,7 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: Hem
 
 
 def choose_template(target: Target, names: Sequence[str]) -> str:
-    """Name the shipped template that a target is graded from: the first of `rank_templates`.
+    """Return the name of the shipped template for grading to a target: the first of `rank_templates`.
 
     Raises:
         TemplateMissing: where there is none for the category.
@@ -174,18 +170,17 @@ def choose_template(target: Target, names: Sequence[str]) -> str:
 
 
 def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:
-    """Rank the templates that a target can be graded from, best first.
+    """Rank the templates of the target's category, best first.
 
-    The templates of the target's category compete. First the one whose open contours have the target's names: no
-    grading makes a cuff out of an armhole. Among those, the one whose contours are in shape nearest to the target's
-    (`contour_misfit`): the least has to be graded then. The first in the library's order wins a tie.
+    First by open contours: no grading makes a cuff out of an armhole. Then by how near their shape is to the target's
+    (`contour_misfit`), so that least has to be graded. The first in the library's order wins a tie.
 
     Args:
         target: The target; its category was chosen from its contours and the bones they encircle.
-        names: The templates there are.
+        names: Names of the available templates.
 
     Returns:
-        Of each template its name, the number of contours that only one of both has, and the root of `contour_misfit`.
+        For each template its name, the number of contours that only one of both has, and the root of `contour_misfit`.
 
     Raises:
         TemplateMissing: where there is none for the category.
@@ -210,9 +205,9 @@ def _with_necklines(
 ) -> Iterator[tuple[Cut, float | None]]:
     """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
 
-    What the user fixed stays. A crew neck and a scoop are one line in two depths, and the cut's own stays for both. The
-    pattern has another size than the scan, so a neckline keeps the scan's proportion of depth to half width. A V is cut
-    straight: the bow that its line seems to have is that of the shoulder, which no cylinder unrolls.
+    The user's choices stay. A crew neck and a scoop are one line in two depths; the cut's own stays for both. The
+    pattern differs from the scan in size, so a neckline takes the scan's ratio of depth to half width. A V is cut
+    straight: the apparent bow of its line is that of the shoulder, which no cylinder unrolls.
     """
     if fits is None or cut.bodice is Bodice.NONE:
         yield cut, None
@@ -229,7 +224,7 @@ def _with_necklines(
 
 
 def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
-    """Return the fits that are candidates: all, or the fixed neckline's own where it is among them."""
+    """Return the candidate fits: all, or only the fixed neckline's where it is among them."""
     if not fixed:
         return ranked
     return tuple(fit for fit in ranked if _is_same_line(fit.throat.kind, own)) or ranked[:1]
@@ -246,15 +241,14 @@ def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
 
 
 def _is_same_line(one: Neckline, other: Neckline) -> bool:
-    """Check whether two necklines are the same line, in depths that grading turns into each other."""
+    """Check whether two necklines are the same line in two depths, which grading can change into each other."""
     return one is other or {one, other} == {Neckline.CREW, Neckline.SCOOP}
 
 
 def contour_misfit(target: dict[str, float], template: dict[str, float]) -> float:
-    """Measure how unlike in shape two garments' contours are: the variance of ln(target length / template length).
+    """Compute the difference in shape of two garments' contours, the variance of ln(target length / template length).
 
-    A common factor is size, which any template takes on, and does not count; what is left is flare and taper. Only
-    contours that both have are compared.
+    A common factor, the size, does not count; flare and taper remain. Only contours that both have are compared.
     """
     shared = sorted(set(target) & set(template))
     ratios = [math.log(target[name] / template[name]) for name in shared]

@@ -1,4 +1,4 @@
-"""The area by which sister panels are compared: between their corners, and what hems add to that."""
+"""Compute the area by which sister panels are compared: between their corners, plus that of hems."""
 
 from __future__ import annotations
 
@@ -13,19 +13,17 @@ from ...garment.polygon import polygon_area
 from .parts import edges_until
 
 MAX_STRAIGHT_AREA_RATIO = 1e-3
-"""Ratio of the area beside a row of edges to the square of the distance between its ends, below which the row is
-straight: a hem that is hollow by rounding is a hem."""
+"""Ratio of the area beside a row of edges to the square of the distance between its ends, below which the row counts as
+straight: a hem that is concave by rounding is a hem."""
 
 
 @dataclass(frozen=True)
 class ComparedArea:
-    """Compute the area of a panel without what the curves of necklines, armholes and caps take or add.
+    """Compute the area of a panel without that of the curves of necklines, armholes and caps.
 
         A = P(corners) + sum over hems of e |chord|^2
-
     The curves of seams, and of openings that cut into their panel (a neckline, a waist, an armhole without a sleeve),
-    may be as deep as they are. A hem counts in full: of a circle's halves nothing else lies beside the line that their
-    corners are on.
+    may have any depth. A hem counts in full: in half a circle there is no other area beside the line of its corners.
 
     Notation:
         P: Area of a polygon [m2].
@@ -41,7 +39,7 @@ class ComparedArea:
 
     @classmethod
     def of(cls, pattern: Pattern, name: str) -> ComparedArea:
-        """Return what counts of a panel."""
+        """Return the compared area of a panel."""
         panel, hems = pattern.panel(name), list[int]()
         for row in _open_rows(pattern, panel):
             corners = panel.points[[*row, (row[-1] + 1) % len(panel.edges)]]
@@ -86,7 +84,7 @@ def area_rates_by_points(pattern: Pattern, name: str, curves: Iterable[int]) -> 
 
 
 def _open_rows(pattern: Pattern, panel: Panel) -> Iterator[list[int]]:
-    """Yield the edges of a panel that are sewn to nothing, row by row."""
+    """Yield the unsewn edges of a panel, row by row."""
     sewn = {ref.edge for seam in pattern.seams for ref in (seam.a, seam.b) if ref.panel == panel.name}
     count = len(panel.edges)
     for before in sorted(sewn, key=lambda edge: (edge + 1) % count):

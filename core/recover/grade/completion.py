@@ -1,4 +1,4 @@
-"""Complete a target that goes on below another garment: the hidden part is the base pattern's own cloth."""
+"""Complete a target below a covering garment with the base pattern's own cloth."""
 
 from __future__ import annotations
 
@@ -19,37 +19,33 @@ from ...scan.contours.target import Contour, Target
 from .registration import HiddenCloth, RegistrationSettings, register_coarsely
 
 MIN_HIDDEN_CONTOUR_SHARE = 0.3
-"""Share of the contour of a template that lies beyond the hidden border from which that contour is hidden: the share
-from which that of a scan is. A neckline below hair is seen for the rest; a base pattern that ends before the border
-ends there."""
+"""Share of a template's contour beyond the hidden border from which that contour is hidden, as for a scan. The rest of
+a neckline below hair is visible; a base pattern that ends before the border ends there."""
 
 
 HIDDEN_WAIST_HEIGHT_SHARE = 0.5
-"""Share by which a hidden waist keeps the height at which its own band holds the base pattern; what is seen carries it
-for the rest. The bands of three wearers held it 52, 8 and 34 mm above the true waist, of 20 garments that other
-simulators dressed 37 mm (standard deviation 36); carried along with the legs, whose base pattern is too short, it came
-out 30, 27 and 17 mm below."""
+"""Weight of the height at which its own band holds the base pattern in the height of a hidden waist; the rest is that
+of the visible cloth. The bands of three wearers held it 52, 8 and 34 mm above the true waist, of 20 garments of other
+simulators 37 mm (standard deviation 36); carried with too short a base pattern's legs, it was 30, 27, 17 mm below."""
 
 
 def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: Hooks = SILENT_HOOKS) -> Target:
-    """Complete a target below what covers it with the cloth of a base pattern that is worn by the same wearer.
+    """Complete a target below a covering garment with the cloth of a base pattern on the same wearer.
 
-    What is hidden can only be guessed, and is guessed as the base pattern has it: the visible part is registered, and
-    what lies beyond its hidden border is carried along with the cloth there, with its own lengths (`HiddenCloth`).
-    So trousers keep the rise of their base pattern above what is seen of them. A waist then sits halfway to where the
-    base pattern's own band holds it, and the hem of a top where the whole top has the base pattern's length
-    (`_lift_end`). The decisions are ADR 0024 and 0060.
+    Hidden cloth is assumed to be as in the base pattern: the visible part is registered, and what is beyond its hidden
+    border moves with the cloth there, with its own lengths (`HiddenCloth`). Trousers thus keep the rise of their base
+    pattern above their visible part. A waist is then placed halfway to where the base pattern's own band holds it, and
+    the hem of a top where the whole top has the base pattern's length (`_lift_end`). See ADR 0024 and 0060.
 
     Args:
         worn: The base pattern on the wearer, contours named.
-        target: What is seen.
-        skin: The wearer's exposed skin; hidden cloth lies outside it.
+        target: The visible surface.
+        skin: The wearer's exposed skin; hidden cloth is outside it.
         hooks: Progress and cancellation.
 
     Returns:
-        The target joined by a surface of its own for what is hidden. The contours at which that ends have the names of
-        the template's and are trusted: a fit may take them for the garment's. The target itself where nothing of it is
-        hidden.
+        The target with a separate surface for the hidden part. The contours at its ends have the template's names and
+        are trusted, so that a fit uses them. The target itself where nothing of it is hidden.
     """
     ends = [contour for contour in worn.contours if _is_hidden(contour, target)]
     if target.hidden is None or not ends:
@@ -66,7 +62,7 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
     beyond = border.lies_ahead(seen, seen.closest(nodes))
     ends = [end for end in ends if beyond[end.vertices].mean() > MIN_HIDDEN_CONTOUR_SHARE]
     links = HalfEdges.of(worn.faces, len(nodes)).adjacency
-    for end in ends:  # where a part of it is seen, the strip along it lies on the scan
+    for end in ends:  # where a part of the contour is visible, the strip along it is on the scan
         rim = np.bincount(end.vertices, minlength=len(nodes))
         beyond |= (rim + links @ rim) > 0
     inner = worn.faces[beyond[worn.faces].all(axis=1)]
@@ -76,19 +72,13 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
 
 
 def _is_hidden(contour: Contour, target: Target) -> bool:
-    """Check whether a template's contour is one that the target hides, or has not because it is hidden."""
+    """Check whether a template's contour is hidden on the target, or missing because it is hidden."""
     other = target.contour(contour.name)
     return other is None or other.hidden
 
 
 def _hold_ends(target: Target, nodes: np.ndarray, lifts: list[tuple[Contour, float]]) -> Target:
-    """Return the target with a trusted contour where each hidden end belongs.
-
-    Args:
-        target: What is seen.
-        nodes: Of the base pattern, carried along with what is seen [m], shape [node_count, 3].
-        lifts: Contours of the base pattern, each with how far it belongs above where it was carried [m].
-    """
+    """Return the target with a trusted contour for each hidden end, at the carried nodes [m] raised by its lift [m]."""
     points = np.concatenate([nodes[end.vertices] + [0.0, lift, 0.0] for end, lift in lifts])
     first = len(target.vertices) + np.cumsum([0] + [len(end.vertices) for end, _ in lifts])
     held = tuple(
@@ -107,12 +97,11 @@ def _hold_ends(target: Target, nodes: np.ndarray, lifts: list[tuple[Contour, flo
 
 
 def _lift_end(worn: Garment, nodes: np.ndarray, beyond: np.ndarray, end: Contour) -> float:
-    """Return by how much a hidden end belongs above where what is seen carried it [m].
+    """Return the distance of a hidden end above the place to which visible cloth carried it [m].
 
-    A waist: by `HIDDEN_WAIST_HEIGHT_SHARE` of the way back to where its own band holds it. The hem of a top: by as much
-    as the way down to it is longer, where it is seen, than the base pattern is there; a top too small for its wearer is
-    drawn down by that when it is dressed. At most by half of the hidden way: a top that is tucked in goes on below the
-    waistband.
+    A waist: `HIDDEN_WAIST_HEIGHT_SHARE` of the way back to where its own band holds it. The hem of a top: the
+    difference by which the visible way down to it is longer than the base pattern's, for a top too small for its wearer
+    is lowered by that in dressing; at most half of the hidden way: a tucked-in top continues below the waistband.
     """
     if end.name == "waist":
         return HIDDEN_WAIST_HEIGHT_SHARE * float((worn.nodes[end.vertices, 1] - nodes[end.vertices, 1]).mean())
@@ -126,11 +115,9 @@ def _lift_end(worn: Garment, nodes: np.ndarray, beyond: np.ndarray, end: Contour
 def _measure_downward_paths(
     worn: Garment, nodes: np.ndarray, beyond: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compute along the shortest way over the flat panels from some nodes to each: what is longer, what is hidden.
+    """Compute lengths along the shortest flat way from some nodes to each, [node_count] each: excess and hidden [m].
 
-    Returns:
-        By how much the seen part of the way is longer on the nodes than flat, and the flat length of the hidden part
-        [m], shape [node_count] each.
+    The excess is the length of the way's visible part on the nodes less its flat length; the hidden one is flat.
     """
     count, edges = len(nodes), HalfEdges.of(worn.faces, len(nodes))
     sides = np.linalg.norm(np.roll(worn.rest, -1, axis=1) - worn.rest, axis=2).ravel()
@@ -148,7 +135,7 @@ def _measure_downward_paths(
 
 
 def _join(target: Target, nodes: np.ndarray, faces: np.ndarray, ends: list[Contour]) -> Target:
-    """Return the target with some faces of the template beside it."""
+    """Return the target with some faces of the template added."""
     chosen, numbered = np.unique(faces, return_inverse=True)
     first = len(target.vertices)
     place = np.full(len(nodes), -1, dtype=np.int64)

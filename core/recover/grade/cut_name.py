@@ -1,4 +1,4 @@
-"""Name the cut that a recovered pattern has: grading changes proportions, and a pencil skirt may come out A-line."""
+"""Name the cut of a recovered pattern: grading changes proportions, and a pencil skirt may become A-line."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from ..drape.sizing import measure_wearer
 from .cut_search import RIVAL_MISFIT_SHARE, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
 
 PROPORTION_PARTS = ("skirt", "legs")
-"""Parts whose choices differ in nothing but widths, as far as they are sewn alike."""
+"""Parts whose choices differ only in widths, if they are sewn alike."""
 
 
 def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collection[str] = ()) -> str:
-    """Return the name of the cut that a pattern graded from a template of the library has.
+    """Return the name of the cut of a pattern graded from a library template.
 
-    The cut stays the template's unless another one that is sewn alike and differs in the line of its skirt or its legs
-    has girths clearly nearer to the pattern's: its misfit, together with what the right cut's is, too, is below
-    `RIVAL_MISFIT_SHARE` of the template's.
+    It stays the template's unless the girths of another cut, sewn alike but with another line of skirt or legs, are
+    clearly nearer: if its misfit, including that of the right cut, is below `RIVAL_MISFIT_SHARE` of the template's.
 
     Args:
         pattern: The recovered pattern.
@@ -42,11 +41,11 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
 
 
 def describe_cut_change(cut: str, template: str) -> tuple[str, ...]:
-    """Return what the user should know of a cut that is not its template's; nothing where it is."""
+    """Return a note on a cut that is not its template's, or nothing."""
     return () if cut == template else (f"Graded from '{template}' the pattern has the girths of '{cut}'.",)
 
 
 def _name(cut: Cut) -> str:
-    """Return the shortest name of a cut, behind the template whose parts it shares most of."""
+    """Return the shortest name of a cut, after the template that shares most of its parts."""
     stems = (stem for stem, one in CUTS.items() if one.category == cut.category)
     return name_cut(min(stems, key=lambda stem: len(differing_parts(CUTS[stem], cut))), cut)

@@ -1,4 +1,4 @@
-"""Search the cut whose flat pattern has the scan's girths: skirt, legs, waist and bodice, before anything is draped."""
+"""Search the cut whose flat pattern has the scan's girths (skirt, legs, waist and bodice), without a drape."""
 
 from __future__ import annotations
 
@@ -30,27 +30,24 @@ PROFILE_START_MARGIN = 0.02
 """Distance below the sleeves at which the comparison begins [m]: above, level lines run into them."""
 
 PROFILE_END_MARGIN = 0.03
-"""Distance above the lower end at which the comparison ends [m]: hems rest on feet, and teeth of a cut are there."""
+"""Distance above the lower end at which the comparison ends [m]: hems rest on feet, and cut borders have teeth."""
 
 GARMENT_LENGTH_RATIOS = np.linspace(0.90, 1.20, 31)
-"""Ratios of the length of a garment to that of its draft that are tried: it may be made for a shorter or a taller
-wearer."""
+"""Ratios of a garment's length to its draft's that are tried: it may be made for a shorter or a taller wearer."""
 
 GIRTH_MISFIT_FLOOR = 0.02
-"""Relative difference of girths that even the right cut has: stretch, folds cut short and a garment that is not made
-for its wearer leave 0.01 to 0.04."""
+"""Relative difference of girths even for the right cut: stretch, cut folds and other sizes leave 0.01 to 0.04."""
 
 SHAPE_MISFIT_SHARE, SEAM_MISFIT_SHARE = 0.5, 0.6
-"""Shares of its misfit below which the cut that contours chose is left: for one of other proportions, and for one that
-is sewn otherwise. Grading mends proportions and adds no seam, so seams need less. Of 52 drawn cuts none then has fewer
-right parts than by contours alone; at 0.7 for both, of 110 parts 93 are right instead of 84, and one cut has fewer."""
+"""Shares of its misfit below which the cut chosen by contours is replaced, for a cut of other proportions and for one
+that is sewn otherwise. Grading corrects proportions and adds no seam, so seams need less. Of 52 drawn cuts none then
+has fewer right parts than by contours; at 0.7 for both 93 of 110 parts are right instead of 84, one cut has fewer."""
 
 RIVAL_MISFIT_SHARE = 0.85
-"""Share of the misfit of a cut: of the clearly better cuts the one with the fewest changes is chosen, as long as no
-other has a misfit below this share of its own."""
+"""Of clearly better cuts that with fewest changes is taken unless another's misfit is below this share of its own."""
 
 SPECIAL_SEAM_SKIRTS = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
-"""Skirts whose seams are not those of two plain panels."""
+"""Skirts whose seams differ from those of two plain panels."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ class CutFit:
     Attributes:
         template: The template that it is named by.
         cut: Its parts.
-        misfit: Standard deviation along the garment of the logarithm of the ratio of both girths; size is no matter.
+        misfit: Standard deviation along the garment of the logarithm of the ratio of both girths, independent of size.
     """
 
     template: str
@@ -69,7 +66,7 @@ class CutFit:
 
     @property
     def total(self) -> float:
-        """Return the misfit together with what the right cut's is, too."""
+        """Return the misfit including that of the right cut."""
         return float(np.hypot(self.misfit, GIRTH_MISFIT_FLOOR))
 
 
@@ -83,15 +80,14 @@ def search_cuts(
 ) -> tuple[CutFit, ...]:
     """Rank the cuts that a garment may have by its girths, the chosen one first.
 
-    The first template is what lengths of contours chose. It stays unless others have clearly nearer girths
-    (`rank_fits`).
+    The first template, chosen by contour lengths, stays unless others have clearly nearer girths (`rank_fits`).
 
     Args:
         target: The target.
         body: The wearer, to whose measures every candidate is drafted.
         templates: Names and cuts of the templates that have the target's contours, the best by contours first.
         fixed: Parts that the user chose, which stay.
-        curved: The cloth is curved across the waist, so that only cuts with a seam there compete (`sew_waist`).
+        curved: The cloth is curved across the waist: only cuts with a seam there compete (`sew_waist`).
 
     Returns:
         The candidates; none where the scan does not show its girths from end to end.
@@ -109,7 +105,7 @@ def search_cuts(
 
     for template, cut in templates:
         fit(template, cut)
-    if fits and SEAM_MISFIT_SHARE * fits[0].total > GIRTH_MISFIT_FLOOR:  # else no cut can be clearly better
+    if fits and SEAM_MISFIT_SHARE * fits[0].total > GIRTH_MISFIT_FLOOR:  # otherwise no cut can be clearly better
         for template, cut in _variants(templates, set(fixed), curved):
             fit(template, cut)
     return rank_fits(fits, usual, RIVAL_MISFIT_SHARE if curved else SHAPE_MISFIT_SHARE)
@@ -118,10 +114,9 @@ def search_cuts(
 def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
     """Return the standard deviation of ln(seen / drawn girth) along the garment.
 
-    Both begin at the waist, or below the arms, and the drawn one is as much longer or shorter, within
-    `GARMENT_LENGTH_RATIOS`, as fits best: crotch and hips of a garment sit lower or higher than its wearer's. A drawn
-    garment that ends sooner goes on as it ends; one that ends later is cut off, for grading makes it longer or shorter.
-    A common factor is size, which any cut takes on.
+    Both begin at the waist or below the arms. The drawn garment is lengthened or shortened within
+    `GARMENT_LENGTH_RATIOS` to the best fit: its crotch and hips can be lower or higher than its wearer's. One that ends
+    sooner is extrapolated; one that ends later is cut off, for grading changes lengths. A common factor is size.
     """
     begin = seen.arms + PROFILE_START_MARGIN
     end = max(float(seen.distances[-1]) - PROFILE_END_MARGIN, begin + PROFILE_END_MARGIN)
@@ -137,11 +132,11 @@ def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
 
 
 def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = SHAPE_MISFIT_SHARE) -> tuple[CutFit, ...]:
-    """Return fits by their misfit, the chosen one first; none where the usual cut itself is not among them.
+    """Return fits by their misfit, the chosen one first; none if the usual cut is not among them.
 
     The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
-    is much nearer than. `clear_shape` is the share of its misfit below which one of other proportions is: more where
-    the usual cut is not the one that contours chose, but the same with a seam that they do not tell.
+    is much nearer than. `clear_shape` is the share of the misfit for other proportions; larger where the usual cut is
+    the one chosen by contours with a seam added that contours do not show.
     """
     ranked = sorted(fits, key=lambda fit: fit.misfit)
     chosen = next((fit for fit in fits if fit.cut == usual), None)
@@ -157,18 +152,18 @@ def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = SHAPE_MIS
 
 
 def has_other_seams(cut: Cut, usual: Cut) -> bool:
-    """Check whether a cut has seams that another has not: grading can make none."""
+    """Check whether a cut has seams that another has not: grading can add none."""
     changed = cut.skirt is not usual.skirt and (cut.skirt in SPECIAL_SEAM_SKIRTS or usual.skirt in SPECIAL_SEAM_SKIRTS)
     return changed or (cut.waist, cut.waistband, cut.panels) != (usual.waist, usual.waistband, usual.panels)
 
 
 def _count_changes(cut: Cut, usual: Cut) -> int:
-    """Count the parts in which a cut is another, and the number of its panels: six gores have the girths of four."""
+    """Count the parts in which two cuts differ, and the number of panels: six gores have the girths of four."""
     return len(differing_parts(cut, usual)) + (cut.panels_around != usual.panels_around)
 
 
 def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:
-    """Yield what templates become with other parts that girths show, each cut once."""
+    """Yield the templates with other parts that girths show, each cut once."""
     met = {_without_neck_depths(cut) for _, cut in templates}
     for template, own in templates:
         for other in other_cuts(own, fixed) if own.panels == 2 else ():
@@ -184,7 +179,7 @@ def _at_waist(cut: Cut, fixed: set[str]) -> Cut:
 
 
 def _without_neck_depths(cut: Cut) -> Cut:
-    """Return a cut with the necklines' usual depths, which girths do not tell."""
+    """Return a cut with the necklines' usual depths, which girths do not show."""
     return replace(cut, neck_depth=None, back_depth=None)
 
 
@@ -196,7 +191,7 @@ def other_cuts(cut: Cut, fixed: set[str]) -> Iterator[Cut]:
 
 
 def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
-    """Return the choices of each part that shows in girths; a bodice's only where neither skirt nor legs are below."""
+    """Return the choices of each part that shows in girths; a bodice's only without skirt or legs."""
     found: dict[str, list[str]] = {}
     if cut.skirt is not Skirt.NONE:
         found["skirt"] = [word for word in PARTS["skirt"] if word not in ("none", "pleated")]
@@ -211,7 +206,7 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
 
 
 def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures) -> CutFit | None:
-    """Return how well the girths of a cut drafted to measures fit; None where it cannot be sewn or meshed."""
+    """Return the fit of the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
     try:
         pattern = draft_cut(cut, measures)
     except BadInput:
@@ -221,7 +216,7 @@ def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures)
 
 
 def profile_flat(pattern: Pattern) -> GirthProfile | None:
-    """Return the girths of a pattern; None where it has no two ends or no mesh as coarse as that."""
+    """Return the girths of a pattern; None without two ends or a mesh that coarse."""
     try:
         garment = mesh_pattern(pattern, PROFILE_VERTEX_COUNT, sweeps=0)
     except BadInput:

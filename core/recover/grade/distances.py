@@ -1,4 +1,4 @@
-"""Where open contours stand along the skeleton, and how far apart those of two garments are (thesis algorithm 3)."""
+"""Compute where open contours are along the skeleton, and the distances between two garments' (thesis algorithm 3)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class ContourMeasure:
     """Compare one contour of the draped template with the target's.
 
     Attributes:
-        name: One of `segment.CONTOUR_NAMES`.
-        distance: From the source's to the target's contour along the limb's bones, positive away from the chain's
-            root [m]: the pattern has to grow by so much there.
+        name: A contour's name.
+        distance: From the source's to the target's contour along the limb's bones [m], positive away from the chain's
+            root: the length by which the pattern has to grow there.
         source_length, target_length: Circumferences [m].
     """
 
@@ -33,8 +33,7 @@ class ContourMeasure:
 def limb_chain(name: str, body: Body) -> np.ndarray:
     """Return the joints [m] that a contour moves along, from the chain's root outwards, shape [joint_count, 3].
 
-    Neck and waist move along the spine, upwards; a hem down the spine and then midway between the legs; cuffs and
-    armholes along the arm; trouser legs along the leg.
+    Neck and waist: up the spine; hem: down the spine, then midway between the legs; cuffs and armholes: arm; leg: leg.
     """
     part, _, side = name.partition(".")
     if part in ("neck", "waist"):
@@ -47,13 +46,13 @@ def limb_chain(name: str, body: Body) -> np.ndarray:
 
 
 def position_along(chain: np.ndarray, point: np.ndarray) -> float:
-    """Measure the distance along a chain of bones to a point's projection on the nearest bone [m].
+    """Compute the distance along a chain of bones to a point's projection on the nearest bone [m].
 
-    u_i = (p - J_parent) . b_i / |b_i|^2, P_i = J_parent + u_i b_i, h_i = |p - P_i|; the bone with the least h_i wins,
+    u_i = (p - J_parent) . b_i / |b_i|^2, P_i = J_parent + u_i b_i, h_i = |p - P_i|; the bone with the least h_i counts,
     and the result is the summed length of the bones before it plus u_i |b_i| (thesis algorithm 3, `distToRoot`).
 
-    **Deviation**: u is clamped to 0..1 instead of discarding the bone, except at the chain's two ends, where it may run
-    on (a cuff over the hand); so no contour is left without a bone.
+    **Deviation**: u is clamped to 0..1 instead of discarding the bone, except at the chain's two ends, where it may
+    exceed it (a cuff over the hand); so no contour is left without a bone.
 
     Args:
         chain: Joints from the root outwards [m], shape [joint_count, 3].
@@ -74,8 +73,8 @@ def compare_contours(
 ) -> tuple[ContourMeasure, ...]:
     """Measure every contour that both garments have (thesis algorithm 3).
 
-    **Deviation**: contours are matched by name, because names already hold which bones they encircle; two contours of
-    one limb that encircle different bones (a short sleeve's cuff and a long one's) are compared along the whole limb.
+    **Deviation**: contours are matched by name, for names already imply the encircled bones; two contours of one limb
+    around different bones (a short sleeve's cuff and a long one's) are compared along the whole limb.
 
     Args:
         source: Node positions [m], shape [node_count, 3], and named contours of the draped template.
@@ -98,7 +97,7 @@ def compare_contours(
 
 
 def loop_centre(loop: np.ndarray) -> np.ndarray:
-    """Return the centre of a closed polygon [m] weighted by length, so that its sampling does not matter, shape [3]."""
+    """Return the centre of a closed polygon [m] weighted by length, so independent of its sampling, shape [3]."""
     after = np.roll(loop, -1, axis=0)
     weight = np.linalg.norm(after - loop, axis=1)
     found: np.ndarray = ((loop + after) / 2 * weight[:, None]).sum(0) / weight.sum()

@@ -1,4 +1,4 @@
-"""Find the control points whose flat panels stretch as the draped template did when it was moved onto the target."""
+"""Fit the control points whose flat panels stretch as the draped template did when registered to the target."""
 
 from __future__ import annotations
 
@@ -17,34 +17,31 @@ from ...geometry.geometry import deformation_gradients, gradient_operator, right
 from ...geometry.linear import Factor, factor_symmetric
 
 MIN_GRADED_EDGE_LENGTH = 0.01
-"""Length of an edge below which it is what a drawing program leaves between two corners, and keeps its vector [m]: half
-of the edge of a mesh, so no cloth lies along it that could tell its size. Free, edges of 1 mm between darts turn over,
-and nothing is graded."""
+"""Length of an edge below which it is a gap that a drawing program leaves between two corners, and keeps its vector
+[m]: half a mesh edge, so no cloth shows its size. Free edges of 1 mm between darts turn over and grading fails."""
 
 SHORT_EDGE_STD = 1e-4
-"""Standard deviation of the vector along a short edge [m]: it is not graded at all."""
+"""Standard deviation of the vector along a short edge [m]: it is practically not graded."""
 
 DART_WIDTH_STD = 0.1
 """Standard deviation of the vector across the mouth of a dart, as a share of its width: darts are drawn for the body,
-and published patterns graded in ease and length keep theirs to the millimetre. Free, a narrow one closes and its sides
-cross."""
+and graded published patterns keep theirs to the millimetre. If free, a narrow one closes and its sides cross."""
 
 
 @dataclass(frozen=True)
 class FlatteningSettings:
-    """Set the fit of the control points.
+    """Describe the fit of the control points.
 
     Attributes:
         rounds: Alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
-        keep: Pull of the control points to where they were, as a share of the panels' stiffness; it only fixes what
-            the stretch leaves free (a panel's place and turn).
-        keep_vectors: The same pull on each of `kept_vectors`: one standard deviation costs as much as a square metre
-            strained by 1 %.
+        keep: Weight that keeps the control points in place, as a share of the panels' stiffness; it only fixes what the
+            stretch leaves free (a panel's place and rotation).
+        keep_vectors: The same for `kept_vectors`: a standard deviation costs as much as a square metre strained by 1 %.
         stretch_limit: Stretches beyond this factor, either way, come from bad triangles and are clipped.
-        least_strain, most_strain: Principal stretches that the target's cloth is believed to have, as the template's:
-            woven cloth hangs within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
-        band_width: Narrower panels, such as waistbands, keep the template's strain whatever it is [m]: they are cut
-            shorter than what they hold, and where their long seams lie on the target cannot be seen.
+        least_strain, most_strain: Principal stretches of the template's cloth are clipped to these: woven cloth hangs
+            within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
+        band_width: Narrower panels, such as waistbands, keep the template's strain unclipped [m]: they are cut shorter
+            than what they hold, and the place of their long seams on the target is not visible.
     """
 
     rounds: int = 12
@@ -58,10 +55,10 @@ class FlatteningSettings:
 
 @dataclass(frozen=True)
 class FlatPanels:
-    """Describe the energy of all flat panels with the inner vertices solved out.
+    """Describe the energy of all flat panels with the inner vertices eliminated.
 
     The energy int |J - W|^2 dA of wanted maps W is quadratic in inner vertices u and control points c (thesis eq. 3.1
-    ties the rim to them): L u + B c = b_u. So u = L^-1 b_u - C c, and c sees the Schur complement S.
+    ties the rim to them): L u + B c = b_u. So u = L^-1 b_u - C c, and c has the Schur complement S.
 
     Attributes:
         gradient: From values at uv vertices to (d/dx, d/dy) of each face, shape [2 face_count, uv_count].
@@ -85,7 +82,7 @@ class FlatPanels:
 
 
 def assemble_flat_energy(garment: Garment) -> FlatPanels:
-    """Prepare the energy of a garment's flat panels."""
+    """Assemble the energy of a garment's flat panels."""
     rim = np.zeros(len(garment.uv), dtype=bool)
     for line in garment.edge_uv.values():
         rim[line] = True
@@ -104,17 +101,16 @@ def assemble_flat_energy(garment: Garment) -> FlatPanels:
 
 
 def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSettings | None = None) -> np.ndarray:
-    """Return by how much each flat face has to stretch to carry the moved nodes, shape [face_count, 2, 2].
+    """Return the stretch of each flat face that carries the moved nodes, shape [face_count, 2, 2].
 
     With F the map from the flat face to 3D and U = sqrt(F^T F), A = U_before^-1 U_after: then F_after A^-1 has the
     strain of F_before, and where nothing moved A is the identity. The principal values of U_before are first clipped to
-    the strain that the target's cloth can have too; a template that was pulled over a body too big for it is stretched
-    by half, and would ask for a pattern as small.
+    the strain that the target's cloth can have too: a template stretched by half would yield too small a pattern.
 
     Args:
-        garment: The garment where it was.
-        moved: Where its nodes went [m], shape [node_count, 3].
-        settings: Believable strains, and the limit of A's singular values.
+        garment: The garment before.
+        moved: Its nodes after [m], shape [node_count, 3].
+        settings: Bounds of strain, and the limit of A's singular values.
     """
     settings = settings or FlatteningSettings()
     before, after = garment_stretch(garment, garment.nodes), garment_stretch(garment, moved)
@@ -129,7 +125,7 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
 
 
 def narrow_panels(pattern: Pattern, settings: FlatteningSettings | None = None) -> np.ndarray:
-    """Find the panels that are bands, narrower than `band_width`; shape [panel_count]."""
+    """Return which panels are bands, narrower than `band_width`, shape [panel_count]."""
     settings = settings or FlatteningSettings()
     return np.array([mean_width(panel) < settings.band_width for panel in pattern.panels])
 
@@ -144,8 +140,7 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     """Fit the control points to a wanted stretch of every flat face [m], shape [control_count, 2].
 
     Minimises sum_f area_f |J_f - R_f A_f|^2 over control points, inner vertices and rotations R_f in turns, within the
-    pattern's symmetry and with both sides of every ungathered seam kept equal (to first order: `equalise_seams` is
-    exact).
+    pattern's symmetry and with both sides of every ungathered seam equal (to first order: `equalise_seams` is exact).
 
     Notation: J_f the map of face f from its old flat shape to the new, A_f `stretch`, shape [face_count, 2, 2].
     """
@@ -159,7 +154,7 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     system = flat.reduced + held
     points, turned = start, stretch
     for _ in range(settings.rounds):
-        # The wanted map's rows are where x and y go; the gradient wants d/dx and d/dy of both.
+        # The wanted map's rows are the images of x and y; the gradient needs d/dx and d/dy of both.
         load = flat.gradient.T @ (flat.weight[:, None] * np.swapaxes(turned, 1, 2).reshape(-1, 2))
         inner = flat.factor.solve(load[flat.inner])
         right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + held @ start.ravel()
@@ -178,8 +173,8 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
 def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
     """Return the difference in length of each ungathered seam's sides, linear in the points, [count, 2 point_count].
 
-    An edge follows its chord by a similarity, so its length is proportional to the chord's, and that is the scalar
-    product of the chord with its own direction at `points`.
+    An edge follows its chord by a similarity, so its length is proportional to the chord's, which is the scalar product
+    of the chord with its own direction at `points`.
     """
     rows = []
     for seam in pattern.seams:
@@ -198,10 +193,9 @@ def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
 
 
 def kept_vectors(pattern: Pattern) -> np.ndarray:
-    """Return the vectors that grading keeps, x and y, each in standard deviations, by the points [1/m].
+    """Return vectors that grading keeps, x and y, in standard deviations, by points [1/m], [2 count, 2 point_count].
 
-    Those along edges shorter than `MIN_GRADED_EDGE_LENGTH` and across the mouths of darts: two edges of a panel that
-    meet and are sewn to each other. Shape [2 count, 2 point_count].
+    Along edges shorter than `MIN_GRADED_EDGE_LENGTH`, and across darts: consecutive edges sewn to each other.
     """
     rows = []
     for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
@@ -227,7 +221,7 @@ def solve_with_seams(system: np.ndarray, right: np.ndarray, rows: np.ndarray, su
     """Minimise x.(system x)/2 - right.x under rows @ x = sums.
 
     Rows that repeat others up to a thousandth count once (`MIN_SINGULAR_VALUE_SHARE`): both sides of a wearer are cut
-    alike, but for what a file rounds. Asked to hold by themselves, such remainders moved points by 11 cm.
+    alike, up to rounding in the file. As separate constraints, such remainders moved points by 11 cm.
     """
     size = len(system)
     scale = float(np.trace(system)) / size
@@ -239,7 +233,7 @@ def solve_with_seams(system: np.ndarray, right: np.ndarray, rows: np.ndarray, su
 
 
 def _turn_towards(stretch: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Turn each wanted stretch by the rotation that brings it nearest to the map it got, shape [face_count, 2, 2]."""
+    """Rotate each wanted stretch as near as possible to its map, shape [face_count, 2, 2]."""
     product = slope @ np.swapaxes(stretch, 1, 2)
     cosine, sine = product[:, 0, 0] + product[:, 1, 1], product[:, 1, 0] - product[:, 0, 1]
     size = np.maximum(np.hypot(cosine, sine), 1e-12)
@@ -248,8 +242,5 @@ def _turn_towards(stretch: np.ndarray, slope: np.ndarray) -> np.ndarray:
 
 
 def garment_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
-    """Compute the right stretch U of every face from its flat panel to nodes [m], shape [face_count, 2, 2].
-
-    A collapsed face keeps a thousandth of its width, so that U can be inverted.
-    """
+    """Compute the right stretch U of every face from flat to nodes [m], [face_count, 2, 2], at least 1e-3 in width."""
     return right_stretch(deformation_gradients(nodes, garment.faces, garment.rest), least=1e-3)

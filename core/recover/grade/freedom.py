@@ -1,4 +1,4 @@
-"""What grading moves of a pattern: its control points and, where its curves are free, their handles."""
+"""Define what grading moves in a pattern: its control points and, where its curves are free, their handles."""
 
 from __future__ import annotations
 
@@ -23,26 +23,24 @@ from .flattening import seam_rows
 from .parts import find_parts
 
 CURVE_HANDLE_STD = 0.3
-"""Standard deviation of a handle from where the base pattern has it [chords]: one maker's armhole is cut out where
-another's runs straight down, with handles 0.3 to 0.6 of a chord elsewhere. With 1 the panels of GarmentCode's drapes
-are 0.2 % nearer in area, and those of a T-shirt whose cloth is strained by 3 % are 2.4 % further off."""
+"""Standard deviation of a handle from the base pattern's [chords]: one maker's armhole is cut out where another's runs
+straight down, with handles 0.3 to 0.6 of a chord apart. With 1 the panels of GarmentCode's drapes are 0.2 % nearer in
+area, and those of a T-shirt whose cloth is strained by 3 % are 2.4 % further off."""
 
 SMOOTH_CORNER_STD = np.radians(1.0)
-"""Standard deviation of a corner from that of the base pattern where that is smooth [rad]; the knife of a cutter does
-not show 5 degrees."""
+"""Standard deviation of a corner from a smooth place of the base pattern [rad]; 5 degrees are lost in cutting."""
 
 FIXED_CONTOUR_PREFIXES = ("neck", "armhole")
-"""Beginnings of the names of open contours whose shape the contour itself tells."""
+"""Beginnings of the names of open contours whose shape is measured on the contour itself."""
 
 
 @dataclass(frozen=True)
 class PatternParameters:
-    """Describe what may move: parameters are effective control points [m], then effective handles [chords].
+    """Describe the free parameters: effective control points [m], then effective handles [chords].
 
     Attributes:
         points: All control points (x0, y0, ...) by the parameters of points, shape [2 point_count, a].
-        handles: All handles by the parameters of handles, shape [2 handle_count, b]; b is 0 where curves follow their
-            chords.
+        handles: All handles by the parameters of handles, shape [2 handle_count, b]; b is 0 where curves are not free.
         shapes: The base pattern's handles, shape [2 handle_count].
         joins: Where the base pattern is smooth, with its corner [rad]; empty where curves are not free.
     """
@@ -54,7 +52,7 @@ class PatternParameters:
 
     @classmethod
     def of(cls, like: Pattern, curves: bool) -> PatternParameters:
-        """Find what may move within the symmetry of a base pattern, its curves' handles or not."""
+        """Return the parameters that a base pattern's symmetry leaves free, with its curves' handles or without."""
         points, shapes = find_symmetry(like).matrix.toarray(), handles_of(like).ravel()
         if not curves:
             return cls(points, np.zeros((len(shapes), 0)), shapes, ())
@@ -88,7 +86,7 @@ class PatternParameters:
         return self.combine(rows, by_handles)
 
     def shape_rules(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
-        """Return by how much free curves miss the base pattern's shape, shape [n], and its rates, shape [n, a + b].
+        """Return the deviation of free curves from the base pattern's, shape [n], and its rates, shape [n, a + b].
 
         Both in standard deviations: each effective handle, and each corner where the base pattern is smooth.
         """
@@ -106,7 +104,7 @@ class PatternParameters:
         return np.concatenate(missing), self.combine(np.concatenate(by_points), np.concatenate(by_handles))
 
     def move(self, pattern: Pattern, change: np.ndarray) -> Pattern:
-        """Return a pattern with parameters changed, seams not yet equal."""
+        """Return a pattern with changed parameters, seams not yet equal."""
         split = self.points.shape[1]
         moved = pattern.with_points(pattern.points + (self.points @ change[:split]).reshape(-1, 2))
         if not self.has_curves:
@@ -114,17 +112,17 @@ class PatternParameters:
         return with_handles(moved, handles_of(pattern) + (self.handles @ change[split:]).reshape(-1, 2))
 
     def away(self, pattern: Pattern, start: Pattern) -> np.ndarray:
-        """Return how far a pattern's parameters are from another's, shape [a + b]."""
+        """Return the difference of a pattern's parameters from another's, shape [a + b]."""
         points = np.linalg.lstsq(self.points, (pattern.points - start.points).ravel(), rcond=None)[0]
         return np.concatenate([points, self.handles.T @ (handles_of(pattern) - handles_of(start)).ravel()])
 
 
 def _find_fixed_curves(like: Pattern) -> set[EdgeRef]:
-    """Return the edges whose curves stay: seams within a part, as a front's with its back, necklines and open armholes.
+    """Return the edges whose curves stay: seams within a part, such as front with back, necklines and open armholes.
 
-    A side seam follows the girths, and where it lies on a smooth side cannot be seen: free, it turns in and out with
-    what strain a missing dart leaves there. A neckline is chosen by its contour (`neckline.py`): free, a V's sides bow
-    with the strain of the cloth beside them, and an open armhole likewise. A hem's curve is told by the flare above it.
+    A side seam follows the girths, and its place on a smooth side is not visible: free, it bends with the strain that a
+    missing dart leaves there. A neckline is chosen by its contour (`neckline.py`): free, the sides of a V, or an open
+    armhole, bow with the strain of the cloth beside. A hem's curve follows from the flare above it.
     """
     part = dict(zip((panel.name for panel in like.panels), find_parts(like), strict=True))
     within = [seam for seam in like.seams if part[seam.a.panel] == part[seam.b.panel]]

@@ -1,4 +1,4 @@
-"""How a garment's girth changes along it, measured within the surface: what its flat pattern and its drape share."""
+"""Compute girths along a garment within its surface, which a flat pattern and its drape have in common."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ GIRTH_LEVEL_COUNT = 32
 """Number of places at which girths are taken: every 2 to 4 cm of a garment."""
 
 GIRTH_LINE_COUNT = 4
-"""Number of level lines over which each girth is averaged, which evens out the teeth of a coarse mesh."""
+"""Number of level lines over which each girth is averaged, which smooths the teeth of a coarse mesh."""
 
 MIN_DOUBLE_FACE_AREA = 1e-12
-"""Twice the area below which a face counts as having none [m2]: a needle of 2 cm and a twentieth of a nanometre."""
+"""Twice the area below which a face counts as degenerate [m2]: a needle of 2 cm and a twentieth of a nanometre."""
 
 UPPER_CONTOURS, LOWER_CONTOURS = ("neck", "waist"), ("hem", "leg.left", "leg.right")
-"""Contours at which a garment begins and ends; those of the arms lie between."""
+"""Contours at which a garment begins and ends; those of the arms are between."""
 
 ARM_CONTOUR_STEMS = ("cuff", "armhole")
 """Stems of the contours of the arms."""
@@ -35,10 +35,9 @@ class GirthProfile:
     """Describe a surface between two sets of its contours.
 
     Attributes:
-        girths: Lengths of the level lines of a harmonic function that is 0 at the one and 1 at the other [m], shape
-            [LEVELS].
-        distances: Of these lines from the first, along the surface and averaged along each [m], shape [LEVELS].
-        arms: The distance beyond which no line runs into a sleeve or ends at an armhole [m]; 0 where there are none.
+        girths: Lengths of level lines of a harmonic function, 0 at one set, 1 at the other [m], [GIRTH_LEVEL_COUNT].
+        distances: Of these lines from the first, along the surface and averaged along each [m], same shape.
+        arms: Distance beyond which no line runs into a sleeve or ends at an armhole [m]; 0 where there are none.
     """
 
     girths: np.ndarray
@@ -47,13 +46,13 @@ class GirthProfile:
 
 
 def profile_target(target: Target) -> GirthProfile | None:
-    """Measure a scan's garment; None where it has not an upper end and a lower one that are to be trusted."""
+    """Measure a scan's garment; None without a trusted upper and lower end."""
     loops = {contour.name: contour.vertices for contour in target.contours if contour.trusted}
     return measure_girths(target.vertices[target.faces], target.faces, loops)
 
 
 def profile_pattern(garment: Garment) -> GirthProfile | None:
-    """Measure a sewn pattern by its flat triangles: where its nodes are does not matter."""
+    """Measure a sewn pattern by its flat triangles; its nodes are not used."""
     loops: dict[str, list[np.ndarray]] = {}
     for ref, line in garment.edge_uv.items():
         contour = garment.pattern.panel(ref.panel).edges[ref.edge].contour
@@ -63,11 +62,11 @@ def profile_pattern(garment: Garment) -> GirthProfile | None:
 
 
 def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, np.ndarray]) -> GirthProfile | None:
-    """Measure the girths of a surface from its upper contour to its lower ones; None where it has not both.
+    """Compute the girths of a surface from its upper contour to its lower ones; None where it has not both.
 
-    Between two level lines of a harmonic function u flows the same amount F = int |grad u|^2 dA, so the line at u is
-    on average ds = L(u) du / F further along than the one before it. Lengths of triangles' sides are all that is used:
-    a pattern and its drape have the same profile as far as the drape is isometric to it.
+    Between two level lines of a harmonic function u the flow F = int |grad u|^2 dA is constant, so the line at u is on
+    average ds = L(u) du / F beyond the previous one. Only the lengths of triangles' sides are used: a pattern and its
+    drape have the same profile as far as the drape is isometric.
 
     Args:
         corners: The faces' corners, flat or in space [m], shape [face_count, 3, 2 or 3].
@@ -83,7 +82,7 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
     corners, faces = _with_area(corners, faces)
     count = 1 + max(int(nodes.max(initial=0)) for nodes in (faces, *loops.values()))
     piece = find_components(count, faces[:, :2].ravel(), faces[:, 1:].ravel())[1]
-    whole = np.isin(piece, np.intersect1d(piece[start], piece[end]))  # a stray piece has no value, a loose band no way
+    whole = np.isin(piece, np.intersect1d(piece[start], piece[end]))  # loose pieces have no path from start to end
     corners, faces = corners[whole[faces[:, 0]]], faces[whole[faces[:, 0]]]
     if not len(faces):
         return None
@@ -111,7 +110,7 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
 
 
 def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the faces that have an area: nothing flows through the others, and a corner that only they have hangs."""
+    """Return the faces with an area: nothing flows through others, and a corner of these alone has no value."""
     own = np.arange(corners.shape[0] * 3).reshape(-1, 3)
     flat = corners.shape[2] == 2
     areas = np.abs(signed_areas(corners)) if flat else face_areas(corners.reshape(-1, 3), own)
@@ -120,7 +119,7 @@ def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _line_lengths(corners: np.ndarray, value: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Sum the lengths of the level lines over all faces [m], shape [level_count]."""
+    """Return the sums of the lengths of the level lines over all faces [m], shape [level_count]."""
     order = np.argsort(value, axis=1)
     value = np.take_along_axis(value, order, 1)
     low, middle, high = np.moveaxis(np.take_along_axis(corners, order[:, :, None], 1), 1, 0)

@@ -1,4 +1,4 @@
-"""Grade a base pattern: from a template draped on the wearer and the target, new control points."""
+"""Grade a base pattern: compute new control points from a template draped on the wearer and the target."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from .registration import RegistrationSettings, register_coarsely
 
 @dataclass(frozen=True)
 class GradeSettings:
-    """Set the grading.
+    """Describe the grading.
 
     Attributes:
         registration: The coarse registration in 3D.
         flattening: The fit of the control points.
-        least_area: A panel keeps more than this share of its area in one grading, or the step is shortened.
-        back_offs: Halvings of the step before the pattern is left as it was.
+        least_area: Least share of its area that a panel keeps in one grading; otherwise the step is shortened.
+        back_offs: Halvings of the step before the pattern is left unchanged.
     """
 
     registration: RegistrationSettings = field(default_factory=RegistrationSettings)
@@ -41,15 +41,14 @@ class GradeSettings:
 
 @dataclass(frozen=True)
 class Grading:
-    """Describe what grading found.
+    """Describe the result of grading.
 
     Attributes:
         pattern: The base pattern with new control points; seams equal within 1e-6 m.
-        garment: The base garment's mesh with its flat vertices moved along and its nodes registered on the target: a
-            start for the next drape.
+        garment: The base garment's mesh, flat vertices moved along, nodes registered: a start for the next drape.
         contours: Distance along the skeleton and circumferences, per contour that both garments have.
         share: 1, or less where the step was shortened to keep panels from folding.
-        warnings: What the user should know, one sentence each.
+        warnings: Warnings to the user, one sentence each.
     """
 
     pattern: Pattern
@@ -69,19 +68,18 @@ def grade_pattern(
 ) -> Grading:
     """Move the control points of a base pattern so that its drape takes the target's size and proportions.
 
-    Thesis 3.2.3 moves the points of each open curve by the contours' distance along the bones and difference in
-    circumference, and leaves the others.
+    Thesis 3.2.3 moves only points of open curves, by contours' distances along the bones and circumferences.
 
-    **Deviation**: the same measures, taken everywhere. The draped template is first brought coarsely onto the target,
-    open contour on open contour; this carries the axial distances and circumferences of all contours, and also girths
-    in between, straps and the shape of necklines. Every flat face is then asked to stretch as its 3D face did, and the
-    control points that come nearest, within symmetry and with equal seams, are the graded pattern.
+    **Deviation**: the same measures are taken everywhere. The draped template is first registered coarsely to the
+    target, open contour on open contour; this transfers the axial distances and circumferences of all contours, and
+    also girths in between, straps and the shape of necklines. Every flat face is then to stretch as its 3D face did;
+    the nearest control points within symmetry and with equal seams are the graded pattern.
 
     Args:
         garment: The template draped on the wearer, contours named.
-        target: What to reach, contours named.
+        target: The surface to reach, contours named.
         body: The wearer of both.
-        settings: How.
+        settings: Settings of registration and fit.
         hooks: Progress and cancellation.
     """
     settings = settings or GradeSettings()
@@ -104,7 +102,7 @@ def move_pattern(garment: Garment, pattern: Pattern) -> Garment:
 
 
 def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSettings) -> tuple[Pattern, float]:
-    """Go towards the wanted points as far as every panel stays simple and counter-clockwise, with equal seams."""
+    """Step towards the wanted points as far as every panel stays simple and counter-clockwise, with equal seams."""
     share = 1.0
     for _ in range(settings.back_offs):
         wanted = pattern.with_points(pattern.points + share * (points - pattern.points))
@@ -116,7 +114,7 @@ def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSett
 
 
 def is_sound(graded: Pattern, base: Pattern, least_area: float = 0.05) -> bool:
-    """Return whether no panel crosses itself, runs clockwise or has less than a share of the area that it had."""
+    """Return whether no panel crosses itself, runs clockwise or has less than a share of its former area."""
     try:
         for panel, before in zip(graded.panels, base.panels, strict=True):
             check_outline(panel)

@@ -1,4 +1,4 @@
-"""Share a base pattern's girth out between front and back as the corners of the scan's hems do."""
+"""Divide a base pattern's girth between front and back as the corners of the scan's hems show."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from ...scan.contours.edge_turn import EdgeTurn
 from ...scan.contours.target import Contour, Target
 
 MIN_PANEL_WIDTH_CHANGE = 0.02
-"""Relative change of the width of a panel above which another base pattern is made: 5 mm of a quarter of the hip, as
-well as the place of a corner is known on a mesh of 1 cm."""
+"""Relative change of a panel's width above which the base pattern is changed: 5 mm of a quarter of the hip, the
+accuracy of a corner's place on a mesh of 1 cm."""
 
 MAX_PANEL_WIDTH_CHANGE = 0.30
-"""Relative change of the width of a panel above which what looks like two seams is taken for something else: fronts and
-backs of published trousers differ by up to a half at the hem, a quarter each from their mean."""
+"""Relative change of a panel's width above which two corners are not taken for seams: fronts and backs of published
+trousers differ by up to a half at the hem, a quarter each from their mean."""
 
 
 @dataclass(frozen=True)
 class HemShare:
-    """Describe how long an edge is between its two corners.
+    """Describe how a contour is divided by its two corners.
 
     Attributes:
         contour: Its name.
-        front: The stretch in front, by the whole.
-        turns: Both corners [rad].
+        front: The front's share of its length.
+        turns: Angles of both corners [rad].
     """
 
     contour: str
@@ -41,25 +41,25 @@ class HemShare:
         first, second = np.abs(np.degrees(self.turns))
         return (
             f"Corners of {first:.0f} and {second:.0f} degrees show where side seams end at the contour "
-            f"'{self.contour}': {100 * self.front:.0f} % of it lie in front; the base pattern was shared out so."
+            f"'{self.contour}': {100 * self.front:.0f} % of it are in front; the base pattern was divided so."
         )
 
 
 def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, tuple[HemShare, ...]]:
-    """Return a base pattern whose fronts and backs are as wide, by each other, as the scan's hems say.
+    """Return a base pattern with the ratio of front and back widths that the scan's hems show.
 
-    Where a slanted side seam meets a hem that was cut straight, the hem has a corner. It is seen in the cloth alone,
-    whatever the folds: the angles of the surface around a point of its edge sum up to less than pi, or to more. A
+    Where a slanted side seam meets a hem that was cut straight, the hem has a corner. It is visible in the cloth
+    whatever its folds: the angles of the surface around a point of its edge sum up to less than pi, or to more. A
     smooth side hides its seam everywhere else, and grading keeps the base pattern's proportions of front and back, so
-    these have to be right before. Each panel is scaled across, what is sewn above it alike; both together stay as wide.
+    these have to be right before. Each panel and what is sewn above it is scaled across; the sum of both widths stays.
 
-    Only garments that hang from the waist, whose hems each have one panel in front and one behind; a garment whose hems
-    show no corners, not two, or the base pattern's own share, comes back as it is.
+    Only for garments that hang from the waist, whose hems each have one panel in front and one behind. Where hems show
+    no corners, not two, or the base pattern's own ratio, the pattern is returned unchanged.
 
     Args:
         base: The base pattern.
         target: The scan's surface with named contours.
-        body: The wearer, who tells front from back.
+        body: The wearer, whose hips define the front.
 
     Returns:
         The pattern, and the shares that changed it; none where it is `base` itself.
@@ -89,7 +89,7 @@ def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, t
 
 
 def find_hem_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
-    """Find the two corners of a target's edge, one at each side; None where it has not just these two."""
+    """Find the two corners of a target's edge, one at each side; None where it has not exactly these."""
     edge = EdgeTurn.of_target(contour, target)
     corners = edge.corners()
     if len(corners) != 2:
@@ -121,7 +121,7 @@ def _facing_side(base: Pattern, name: str) -> str:
 
 
 def _scale(base: Pattern, factors: dict[str, float]) -> Pattern:
-    """Return a pattern whose panels in front and behind are scaled across about their middles, seams made equal."""
+    """Return a pattern whose front and back panels are scaled across about their middles, seams made equal."""
     panels = []
     for panel in base.panels:
         upright = np.abs(panel.rotation[1, :2])

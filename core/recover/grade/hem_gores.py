@@ -1,4 +1,4 @@
-"""Read the number of a skirt's gores, and how far they flare, from the corners of its hem."""
+"""Read the number of a skirt's gores, and their flare, from the corners of its hem."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ...scan.contours.edge_turn import EdgeTurn
 from ...scan.contours.target import Target
 
 MIN_GORE_COUNT = 6
-"""Number of corners from which a skirt is gored: four are where side and centre seams of a skirt of four panels end."""
+"""Number of corners from which a skirt is gored: a skirt of four panels has four, from side and centre seams."""
 
 MIN_GORE_EVENNESS_RATIO = 0.5
-"""Smallest ratio of the widths of two gores at the hem, and of two corners, of one skirt: below it something else made
-them, as slits or a torn edge do."""
+"""Smallest ratio of the widths of two gores at the hem, and of two corners, of one skirt: below it the corners have
+another cause, such as slits or a torn edge."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class HemGores:
         return cut.skirt is Skirt.GORED and cut.gores is self.gores
 
     def flare(self, cut: Cut) -> Cut:
-        """Return a cut with as many gores with them flared alike; others, and gores below darts, as they are."""
+        """Return a cut with as many gores flared to the same angle; others, and gores below darts, unchanged."""
         return replace(cut, sweep=self.sweep) if self.is_cut(cut) and cut.shaping is Shaping.NONE else cut
 
     def describe(self, cut: Cut) -> str:
-        """Return one sentence for the user, who is given a cut without them, with the parts that draft them."""
+        """Return a note to the user, whose cut has no gores, with the parts that draft them."""
         angle = np.degrees(self.sweep)
         seam = "" if cut.bodice is Bodice.NONE else ",waist=seam"
         return (
@@ -49,11 +49,11 @@ class HemGores:
 
 
 def find_gores(target: Target) -> HemGores | None:
-    """Find the gores of a skirt by its hem; None where that has not a corner at the end of each of their seams.
+    """Find the gores of a skirt by its hem; None unless each of their seams ends in a corner there.
 
-    A gore is cut straight across at the hem, at a right angle to its middle. Its sides slant, so where two are sewn
-    together the hem turns by the angle between their middles, and the whole hem by that of all of them: 2 pi is a full
-    circle. Folds change none of it (`EdgeTurn`). Gores whose hems are curved, so that they hang level, leave no corner.
+    A gore is cut straight across at the hem, at a right angle to its middle. Its sides slant, so at each seam the hem
+    turns by the angle between two middles, and the whole hem by the sum: 2 pi is a full circle. Folds do not change it
+    (`EdgeTurn`). Gores with hems curved to hang level leave no corner.
     """
     hem = next((one for one in target.contours if one.name == "hem" and one.trusted), None)
     if hem is None:

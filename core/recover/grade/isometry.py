@@ -1,4 +1,4 @@
-"""Panels and the cloth on a surface, isometric to each other: one linear system for nodes and control points."""
+"""Make panels and the cloth on a surface isometric: one linear system for nodes and control points."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from ...geometry.linear import Solver
 
 NEWTON_REACH = 10.0
-"""Reach of Gauss-Newton steps at last [m]: that only holds a node that nothing else holds."""
+"""Final reach of Gauss-Newton steps [m]: it only fixes a node that nothing else fixes."""
 
 NEWTON_PROPORTION = 0.0003
-"""Their cost of a rule's standard deviation: as much as a strain of 1.7 %, which is what unlike cloth leaves after
-them. With 3 % panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
+"""Cost of a rule's standard deviation in Gauss-Newton steps: as a strain of 1.7 %, which unlike cloth leaves after
+them. With 3 % the panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
 
 NEWTON_SEEN = 0.005
-"""Their distance of a seam from where the cloth's curvature shows it that costs as much as a strain of 1 [m]."""
+"""Distance of a seam from where curvature shows it that costs as much as a strain of 1, in these steps [m]."""
 
 MAX_STEP_TRIAL_COUNT = 5
 """Largest number of times that a step is tried, half as long each time."""
@@ -46,36 +46,33 @@ MAX_STEP_TRIAL_COUNT = 5
 
 @dataclass(frozen=True)
 class IsometrySettings:
-    """Set the joint fit of pattern and place.
+    """Describe the joint fit of pattern and nodes.
 
     Attributes:
         vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.1 s. Seams move as a whole.
-        steps: Steps at most; most garments rest after 5 to 10.
-        surface: A node that is this far from the target's tangent plane [m] costs as much per area as a strain of 1.
-            4 mm keeps nodes on the surface and lets a fold be cut short.
+        steps: Largest number of steps; most garments converge after 5 to 10.
+        surface: Distance of a node from the target's tangent plane [m] that costs as much per area as a strain of 1.
+            With 4 mm nodes stay on the surface, and a fold may be cut short.
         border: The same for a node on an open contour, across the contour [m].
-        along: Share of that cost for sliding along the contour, which is not seen.
-        newton: True for Gauss-Newton steps on Green's strain, False for steps with the rotations held (`Isometry`).
-        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
-            there where nothing else holds a node. Gauss-Newton steps begin with `reach_first`, and it doubles from
-            step to step up to this: 1 m moves a seam by a few centimetres at once.
-        farthest: No node goes further in one Gauss-Newton step [m], or its closest point on the target is another
-            one's: two edges of the mesh.
+        along: Share of that cost for sliding along the contour, which is not visible.
+        newton: True for Gauss-Newton steps on Green's strain, False for steps with fixed rotations (`Isometry`).
+        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1; only needed where
+            nothing else holds a node. Gauss-Newton steps begin with `reach_first`, and it doubles from step to step up
+            to this: 1 m moves a seam by a few centimetres at once.
+        farthest: Largest motion of a node in one Gauss-Newton step [m], two edges: beyond, its closest point changes.
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
-            strain of 3 % everywhere, which is what unlike cloth and folds leave.
-        believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment
-            hangs from its neck, or is tight, it strains by more than the 3 % of cloth that hangs free: clipped to 3 %,
-            panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
+            strain of 3 % everywhere, which unlike cloth and folds leave.
+        believed: Bound on the strain of a drape's cloth: above a tenth the triangles are bad. A garment that hangs from
+            its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %, panels of
+            ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
         facing: As in the coarse registration.
         curves: True where the handles of curves move, too.
         keep: Damping of the parameters, relative to the mean diagonal of their matrix.
-        stay: Cost by area of a panel's strain from where the fit began; 0 lets panels go wherever isometry leads.
+        stay: Cost by area of a panel's strain from the start of the fit; 0 for free panels.
         stay_band: The same for panels narrower than 12 cm.
-        stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; where
-            it is not 0 these nodes are not held in place but go where their panels lead them. A drape sags in the
-            armpit, and lengths measured from there are wrong by as much.
-        seen: A node of a seam that is this far from where curvature shows it (`find_seen_seams`) [m] costs as
-            much per area as a strain of 1; 0: that is not looked for.
+        stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; if not
+            0 these nodes follow their panels, for a drape sags in the armpit, and lengths from there are wrong.
+        seen: Distance of a seam's node from its seen place (`find_seen_seams`) that costs as a strain of 1 [m]; 0: off.
     """
 
     vertices: int = 1000
@@ -98,7 +95,7 @@ class IsometrySettings:
     seen: float = 0.0
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
-        """Return the same by Gauss-Newton steps, the handles of curves free or not."""
+        """Return the settings for Gauss-Newton steps, the handles of curves free or not."""
         return replace(
             self,
             newton=True,
@@ -116,11 +113,11 @@ class _Model:
     Attributes:
         strain: E as vectors of the same length, shape [face_count, k].
         by_nodes: Its rates by a face's corners, shape [face_count, k, corner, coordinate].
-        by_flat: Its rates by the parameters, turned about, shape [face_count, k, parameter_count].
-        area: Of each face, flat [m2].
-        mass: Of each node [m2].
-        held: What holds each node on the target, shape [node_count, 3, 3].
-        pulled: What pulls it there, shape [node_count, 3].
+        by_flat: Its negative rates by the parameters, shape [face_count, k, parameter_count].
+        area: Flat area of each face [m2].
+        mass: Area of each node [m2].
+        held: Stiffness of each node's tie to the target, shape [node_count, 3, 3].
+        pulled: Load of each tie, shape [node_count, 3].
     """
 
     strain: np.ndarray
@@ -134,39 +131,37 @@ class _Model:
 
 @dataclass(frozen=True)
 class Isometry:
-    """Describe what stays the same from step to step.
+    """Describe the problem that stays the same from step to step.
 
     Minimises over the nodes x and the parameters c of the pattern (`PatternParameters`) at once
-
         sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + seams + w A sum_k r_k^2
         + sum_f b_f A_f |J_f G_f - I|^2
+    by repeated linear least squares, from which the nodes are eliminated. With fixed rotations R_f a step has E = F - R
+    U J (a local-global scheme); a seam then moves slowly, which momentum accelerates (`solve_isometry`). By
+    Gauss-Newton steps on Green's strain, E = (F^T F - J^T U^2 J) / 2, which is independent of a face's rotation, it
+    slides over a bend at once. Seams stay equal to first order and are equalised after each step.
 
-    by linear least squares again and again; the nodes are eliminated from each. With the rotations R_f held for a step,
-    E = F - R U J (a local-global scheme); a seam creeps then, which momentum helps (`solve_isometry`). By Gauss-Newton
-    steps on Green's strain, E = (F^T F - J^T U^2 J) / 2, which is blind to how a face is turned, it slides over a bend
-    at once. Seams stay equal to first order and are equalised after each step.
-
-    Notation: E_f by how much the cloth misses what is wanted; F_f the map from face f's present flat shape to 3D, J_f
+    Notation: E_f deviation of the cloth from the wanted strain; F_f the map from face f's present flat shape to 3D, J_f
     the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target, R_f the isometry
-    nearest to F_f U_f; q_v, n_v closest point and normal on the target, l `surface`; r_k what the rules of
-    `Proportions` and `PatternParameters` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat
-    shape at the start, b_f `stay`, `stay_band` or `stay_hidden`.
+    nearest to F_f U_f; q_v, n_v closest point and normal on the target, l `surface`; r_k deviations from the rules of
+    `Proportions` and `PatternParameters`, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at
+    the start, b_f `stay`, `stay_band` or `stay_hidden`.
 
     Attributes:
         goal: The target.
         hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
         loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
-        borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
-        seams: Nodes of seams whose place is seen, and the planes they lie in.
+        borders: Nodes of each open contour, and the target's contour or, if not trusted, their own place [m].
+        seams: Nodes of seams whose place is visible, and their planes.
         strain: U, shape [face_count, 2, 2].
-        freedom: What may move of the pattern.
+        freedom: The free parameters of the pattern.
         proportions: Rules to keep.
         start: The pattern at the start.
         anchor: Matrix of the last sum, shape [parameter_count, parameter_count].
         coupled: Which nodes share a face.
-        slots: Where each face's blocks go, shape [face_count, 6].
-        solver: Analysed for it.
-        settings: How.
+        slots: Places of each face's blocks, shape [face_count, 6].
+        solver: Solver analysed for `coupled`.
+        settings: Weights and steps.
     """
 
     goal: TriangleSurface
@@ -194,15 +189,15 @@ class Isometry:
         strain: np.ndarray,
         settings: IsometrySettings,
     ) -> Isometry:
-        """Prepare the fit of a garment whose nodes lie on the target.
+        """Prepare the fit of a garment whose nodes are on the target.
 
         Args:
             garment: The mesh to start from.
             target: The scan's surface with named contours.
             body: The wearer, on whom the contours are named.
-            like: The template: tells symmetry and proportions.
+            like: The template, which gives symmetry and proportions.
             strain: U of each face, shape [face_count, 2, 2].
-            settings: How.
+            settings: Weights and steps.
         """
         from ...cloth.block_pattern import BlockPattern
         from ...cloth.solver import make_solver
@@ -210,7 +205,7 @@ class Isometry:
         borders = []
         for contour in name_contours(garment.nodes, garment.faces, body)[0]:
             other = target.contour(contour.name)
-            # Where none is to be trusted it stays where registration left it: panels that end nowhere would shrink.
+            # Without a trusted contour the border stays where registration left it: free panels would shrink.
             loop = garment.nodes[contour.vertices]
             if other is not None and other.trusted:
                 loop = target.vertices[other.vertices]
@@ -218,7 +213,7 @@ class Isometry:
         armpits = Armpits.of(garment, body)
         hidden, loose = armpits.hidden, np.zeros_like(armpits.hidden)
         if settings.stay_hidden > 0.0 and armpits.held.any():
-            loose[garment.faces[hidden[garment.faces].any(axis=1)]] = True  # beside them lies what scans have instead
+            loose[garment.faces[hidden[garment.faces].any(axis=1)]] = True  # next to them is what scans have instead
         on_border = [node for line, _ in borders for node in line]
         hidden[on_border] = loose[on_border] = False
         hidden &= ~loose
@@ -242,7 +237,7 @@ class Isometry:
         )
 
     def step(self, garment: Garment, reach: float) -> Garment:
-        """Return the garment after one step, which is halved until no panel folds over; at last it stays as it is."""
+        """Return the garment after one step, halved until no panel folds over; unchanged if none is found."""
         change, moved = self._solve(self._linearise(garment), garment, reach)
         share, follow = 1.0, update_flat_mesh if self.freedom.has_curves else move_pattern
         if self.settings.newton:
@@ -294,7 +289,7 @@ class Isometry:
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
         def gather(rates: np.ndarray) -> np.ndarray:
-            """Sum what faces ask of strain, shape [face_count, k, n], over their nodes, shape [3 node_count, n]."""
+            """Return faces' strain rates [face_count, k, n] summed over their nodes, shape [3 node_count, n]."""
             found = np.zeros((count, 3, rates.shape[2]))
             np.add.at(found, garment.faces, np.einsum("fskc,fsp->fkcp", weighted, rates))
             return found.reshape(3 * count, -1)
@@ -313,7 +308,7 @@ class Isometry:
         return change, (alone + follow @ change).reshape(-1, 3)
 
     def _hold(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return each node's area, what holds it on the target, shape [n, 3, 3], and pulls it there, shape [n, 3]."""
+        """Return each node's area, stiffness, shape [n, 3, 3], and load, shape [n, 3], of its tie to the target."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = lump(area, garment.faces, count)
         own = TriangleSurface(nodes, garment.faces).vertex_normals
@@ -339,7 +334,7 @@ class Isometry:
         return mass, held, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
-        """Return the change of the parameters under equal seams, pulled by rules and start."""
+        """Return the change of the parameters under equal seams, with the rules and the start."""
         damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
         matrix = matrix + self.anchor + damping * np.eye(len(matrix))
         if self.anchor.any():
@@ -352,7 +347,7 @@ class Isometry:
         return solve_with_seams(matrix, right, rows, np.zeros(len(rows)))
 
     def _measure_proportions(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
-        """Return what the rules of proportion miss, and its rates by the parameters."""
+        """Return the deviations from the rules of proportion, and their rates by the parameters."""
         missing, by_points = self.proportions.linearise(pattern)
         if not self.freedom.has_curves:
             return missing, by_points @ self.freedom.points
@@ -360,7 +355,7 @@ class Isometry:
 
 
 def _anchor(garment: Garment, freedom: PatternParameters, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
-    """Return the matrix that holds the panels' shape where it is, by the parameters."""
+    """Return the matrix that keeps the panels' shape, by the parameters."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
     stay = np.where(narrow, settings.stay_band, settings.stay)
@@ -377,6 +372,6 @@ def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: PatternParamet
 
 
 def _as_vector(matrix: np.ndarray) -> np.ndarray:
-    """Return the symmetric parts of 2x2 matrices, shape [n, 2, 2, ...], as vectors as long, shape [n, 3, ...]."""
+    """Return the symmetric parts of 2x2 matrices, shape [n, 2, 2, ...], as vectors of equal norm, shape [n, 3, ...]."""
     shear = (matrix[:, 0, 1] + matrix[:, 1, 0]) / np.sqrt(2.0)
     return np.stack([matrix[:, 0, 0], matrix[:, 1, 1], shear], axis=1)

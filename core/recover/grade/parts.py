@@ -1,4 +1,4 @@
-"""Which panels of a pattern belong together: seams counted as the eye counts them."""
+"""Find which panels of a pattern belong together, and count seams regardless of how edges are split."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ...geometry.connectivity import find_components
 from .flattening import MIN_GRADED_EDGE_LENGTH
 
 MIN_MIRROR_LENGTH_RATIO = 0.99
-"""Smallest ratio of lengths that mirror each other: equal, but for the rounding of the author."""
+"""Smallest ratio of lengths that mirror each other: equal up to the author's rounding."""
 
 
 def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
     """Count the seams between each two panels, by their names in order.
 
-    Edges that are sewn to the same other panel, and between which only darts or edges shorter than
-    `MIN_GRADED_EDGE_LENGTH` lie, are one seam: programs cut a waist seam into as many edges as there are darts in it.
+    Edges sewn to the same other panel with only darts or edges shorter than `MIN_GRADED_EDGE_LENGTH` between them are
+    one seam: programs split a waist seam at each of its darts.
     """
     partner = _partners(pattern)
     sides: dict[tuple[str, str], list[int]] = {}
@@ -32,10 +32,7 @@ def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
 
 
 def find_parts(pattern: Pattern) -> np.ndarray:
-    """Return which panels are graded as one, as a number for each panel, shape [panel_count].
-
-    Panels that are sewn to each other along two seams or more, as a front and its back, share girth and height.
-    """
+    """Return each panel's part number, shape [panel_count]: panels sewn along two seams or more are graded as one."""
     at = {panel.name: i for i, panel in enumerate(pattern.panels)}
     pairs = [(at[a], at[b]) for (a, b), count in count_seams(pattern).items() if count >= 2]
     rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
@@ -45,9 +42,8 @@ def find_parts(pattern: Pattern) -> np.ndarray:
 def find_armhole_pairs(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:
     """Find the pairs of control points across from each other at both ends of a panel's two armholes.
 
-    A panel of a part of several, as a front with its back, that is sewn to other parts along two stretches which mirror
-    each other has armholes: one pair is across the shoulders, the other across the chest. Numbers count the pattern's
-    points.
+    A panel of a part of several, such as front with back, has armholes if it is sewn to other parts along two stretches
+    that mirror each other: one pair is across the shoulders, one across the chest. Numbers count the pattern's points.
     """
     part = dict(zip((panel.name for panel in pattern.panels), find_parts(pattern), strict=True))
     members = Counter(part.values())
@@ -68,7 +64,7 @@ def find_armhole_pairs(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[i
 
 
 def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
-    """Return the panel that each sewn edge, by panel and number, is sewn to."""
+    """Return the panel to which each sewn edge, by panel and number, is sewn."""
     partner = {}
     for seam in pattern.seams:
         partner[seam.a.panel, seam.a.edge] = seam.b.panel
@@ -77,7 +73,7 @@ def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
 
 
 def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
-    """Return first point and last of each run of edges that are sewn away; darts within a run do not end it."""
+    """Return first and last point of each run of edges sewn to other parts; darts within a run do not end it."""
     count = len(away)
     runs = [away[i] or dart[i] for i in range(count)]
     found = []
@@ -89,7 +85,7 @@ def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
 
 
 def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Return whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
+    """Return whether two chords, traversed in turn, are the legs of an isosceles trapezium."""
 
     def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
         lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]
@@ -99,7 +95,7 @@ def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int
 
 
 def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[str]:
-    """Count the edges of a panel that are sewn to each other panel, those joined across darts or short edges as one."""
+    """Count a panel's edges sewn to each other panel, those joined across darts or short edges as one."""
     sewn = [
         (i, partner.get((panel.name, i)))
         for i in range(len(panel.edges))
@@ -116,7 +112,7 @@ def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[
 
 
 def edges_until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
-    """Return the edges after one up to the next stop, running forwards or backwards."""
+    """Return the edges after one up to the next stop, forwards or backwards."""
     found, at = [], (start + turn) % count
     while at not in stops:
         found.append(at)

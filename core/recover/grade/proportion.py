@@ -1,4 +1,4 @@
-"""What grading keeps of a base pattern where no scan can tell: proportions of sister panels, directions of edges."""
+"""Define what grading keeps of a base pattern without evidence in the scan: proportions and directions."""
 
 from __future__ import annotations
 
@@ -18,45 +18,41 @@ MIN_SISTER_AREA_RATIO = 0.6
 """Smallest ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
 
 AREA_RATIO_STD = 0.03
-"""Standard deviation that is believed of ln of a ratio of areas; five published patterns, graded by their authors' own
-program by up to a factor of two, keep it within 2.5 %."""
+"""Standard deviation of ln of a ratio of areas; five patterns graded up to twofold by authors keep it within 2.5 %."""
 
 MIN_COMPARED_AREA_SHARE = 0.5
-"""Smallest share of the area of a panel that counts where areas are compared: of two discs that are sewn together
-nothing does, of the panels of 60 patterns of three makers 0.56 and more."""
+"""Smallest share of a panel's area that is compared: two sewn discs have 0, panels of 60 patterns 0.56 or more."""
 
 LENGTH_RATIO_STD = 0.05
-"""Standard deviation of ln of a ratio of lengths of two edges in the same place of sister panels; there it is within 5
-%."""
+"""Standard deviation of ln of a ratio of lengths of two edges in the same place of sister panels; within 5 % there."""
 
 NOTCH_RATIO_STD = 0.2
-"""Standard deviation of ln of the ratio of lengths of two edges that follow each other on one seam: nothing of the
-cloth tells where along a smooth seam the point between them lies. A dress and shorts that the program of their authors
-graded keep it within 0.3, 0.2 in the root mean square: the hip stays, the hem goes down."""
+"""Standard deviation of ln of the ratio of lengths of two consecutive edges of one seam: the cloth does not show where
+along a smooth seam the point between them is. A dress and shorts graded by their authors' program keep it within 0.3,
+0.2 in the root mean square: the hip stays, the hem moves down."""
 
 WIDTH_RATIO_STD = 0.04
-"""Standard deviation of ln of the ratio of the width of a bodice across the shoulders to that across the chest, from
-armhole to armhole: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. Where a shoulder
-is smooth nothing else tells where the armhole crosses it."""
+"""Standard deviation of ln of the ratio of a bodice's width across the shoulders to that across the chest, from armhole
+to armhole: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. On a smooth shoulder
+nothing else shows where the armhole crosses it."""
 
 MIN_UNLIKE_LENGTH_RATIO = 1.7
-"""Ratio of lengths from which the open contours of two sisters are cut in other lines: a V neckline has twice the
+"""Ratio of lengths from which the open contours of two sisters are cut in different lines: a V neckline has twice the
 length of the back neckline, a crew neck 1.5 times."""
 
 THREAD_ANGLE_STD = np.radians(1.0)
-"""Standard deviation of the angle between an edge and the thread that it follows [rad]: it is drawn along it or it is
-not."""
+"""Standard deviation of the angle between an edge and the thread along which it is drawn [rad]."""
 
 EDGE_DIRECTION_STD = np.radians(3.0)
-"""Standard deviation of the direction of any other edge [rad]: there armholes, caps and crotches turn by up to 3
-degrees and grow by up to half: grading changes lengths more than directions."""
+"""Standard deviation of the direction of any other edge [rad]: armholes, caps and crotches turn by up to 3 degrees and
+grow by up to half: grading changes lengths more than directions."""
 
 MAX_THREAD_ANGLE = np.radians(1.0)
-"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad]: a slip of the pen."""
+"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad]: drawing inaccuracy."""
 
 DIRECTION_SHARE = 0.1
-"""Cost of one standard deviation of a direction by that of a ratio: enough where the cloth says nothing, and a tenth of
-what it says about a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 changed nothing more."""
+"""Cost of one standard deviation of a direction by that of a ratio: enough where the cloth gives no evidence, and a
+tenth of its evidence on a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 changed nothing more."""
 
 
 @dataclass(frozen=True)
@@ -64,18 +60,16 @@ class Proportions:
     """Describe what grading a garment keeps.
 
     Attributes:
-        sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts,
-            where that is at least `MIN_COMPARED_AREA_SHARE`.
+        sisters: Compared areas, if `MIN_COMPARED_AREA_SHARE` or more, of two like panels sewn along two seams or more.
         areas: ln of the compared area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
-        notched: Edges that follow each other on one seam between two panels.
+        notched: Consecutive edges of one seam between two panels.
         notches: ln of the length of the first by that of the second, shape [notch_count].
-        widths: Two pairs of points each: of a panel, across at the one and at the other end of its armholes, as
-            `find_armhole_pairs` gives them; then of two sisters, across at the same place of the seams between them,
-            and across an open contour that is far longer on the one.
+        widths: Two pairs of points each: across a panel at both ends of its armholes (`find_armhole_pairs`); across two
+            sisters at the same place of their seams, and at an open contour that is far longer on the one.
         width_ratios: ln of the first distance by the second, shape [width_pair_count].
-        vectors: Vectors along short edges and across darts, as `kept_vectors` gives them, shape [k, 2 point_count].
+        vectors: Vectors along short edges and across darts (`kept_vectors`), shape [k, 2 point_count].
         drawn: Those of the base pattern, in standard deviations, shape [k].
         directed: Longer edges whose direction is kept: all but the seams between sisters, whose taper makes the girth.
         across: Unit vector across the chord of each, shape [directed_count, 2].
@@ -97,11 +91,10 @@ class Proportions:
     spread: np.ndarray
 
     def linearise(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
-        """Return what each rule misses, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
+        """Return the deviation from each rule, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
 
-        Both in standard deviations of a ratio; curves follow their chords. An edge that lies far off its direction is
-        believed to be cut otherwise: it is weighed as by Cauchy's distribution, d sum ln(1 + (angle / s)^2), s its
-        `spread`, d `DIRECTION_SHARE`.
+        Both in standard deviations of a ratio; curves follow their chords. An edge far off its direction is taken to be
+        cut otherwise, by a Cauchy weight: d sum ln(1 + (angle / s)^2), s its `spread`, d `DIRECTION_SHARE`.
         """
         missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
@@ -136,10 +129,7 @@ class Proportions:
         return np.array(missing), np.concatenate([others, self.vectors])
 
     def curve_rates(self, pattern: Pattern) -> np.ndarray:
-        """Return the rates of the rules by the handles of all curves, shape [rule_count, 2 handle_count].
-
-        In the order and the units of `linearise`; only areas and lengths have any.
-        """
+        """Return the rates of `linearise`'s rules by all curves' handles, shape [rule_count, 2 handle_count]."""
         size = 2 * len(handles_of(pattern))
 
         def ratios(pairs: tuple[tuple[EdgeRef, EdgeRef], ...], spread: float) -> np.ndarray:
@@ -164,10 +154,9 @@ class Proportions:
 def find_proportions(like: Pattern) -> Proportions:
     """Find the panels of a base pattern that are cut in proportion, and the directions of their edges.
 
-    Front and back are sewn along two seams or more and are alike in area. Where a smooth surface hides the seam
-    between them the scan cannot say how its girth is shared out; the base pattern can, and grading keeps it. Nor does a
-    cloth's shape tell a hem that is cut a little askew, or where an armhole lies that fits its sleeve's cap like a
-    piece of a puzzle; who grades a pattern keeps their directions, and hems along the thread.
+    Front and back are sewn along two seams or more and are alike in area. Where a smooth surface hides the seam between
+    them the scan does not show how the girth is divided; grading keeps the base pattern's division. Nor does cloth show
+    a slightly slanted hem, or the place of an armhole that fits its sleeve's cap: their directions stay.
     """
     seams = count_seams(like)
     sisters, edges = [], []
@@ -225,11 +214,7 @@ def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[Edge
 
 
 def _match_sister_edges(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
-    """Pair the edges of two sister panels that lie between the same two of their common seams.
-
-    The second panel is run through the other way round, as its edges meet the first's along a reversed seam. Stretches
-    between seams with unlike numbers or kinds of edges are left out.
-    """
+    """Pair edges of two sister panels, the second reversed, between common seams, if equal in number and kinds."""
     partner = _sewn_edges(like, first, second)
     count, other = len(like.panel(first).edges), len(like.panel(second).edges)
     pairs = []
@@ -250,10 +235,10 @@ def _match_sister_edges(like: Pattern, first: str, second: str) -> list[tuple[Ed
 
 
 def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Pair the widths of two sister panels between the points within two seams that join them and mirror each other.
+    """Pair the widths of two sister panels at inner points of two seams that join them and mirror each other.
 
-    Where a side is smooth, its seam can wander to the front at the waist and to the back at the hip. The ends of the
-    seams are left out: `_match_sister_edges` keeps hems and necklines, `find_armhole_pairs` the chest.
+    On a smooth side its seam can drift forwards at the waist and backwards at the hip. The seams' ends are left out:
+    `_match_sister_edges` keeps hems and necklines, `find_armhole_pairs` the chest.
     """
     panel = like.panel(first)
     mine, theirs = like.first_points[first], like.first_points[second]
@@ -272,9 +257,9 @@ def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[
 def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Pair the widths of two sister panels at an open contour that is far longer on the one: a V in front.
 
-    Both begin where the same two seams end. In the trade's drafts they are as wide within 1 cm (W. Aldrich, Metric
-    Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). Contours that are
-    alike in length are kept by it (`_match_sister_edges`).
+    Both begin at the ends of the same two seams. Published drafts have equal widths within 1 cm (W. Aldrich, Metric
+    Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). For contours of
+    like length `_match_sister_edges` keeps the width.
     """
     panel, sister, found = like.panel(first), like.panel(second), []
     mine, theirs = like.first_points[first], like.first_points[second]
@@ -292,7 +277,7 @@ def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple
 
 
 def _common_seams(like: Pattern, first: str, second: str) -> list[list[tuple[int, int]]]:
-    """List the seams between two panels as runs of points of the first, each with the second's that it is sewn to."""
+    """Return the seams between two panels as runs of points of the first, each with the second's sewn to it."""
     partner = _sewn_edges(like, first, second)
     count, other = len(like.panel(first).edges), len(like.panel(second).edges)
 
@@ -312,7 +297,7 @@ def _common_seams(like: Pattern, first: str, second: str) -> list[list[tuple[int
 
 
 def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
-    """Return the edges of a panel that are sewn to another, each with the edge of that."""
+    """Return the edges of a panel that are sewn to another, each with the other's edge."""
     return {
         here.edge: there.edge
         for seam in like.seams
@@ -322,10 +307,7 @@ def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
 
 
 def _consecutive_seam_edges(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
-    """Pair the edges that follow each other on one seam between two panels, on the first of both by name.
-
-    Closed darts between them are left out: where along a smooth waist a dart lies, the cloth does not tell either.
-    """
+    """Pair the consecutive edges of one seam between two panels, on the first of both by name, across closed darts."""
     sewn = {ref: other for seam in like.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
     found = []
     for ref, other in sewn.items():
@@ -336,7 +318,7 @@ def _consecutive_seam_edges(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...
 
 
 def _skip_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
-    """Return the edge next to one in a panel, forwards or backwards, past darts, whose two edges are sewn together."""
+    """Return the next edge of a panel, forwards or backwards, past darts, whose two edges are sewn together."""
     count = len(like.panel(ref.panel).edges)
     at = (ref.edge + turn) % count
     while sewn.get(EdgeRef(ref.panel, at)) == EdgeRef(ref.panel, (at + turn) % count):

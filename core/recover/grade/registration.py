@@ -1,4 +1,4 @@
-"""Bring a draped template coarsely onto the target: contour to contour, surface to surface, smooth in between."""
+"""Register a draped template coarsely to the target: contour to contour, surface to surface, smooth in between."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from .parts import find_parts
 
 @dataclass(frozen=True)
 class HiddenCloth:
-    """Describe how cloth that is hidden follows what is seen of it.
+    """Describe how hidden cloth follows the visible cloth.
 
     Attributes:
         even: Length [m] above which a displacement is even rather than smooth: 5 cm, two edges of the mesh, joins the
-            visible part smoothly and leaves lengths as they are over any hidden part that matters.
-        rest: Length [m] to which cloth that rests on the body, below the crotch or on a shoulder, keeps its place
-            against the cloth around it: 5 cm, less than the way between two things that cloth rests on.
+            visible part smoothly and keeps lengths over any hidden part of relevant size.
+        rest: Length [m] to which cloth resting on the body, below the crotch or on a shoulder, keeps its place relative
+            to the cloth around it: 5 cm, less than the way between two supports.
         level: Share of the vertical in its normal from which cloth rests: nearer to level than to upright.
     """
 
@@ -59,27 +59,24 @@ class HiddenCloth:
 
 @dataclass(frozen=True)
 class RegistrationSettings:
-    """Set the coarse registration.
+    """Describe the coarse registration.
 
     Attributes:
         steps: Solves; each takes one closest-point query each way. 40 let matches settle between two reaches.
         reach_first, reach_last: Length [m] below which displacements are smoothed, at the first and the last step: from
-            half a torso, so that garments slide over each other as a whole, to half a fold; that took the panels' area
-            error on five garments from 16 % (at 4 cm) to 13 %.
+            half a torso, so that garments slide over each other as a whole, to half a fold; that reduced the panels'
+            area error on five garments from 16 % (at 4 cm) to 13 %.
         contour_reach: The same for matched contours: 5 mm, they fit almost exactly.
-        facing: A closest point counts where both normals agree to this cosine; 0.3 (72 degrees) keeps folds and drops
-            the other leg.
+        facing: A closest point counts where both normals agree to this cosine; 0.3 keeps folds, not the other leg.
         across_seams: Cost of a kink of the displacement at a seam between parts of the garment, such as sleeve and body
-            or top and skirt, as a share of that within one. Each is graded in its own proportion: a sleeve twice as
-            long must not take the shoulder along. A thousandth halves the error of the panels' areas on five garments,
-            from 7 to 3.5 %, and takes their outlines from 21 to 15 mm; a hundredth goes half of that way.
-        samples: Target vertices that look for the source, at most; as many as a garment mesh has.
-        even: Length [m] above which a displacement is even rather than smooth beyond where the target ends at an open
-            curve of the garment that no contour holds, as `HiddenCloth.even`. Left to extrapolate, the end of a sleeve
-            was thrown out to a point. With 15 cm a skirt whose hem is cut off takes a little more of the scan's flare,
-            and crumpled cuffs stray twice as far.
-        hidden: What lies beyond a hidden border follows the cloth at it as `HiddenCloth` says; None: it stays where it
-            is.
+            or top and skirt, as a share of that within a part. Each part is graded in its own proportion: a sleeve
+            twice as long must not move the shoulder. A thousandth halves the error of the panels' areas on five
+            garments, from 7 to 3.5 %, and that of their outlines from 21 to 15 mm; a hundredth achieves half of that.
+        samples: Largest number of target vertices that are matched to the source; as many as a garment mesh has.
+        even: `HiddenCloth.even` beyond the target's end at an open curve without a matched contour. Extrapolated
+            instead, the end of a sleeve became a spike. With 15 cm a skirt whose hem is cut off takes a little more of
+            the scan's flare, and crumpled cuffs are off by twice as much.
+        hidden: How cloth beyond a hidden border follows the cloth at it; None: it stays where it is.
     """
 
     steps: int = 40
@@ -103,16 +100,16 @@ def register_coarsely(
     """Move the nodes of a draped template onto the target [m], shape [node_count, 3].
 
     Each step minimises over the displacement d
-
         int |lap d|^2 dA + (int |d - q|^2 dA + int |x + d - t|^2 dT) / r^4 + int_contours |d - q_c|^2 / r_c^3 ds
 
-    Notation: r `reach`, r_c `contour_reach`; q leads each node x to the plane of its closest point on the target; each
-    target point t pulls the point of the garment that was closest to it; q_c leads each contour node to the point at
-    the same share of the target contour's length. Integrals over the garment run over its flat rest shape, so that the
-    result does not depend on the mesh. What `HiddenCloth` adds beyond a hidden border makes d even there, so that
-    the cloth keeps its lengths; so does int |grad d|^2 dA / `even`^2 beyond the target's end at an open curve that is
-    not pinned. Cloth that `armpits` hide takes and gives no closest points; what is held of it is pulled to where it is
-    worn as others are to their closest points.
+    Notation: r `reach`, r_c `contour_reach`; q from each node x to the plane of its closest point on the target; t
+    target points, each matched to the point of the garment closest to it; q_c from each contour node to the point at
+    the same share of the target contour's length.
+
+    Integrals over the garment run over its flat rest shape, so that the result does not depend on the mesh. Beyond a
+    hidden border `HiddenCloth` makes d even, so that the cloth keeps its lengths; so does int |grad d|^2 dA / `even`^2
+    beyond the target's end at an open curve that is not pinned. Cloth that `armpits` hide has no closest points; its
+    `held` nodes are drawn to where they are worn.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
@@ -126,7 +123,7 @@ def register_coarsely(
     share = goal.vertex_areas[picked] * (mass.sum() / goal.vertex_areas[picked].sum())
     # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
     fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
-    # The bending reaches two rings around a node, all else one.
+    # The bending couples two rings around a node, all else one.
     edges = HalfEdges.of(garment.faces, len(start))
     solver = analyse_pattern(edges, rings=2)
     moved = start.copy()
@@ -139,7 +136,7 @@ def register_coarsely(
         found, seen = match_surface(goal, moved, here.vertex_normals, settings.facing)
         out = goal.face_normals[found.face]
         weight = np.where(seen & (pins == 0) & ~hidden, mass, 0.0) / reach**4
-        # What sees nothing stays about where it is, or it would be thrown far out.
+        # Nodes without a match stay about in place; otherwise they would be extrapolated far out.
         still = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
         held = fixed
         if rim is not None and settings.hidden is not None:
@@ -164,7 +161,7 @@ def register_coarsely(
 
 
 def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettings) -> tuple[np.ndarray, np.ndarray]:
-    """Return each node's pull to its matched contour, [node_count], and its displacement there [m], [node_count, 3]."""
+    """Return each node's weight to its matched contour, [node_count], and displacement there [m], [node_count, 3]."""
     pins, pinned = np.zeros(len(garment.nodes)), np.zeros((len(garment.nodes), 3))
     for contour in garment.contours:
         other = target.contour(contour.name)
@@ -187,10 +184,7 @@ def _find_reachable(ends: np.ndarray, passable: np.ndarray, edges: np.ndarray) -
 def match_surface(
     surface: TriangleSurface, points: np.ndarray, normals: np.ndarray, facing: float
 ) -> tuple[ClosestPoints, np.ndarray]:
-    """Find closest points, and whether each counts: not at an open edge, and its face's normal alike.
-
-    At an open edge a closest point means that the surface ends, not that it is near.
-    """
+    """Find closest points, and whether each counts: not at an open edge, where the surface ends, and normals agree."""
     found = surface.closest(points)
     alike = (surface.face_normals[found.face] * normals).sum(1) > facing
     return found, alike & ~surface.border_faces[found.face]
@@ -199,8 +193,7 @@ def match_surface(
 def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tuple[np.ndarray, np.ndarray]:
     """Match two closed curves by their share of length from the best common start.
 
-    Both run with the garment on the left, so only the start is free; it is the one of `samples` that leaves the least
-    squared distance between the centred curves.
+    Both run with the garment on the left; only the start is free: of `samples` the one of least squared distance.
 
     Returns:
         Points on the target [m], shape [source_count, 3], and the length [m] that each source point stands for.
@@ -237,7 +230,7 @@ def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_mat
 
     Args:
         garment: The garment.
-        across: Cost of a kink at a seam between parts, as a share of what it costs elsewhere.
+        across: Cost of a kink at a seam between parts, as a share of its cost elsewhere.
     """
     sewn, mass = _bending(garment.rest, garment.faces, len(garment.nodes))
     part = find_parts(garment.pattern)

@@ -1,4 +1,4 @@
-"""Places where the curvature of the cloth shows a seam, which nothing else tells on a smooth surface."""
+"""Find seams whose place on a smooth surface only the curvature of the cloth shows."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class SeenSeam:
     offset: float
 
     def miss(self, nodes: np.ndarray) -> np.ndarray:
-        """Return how far its nodes are off the plane [m], given all nodes [m]; shape [n]."""
+        """Return the distance of its nodes from the plane [m], given all nodes [m]; shape [n]."""
         return np.asarray(nodes[self.nodes] @ self.normal - self.offset)
 
 
 def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenSeam, ...]:
     """Find the nodes of a drafted garment whose place on the target its curvature shows.
 
-    How high a smooth waist is sewn: in front two panels can share the cloth at any height. How wide shoulders are cut:
-    an armhole can cross them anywhere.
+    These are the height of a smooth waist seam, for in front two panels can share the cloth at any height, and the
+    width of the shoulders, which an armhole can cross anywhere.
 
     Args:
         garment: The mesh, nodes on the target.

@@ -1,4 +1,4 @@
-"""Choose a sleeve by its length: how far along the arm the scan's cuffs lie."""
+"""Choose a sleeve by its length: how far along the arm the scan's cuffs are."""
 
 from __future__ import annotations
 
@@ -16,19 +16,18 @@ DRAFT_ARM_LENGTH = 0.49
 """Length of the arm from shoulder to wrist that sleeves are drafted for [m]: the built-in female body's of 1.70 m."""
 
 MIN_SLEEVE_MISMATCH_FACTOR = 1.5
-"""Factor by which a sleeve has to be too long or too short to be replaced: grading mends lengths, and a shoulder seam
-that drops down the arm makes a short sleeve reach 1.3 to 1.5 times as far as it is long."""
+"""Factor by which a sleeve has to be too long or too short to be replaced: grading corrects lengths, and with a dropped
+shoulder seam a short sleeve reaches 1.3 to 1.5 times its length."""
 
 MAX_SLEEVE_DISTANCE_SHARE = 1.0 / 3.0
-"""Share of the distance of a sleeve from the length of the scan, in logarithms, below which that of another has to be
-to replace it: halfway between two a change gains nothing (that of a T-shirt at 0.47: panels 3.0 % off become 3.4 %
-off)."""
+"""A sleeve replaces another if its distance from the scan's length, in logarithms, is below this share of the other's:
+halfway between two a change gains nothing (that of a T-shirt at 0.47: panels 3.0 % off become 3.4 % off)."""
 
 
 def fit_sleeve(target: Target, body: Body, cut: Cut) -> Cut:
-    """Return the cut with the sleeve whose length is clearly the scan's; the cut where none is, or its own is near it.
+    """Return the cut with the sleeve whose length is clearly the scan's; unchanged where none is, or its own is near.
 
-    Lengths are taken from the shoulder joint along the arm to the middle of the cuff, by the arm's length.
+    Lengths run from the shoulder joint along the arm to the middle of the cuff, as a share of the arm's length.
     """
     reach = cuff_reach(target, body)
     if reach is None or cut.sleeve is Sleeve.NONE:
@@ -43,7 +42,7 @@ def fit_sleeve(target: Target, body: Body, cut: Cut) -> Cut:
 
 
 def cuff_reach(target: Target, body: Body) -> float | None:
-    """Return how far along the arm the cuffs lie, by the way from shoulder to wrist; None where none is trusted."""
+    """Return the distance of the cuffs along the arm as a share of shoulder to wrist; None where none is trusted."""
     found = []
     for contour in target.contours:
         if contour.name.startswith("cuff") and contour.trusted:

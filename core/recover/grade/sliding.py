@@ -26,18 +26,16 @@ NEWTON_REACH_GROWTH = 2.0
 
 @dataclass(frozen=True)
 class SlideSettings:
-    """Set the sliding of the seams.
+    """Describe the sliding of the seams.
 
     Attributes:
-        settled: Largest motion of a control point in one step [m] below which the sliding ends. A millimetre is a
-            tenth of what is left of the outlines.
+        settled: Motion of a control point in a step below which the sliding ends [m]: a tenth of the outlines' error.
         isometry: The steps. 800 vertices: 500 cut folds so short that outlines are off by 10 mm more; 1000 take half as
-            long again and gain nothing. No strain is believed but what its coarse mesh cuts the folds short by: the
-            template's drape is of another size, and its strain spoils skirts by 3 % in area. `stay` 0.02: a panel that
-            is strained by 7 % from the graded pattern costs as much as cloth that is strained by 1 %; without it a
-            waist seam slides on without end where the surface is smooth. Bands keep their shape: where their long seams
-            lie cannot be seen. So does what hanging arms hide: sleeves of a T-shirt lost 8 % to where it is worn, 4 %
-            with it.
+            long again and gain nothing. Of the strain only what the coarse mesh cuts folds short by is used: the
+            template's drape has another size, and its strain changes skirts by 3 % in area. `stay` 0.02: a panel
+            strained by 7 % from the graded pattern costs as much as cloth strained by 1 %; without it a waist seam
+            slides without end where the surface is smooth. Bands keep their shape, for the place of their long seams is
+            not visible, as does cloth that hanging arms hide: sleeves of a T-shirt lost 8 % without it, 4 % with it.
     """
 
     settled: float = 1e-3
@@ -48,7 +46,7 @@ class SlideSettings:
     )
 
     def by_newton(self, curves: bool = False) -> SlideSettings:
-        """Return the same by Gauss-Newton steps, the handles of curves free or not."""
+        """Return the settings for Gauss-Newton steps, the handles of curves free or not."""
         return replace(self, isometry=self.isometry.by_newton(curves))
 
 
@@ -63,8 +61,8 @@ def slide_seams(
 ) -> Garment:
     """Slide the seams of a graded garment over the target until panels and cloth are isometric.
 
-    Registration knows the surface to a millimetre, but not where on it a seam lies, and spreads the stretch evenly. A
-    developable panel can only be bent, so the seams have to lie where the target's Gaussian curvature is: at the waist,
+    Registration finds the surface to a millimetre, but not where on it a seam is, and spreads the stretch evenly. A
+    developable panel can only be bent, so the seams have to be where the target's Gaussian curvature is: at the waist,
     round the arm. Each step solves for nodes and pattern at once (`Isometry`).
 
     **Deviation** from thesis 3.2.3, which moves the points of open contours only.
@@ -73,8 +71,8 @@ def slide_seams(
         garment: The graded pattern's mesh, nodes registered on the target.
         target: The scan's surface with named contours.
         body: The wearer, on whom the contours are named.
-        like: The template: tells symmetry and proportions.
-        settings: How.
+        like: The template, which gives symmetry and proportions.
+        settings: Steps and their end.
         hooks: Progress and cancellation.
 
     Returns:
@@ -95,11 +93,11 @@ def slide_seams(
 
 
 def mesh_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment, np.ndarray]:
-    """Return a coarse mesh of a garment on the target, and by how much its faces' cloth is believed to be strained.
+    """Return a coarse mesh of a garment on the target, and the estimated strain of its faces' cloth.
 
     Args:
         garment: The graded pattern's mesh, nodes registered on the target.
-        settings: Vertices and believed strain.
+        settings: Vertices and the bound on strain.
 
     Returns:
         The mesh, its nodes on the target, and U of each face, shape [face_count, 2, 2].
@@ -111,7 +109,7 @@ def mesh_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment
 
 
 def can_be_meshed(garment: Garment) -> bool:
-    """Return whether a pattern can be cut into triangles as fine as its garment's own."""
+    """Return whether a pattern can be triangulated as finely as its garment."""
     try:
         mesh_pattern(garment.pattern, len(garment.nodes))
     except BadInput:
@@ -120,16 +118,16 @@ def can_be_meshed(garment: Garment) -> bool:
 
 
 def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:
-    """Repeat the step of a problem until the pattern rests, or its settings' number of steps is over.
+    """Repeat the step of a problem until the pattern rests, or the number of steps is reached.
 
-    Steps with the rotations held go on with momentum (Nesterov's, begun anew where it goes against the last step:
-    O'Donoghue and Candes 2015); the damping of Gauss-Newton steps falls.
+    Steps with fixed rotations use momentum (Nesterov's, restarted where it opposes the last step: O'Donoghue and Candes
+    2015); the damping of Gauss-Newton steps falls.
 
     Args:
-        problem: What to solve.
+        problem: The problem to solve.
         start: The garment to start from.
         settled: Largest motion of a control point in one step [m] below which it ends.
-        tell: Hears the number of each step before it is made.
+        tell: Called with the number of each step before it is made.
     """
     chosen = problem.settings
     found = tried = start

@@ -1,4 +1,4 @@
-"""By how much the cloth on a target is strained, as a coarse mesh sees it."""
+"""Estimate the strain of the cloth on a target at the resolution of a coarse mesh."""
 
 from __future__ import annotations
 
@@ -11,19 +11,18 @@ from ...geometry.intersections import self_intersections
 from .flattening import garment_stretch, narrow_panels
 
 MIN_COARSE_LENGTH_RATIO = 0.8
-"""Smallest ratio of the length of a coarse edge to that of the folds under it; tighter folds are crumples of a
-registration."""
+"""Smallest ratio of a coarse edge's length to that of the folds under it; tighter folds are errors of registration."""
 
 
 def clamp_stretch(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
     """Return a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
 
-    Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
+    Narrow panels keep it unclipped, as in grading: a band is cut shorter than what it holds.
 
     Args:
-        coarse: A mesh of the drape's pattern; its nodes do not matter.
+        coarse: A mesh of the drape's pattern; its nodes are not used.
         drape: The drape.
-        believed: Strain that woven cloth is believed to have.
+        believed: Largest strain assumed for woven cloth.
     """
     values, axes = np.linalg.eigh(_mean_square(coarse, drape, garment_stretch(drape, drape.nodes)))
     values = np.sqrt(values)
@@ -32,11 +31,11 @@ def clamp_stretch(coarse: Garment, drape: Garment, believed: float) -> np.ndarra
 
 
 def subgrid_stretch(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
-    """Return by how much the coarse mesh cuts registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
+    """Return the shortening of registered cloth's folds by the coarse mesh as a stretch, shape [face_count, 2, 2].
 
     With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
-    which H C H = D; clipped to `MIN_COARSE_LENGTH_RATIO` and to no lengthening. Around cloth that passes through itself
-    it is 1: what crosses there was crumpled by the registration, or is another layer, and no fold of the scan.
+    which H C H = D; clipped to `MIN_COARSE_LENGTH_RATIO` and to no lengthening. Around cloth that crosses itself it is
+    1: crossings are crumples of the registration, or another layer, and no folds of the scan.
     """
     square = _mean_square(coarse, fine, garment_stretch(fine, registered))
     found = _mean_square(coarse, coarse, garment_stretch(coarse, coarse.nodes))
@@ -62,8 +61,8 @@ def _find_crossed(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.
 def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndarray:
     """Average the squares of a fine mesh's stretches around each face of a coarse one, shape [face_count, 2, 2].
 
-    Both are meshes of one pattern. A fine face counts for the coarse face whose middle is next, and this for its three
-    corners: 3 cm around, which evens out what registration crumples.
+    Both are meshes of one pattern. A fine face counts for the coarse face with the nearest middle, and this for its
+    three corners: 3 cm around, which smooths crumples of the registration.
     """
     square, middles = stretch @ stretch, coarse.rest.mean(axis=1)
     total = np.zeros((len(coarse.uv), 2, 2))

@@ -1,4 +1,4 @@
-"""Gaussian curvature of the cloth around the trunk: where seams and darts end what a flat panel can be bent to."""
+"""Compute the Gaussian curvature of the cloth around the trunk: it is not zero at curved seams and ends of darts."""
 
 from __future__ import annotations
 
@@ -20,14 +20,13 @@ from ..drape.sizing import measure_wearer
 class TrunkCurvature:
     """Describe the Gaussian curvature of a garment's cloth in the axes of its wearer's trunk.
 
-    Between its seams a panel is developable: its curvature is zero however it hangs. Along a curved seam, and where a
-    dart ends, it is not.
+    Between its seams a panel is developable: its curvature is zero, unlike at curved seams and ends of darts.
 
     Attributes:
         points: Vertices [m]: to the wearer's left, upwards from the resting body's feet, forwards, shape [n, 3].
         curvature: Of each, 2 pi less the sum of the angles around it [rad], shape [n]; 0 on open contours.
         on_rim: Vertices of open contours and of holes, shape [n].
-        faces_up: Vertices whose normal is nearer to upwards than 60 degrees, shape [n].
+        faces_up: Vertices whose normal is within 60 degrees of upwards, shape [n].
         measures: Of the wearer.
         shoulders: The wearer's left and right shoulder joint, shape [2, 3].
         axes: Unit vectors to the wearer's left, upwards and forwards, shape [3, 3].
@@ -65,7 +64,7 @@ class TrunkCurvature:
     def gather(self, places: np.ndarray, counted: np.ndarray, reach: float) -> np.ndarray:
         """Return the curvature around places [rad], shape [m]: a vertex at distance d counts by (1 - (d / reach)^2)^3.
 
-        The share falls smoothly, so that what noise adds at one vertex and takes from its neighbours cancels.
+        The share falls smoothly, so that noise, which adds at one vertex what it takes from its neighbours, cancels.
 
         Args:
             places: In the trunk's axes [m], shape [m, 3].

@@ -1,4 +1,4 @@
-"""Find the line at which a bodice and a skirt or legs were sewn together: there the cloth is curved."""
+"""Find the line at which a bodice is sewn to a skirt or legs by the curvature of the cloth there."""
 
 from __future__ import annotations
 
@@ -12,26 +12,22 @@ from ...garment.pattern import Pattern, Seam
 from .trunk_curvature import TrunkCurvature
 
 WAIST_HALF_WIDTH_SHARE = 0.16
-"""Share of the girth of the waist up to which curvature is counted on both sides of the middle plane: 13 cm of 82. Half
-the width of a waist is 0.19 of its girth and more, and at the sides a dress in one piece is curved by its side
-seams."""
+"""Share of the waist girth up to which curvature is counted on both sides of the middle plane: 13 cm of 82. Half the
+width of a waist is 0.19 of its girth and more, and at the sides a dress in one piece is curved by its side seams."""
 
 CURVATURE_BAND_HEIGHT, CURVATURE_BAND_COUNT = 0.04, 8
 """Height [m] of the bands by which curvature is summed, and their number, half of them below the waist. A seam across
-lies within two of them; together they reach from below the bust to the hips."""
+is within two of them; together they reach from below the bust to the hips."""
 
 MIN_WAIST_CURVATURE = 1.0
 """Curvature of front and back together from which a line is accepted [rad]. Four dresses with darts at a waist seam,
-draped by another simulator, have 2.3 to 5.5; drawn and published garments without one, at up to 1 mm of noise, 0.6 at
-most."""
+draped by another simulator, have 2.3 to 5.5; garments without one at most 0.6 at 1 mm of noise."""
 
 MIN_LINE_CURVATURE_SHARE = 0.5
-"""Share of the absolute curvature of all bands that the two bands of the line have at least: cloth that is strained or
-crumpled is curved everywhere."""
+"""Smallest share of the line's two bands in the absolute curvature of all: strained cloth is curved everywhere."""
 
 HEIGHT_STEP, TILT_STEP, MAX_WAIST_TILT = 0.0025, 0.02, 0.3
-"""Steps in height [m] and slope by which the line is searched, and its largest slope: a waist seam lies by up to 17
-degrees lower in front than behind or higher."""
+"""Steps in height [m] and slope by which the line is searched, and the largest slope, 17 degrees."""
 
 WAIST_LINE_STD = 0.01
 """Standard deviation of the height over which curvature is counted as the line's [m]: an edge of a scan of 10 000
@@ -41,20 +37,19 @@ WAIST_LABEL_PREFIX = "waist."
 """Beginning of the labels of a draft's edges at its waist seam."""
 
 SHEATH_SKIRTS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
-"""Skirts whose upper edge, without darts, is nearly straight, as a bodice's lower one is: sewn together these leave no
-curvature. Circles and gathers do."""
+"""Skirts whose upper edge, without darts, is nearly straight, as a bodice's lower one: they leave no curvature."""
 
 
 @dataclass(frozen=True)
 class WaistLine:
-    """Describe the plane in which a waist seam lies across front and back.
+    """Describe the plane of a waist seam across front and back.
 
     Attributes:
         normal: Its unit normal, upwards, shape [3].
         offset: Of its points along the normal [m].
         sideways: Unit vector to the wearer's left, shape [3].
         middle: Of the body, along `sideways` [m].
-        reach: How far to both sides of the middle the line was seen [m].
+        reach: How far to both sides of the middle the line is visible [m].
     """
 
     normal: np.ndarray
@@ -64,15 +59,15 @@ class WaistLine:
     reach: float
 
     def is_seen_at(self, points: np.ndarray) -> np.ndarray:
-        """Return which points lie where the line was seen: not at the sides, shape [n]."""
+        """Return which points are where the line is visible: not at the sides, shape [n]."""
         return np.asarray(np.abs(points @ self.sideways - self.middle) < self.reach)
 
 
 def sew_waist(cut: Cut, fixed: Container[str]) -> Cut:
-    """Return a cut as it is where its waist is curved: sewn at the waist, with darts where a straight edge would be.
+    """Return the cut whose waist is curved as seen: with a waist seam, and with darts where an edge would be straight.
 
     Args:
-        cut: The cut; any that has no place for a waist seam stays.
+        cut: The cut; unchanged without a place for a waist seam.
         fixed: Parts that stay.
     """
     if "waist" in fixed or not cut.has_place_for("waist"):
@@ -87,19 +82,19 @@ def is_waist_seam(pattern: Pattern, seam: Seam) -> bool:
 
 
 def has_curved_waist(cloth: TrunkCurvature) -> bool:
-    """Return whether the cloth is curved along a line across front and back near the waist, as a seam there makes it.
+    """Return whether the cloth is curved along a line across front and back near the waist, as by a seam there.
 
-    Where darts end at a waist seam, or a curved edge is sewn to a straight one, the cloth is hollow, which no dress
-    without that seam is between its side seams. A seam between two straight edges leaves no trace, and is not found.
+    Where darts end at a waist seam, or a curved edge is sewn to a straight one, the cloth has negative curvature; a
+    dress without that seam has none between its side seams. A seam between two straight edges leaves no trace.
     """
     return _find_band(cloth) is not None
 
 
 def find_waist_line(cloth: TrunkCurvature) -> WaistLine | None:
-    """Find the plane in which the cloth's curved line lies; None where there is none (`has_curved_waist`).
+    """Find the plane of the cloth's curved line; None where there is none (`has_curved_waist`).
 
-    Of all planes near the line's bands the one that takes most negative curvature, vertices at a height h off it
-    weighed by exp(-(h / WIDTH)^2 / 2). It may be higher in front than behind or lower, and is level across.
+    Of all planes near the line's bands, the one with most negative curvature, vertices at a height h off it weighted by
+    exp(-(h / WAIST_LINE_STD)^2 / 2). It may slope between front and back, and is level across.
     """
     band = _find_band(cloth)
     if band is None:
@@ -126,20 +121,20 @@ def find_waist_line(cloth: TrunkCurvature) -> WaistLine | None:
 
 
 def _find_band(cloth: TrunkCurvature) -> int | None:
-    """Return the lower of the two bands, counted from below, that the line lies within; None where there is none."""
+    """Return the lower of the line's two bands, counted from below; None where there is no line."""
     counted, above = _select_vertices(cloth)
     band = np.floor(above / CURVATURE_BAND_HEIGHT).astype(np.int64) + CURVATURE_BAND_COUNT // 2
     counted &= (band >= 0) & (band < CURVATURE_BAND_COUNT)
     bands = np.bincount(band[counted], weights=cloth.curvature[counted], minlength=CURVATURE_BAND_COUNT)
     lines = bands[:-1] + bands[1:]
-    at = int(np.argmin(lines[1:-1])) + 1  # not where the bands end
+    at = int(np.argmin(lines[1:-1])) + 1  # not at the ends of the bands
     return (
         at if lines[at] < -MIN_WAIST_CURVATURE and -lines[at] > MIN_LINE_CURVATURE_SHARE * np.abs(bands).sum() else None
     )
 
 
 def _select_vertices(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray]:
-    """Return which vertices lie in front or behind, within the bands' reach, and the heights of all above the waist."""
+    """Return which vertices are in front or behind, within the bands' reach, and all heights above the waist."""
     above = cloth.points[:, 1] - cloth.measures.waist_height
     counted = np.abs(cloth.points[:, 0]) < WAIST_HALF_WIDTH_SHARE * cloth.measures.waist
     return counted & (np.abs(above) < CURVATURE_BAND_HEIGHT * (CURVATURE_BAND_COUNT // 2)), above

@@ -1,1 +1,1 @@
-"""Cloth in motion: a garment on a wearer who moves."""
+"""Animation: a garment on a moving wearer."""

@@ -1,4 +1,4 @@
-"""Frames of a garment on a wearer who moves, each with its verdict."""
+"""Compute the frames of a garment on a moving wearer, each with its verdict."""
 
 from __future__ import annotations
 
@@ -24,8 +24,7 @@ STAGE = "animate"
 """Name of the stage in progress."""
 
 CHECKPOINT_FRAME_COUNT = 5
-"""Number of frames that are kept together. A run that was killed goes on from the last such group, a few seconds
-back."""
+"""Number of frames in a checkpoint; a killed run resumes a few seconds back, after the last one."""
 
 MAX_COORDINATE_COUNT = 200_000_000
 """Largest number of coordinates of all frames: 1.6 GB, an hour of 600 vertices or ten minutes of 4000 at 30 Hz."""
@@ -33,16 +32,16 @@ MAX_COORDINATE_COUNT = 200_000_000
 
 @dataclass(frozen=True)
 class FrameVerdict:
-    """Judge one frame.
+    """Describe the verdict on one frame.
 
     Attributes:
-        converged: Whether every step to it came within the tolerance.
-        depth: Deepest point of the cloth below the skin in the open, where it has a way out [m].
-        crossings: Faces that cross another.
+        converged: Whether every step to it converged within the tolerance.
+        depth: Deepest point of the cloth below the exposed skin, of points that are not pinched [m].
+        crossings: Number of faces that cross another.
         steps: Steps from the frame before.
         factors: Matrices factored for them.
         seconds: CPU time of all that [s].
-        pinched: Deepest point where parts of the body that run into each other have the cloth between them [m].
+        pinched: Deepest point of cloth between intersecting parts of the body [m].
     """
 
     converged: bool
@@ -59,11 +58,11 @@ class Animation:
     """Describe a garment in motion.
 
     Attributes:
-        worn: The garment where it started.
+        worn: The garment at the start.
         fps: Frames a second [1/s].
         times: Time of the motion at each frame [s], shape [frame_count].
         frames: Nodes [m], outside the wearer, shape [frame_count, node_count, 3].
-        transforms: The wearer's, from rest space to each frame's pose, shape [frame_count, 24, 4, 4].
+        transforms: The wearer's, from rest space to each pose, shape [frame_count, 24, 4, 4].
         verdicts: One for each frame.
     """
 
@@ -75,7 +74,7 @@ class Animation:
     verdicts: tuple[FrameVerdict, ...]
 
     def bodies(self, indices: np.ndarray | None = None) -> np.ndarray:
-        """Return the wearer's mesh in some frames, all where None [m], shape [count, vertex_count, 3]."""
+        """Return the wearer's mesh in some frames, all if None [m], shape [count, vertex_count, 3]."""
         body = self.worn.body
         rest = unskin(body.vertices, body.weights, body.transforms)
         chosen = self.transforms if indices is None else self.transforms[indices]
@@ -84,20 +83,20 @@ class Animation:
 
 @dataclass(frozen=True)
 class _StepCounts:
-    """Count steps and factors, and tell whether all converged."""
+    """Count steps and factorisations; `converged` is True if all steps converged."""
 
     converged: bool = True
     steps: int = 0
     factors: int = 0
 
     def plus(self, other: _StepCounts) -> _StepCounts:
-        """Return both together."""
+        """Return the sum of both."""
         return _StepCounts(self.converged and other.converged, self.steps + other.steps, self.factors + other.factors)
 
 
 @dataclass(frozen=True)
 class _FrameChunk:
-    """Describe frames that were kept together, and the cloth after the last of them."""
+    """Describe the frames of one checkpoint, and the cloth after the last of them."""
 
     nodes: np.ndarray
     velocities: np.ndarray
@@ -119,17 +118,17 @@ class _FrameChunk:
 
 
 def animate(worn: WornGarment, motion: LeadIn, settings: AnimateSettings, hooks: Hooks = SILENT_HOOKS) -> Animation:
-    """Move a wearer, and the garment with it.
+    """Animate a garment on a moving wearer.
 
-    From the garment at rest in the wearer's own pose, the wearer goes into the motion in `settings.lead` seconds, which
-    are not delivered, by steps of their own (`lead_pace`); then comes a frame every 1 / fps seconds. Every delivered
-    frame is taken out of the body (`project_outside`); the cloth in motion itself goes on from where the steps left it.
+    From rest in the wearer's own pose, the wearer moves into the motion in `settings.lead` seconds, which are not
+    delivered, by steps of their own (`lead_pace`); then follows a frame every 1 / fps seconds. Every delivered frame is
+    moved out of the body (`project_outside`); the simulation continues from the undelivered state.
 
     Args:
         worn: The garment on the wearer.
         motion: The wearer's motion.
         settings: Frames and steps.
-        hooks: Progress, cancellation, checkpoints: a run that was killed goes on, and ends bit for bit the same.
+        hooks: Progress, cancellation, checkpoints: a killed run resumes, with a bit for bit equal result.
 
     Raises:
         AnimateBad: where there are more frames than can be kept.
@@ -170,7 +169,7 @@ def list_times(motion: LeadIn, settings: AnimateSettings) -> np.ndarray:
     """Return the time of each frame [s], the first `begin`, shape [frame_count].
 
     Raises:
-        AnimateBad: where the motion is over before it begins.
+        AnimateBad: where the motion ends before `begin`.
     """
     track = motion.track
     end = settings.end if settings.end is not None else settings.begin + 4.0 if track.loops else track.seconds
@@ -183,12 +182,9 @@ def list_times(motion: LeadIn, settings: AnimateSettings) -> np.ndarray:
 def _run(
     stage: AnimationScene, times: np.ndarray, done: int, state: ClothState, hooks: Hooks
 ) -> Iterator[tuple[int, ClothState, np.ndarray, FrameVerdict]]:
-    """Yield index, cloth, delivered nodes and verdict of each frame that is not `done`.
-
-    Each group of frames begins with a matrix laid out anew: which pairs touched before decides how a matrix is factored
-    and so the last digits, and a run that goes on after a group does not know it. The lead-in is one group with the
-    first.
-    """
+    """Yield index, cloth, delivered nodes and verdict of each frame that is not `done`. Each checkpoint's frames begin
+    with a new matrix layout: the layout depends on which pairs touched before, which changes the last digits, and a
+    resumed run does not know it. The lead-in belongs to the first checkpoint."""
     settings = stage.settings
     lead = int(np.ceil(settings.lead / settings.lead_pace.longest - 1e-9)) if done == 0 else 0
     path = [*(times[0] - settings.lead * np.arange(lead, 0, -1) / max(lead, 1)), *times[max(done - 1, 0) :]]
@@ -212,7 +208,7 @@ def _run(
 def _advance(
     stage: AnimationScene, cloth: Cloth, now: PosedWearer, span: tuple[float, float], pace: StepLimits
 ) -> tuple[Cloth, PosedWearer, _StepCounts]:
-    """Advance from one time [s] to another, in as many steps as the skin's way asks for."""
+    """Advance from one time [s] to another, in as many steps as the skin's motion requires."""
     count = stage.count_steps(now, cloth.state.nodes, span, pace)
     marks = [span[0] + (span[1] - span[0]) * n / count for n in range(count)] + [span[1]]
     tally = _StepCounts()
@@ -225,7 +221,7 @@ def _advance(
 def _step_with_halving(
     stage: AnimationScene, cloth: Cloth, now: PosedWearer, span: tuple[float, float], halvings: int
 ) -> tuple[Cloth, PosedWearer, _StepCounts]:
-    """Take a step; one that does not converge is taken again in two halves."""
+    """Take a step; repeat it in two halves if it does not converge."""
     then = stage.at(span[1], cloth.state.nodes)
     step = stage.step(cloth, now, then, span[1] - span[0])
     if step.converged or halvings == 0:

@@ -1,4 +1,4 @@
-"""Make room for a garment in a wearer's motion, and tell what of the motion that changed."""
+"""Spread a wearer's limbs in a motion to make room for the garment, and report the changes."""
 
 from __future__ import annotations
 
@@ -14,22 +14,16 @@ from ..wear.worn import WornGarment
 from .settings import AnimateSettings
 
 COVERED_SKIN_RADIUS = 0.02
-"""Distance along the skin from the foot of a node within which the skin is covered [m]: an edge of cloth of 4000
-vertices."""
+"""Distance along the skin from the foot of a node within which it is covered [m]: an edge of cloth of 4000 vertices."""
 
 MIN_REPORTED_SPREAD_ANGLE = np.deg2rad(0.5)
-"""Smallest angle of a spread limb that is reported [rad]: less is not seen."""
+"""Smallest angle of a spread limb that is reported [rad]; smaller ones are not visible."""
 
 
 @dataclass(frozen=True)
 class LimbSpread:
-    """Describe how limbs were spread.
-
-    Attributes:
-        degrees: Largest angle of each limb of `LIMB_GROUPS` [degrees].
-        spans: First and last time of the motion at which it is spread [s], None where it is not.
-        missed: Whether more than the limit would have been needed, by limb.
-    """
+    """Describe how limbs were spread, by limb of `LIMB_GROUPS`: largest angle [degrees], first and last time of the
+    motion at which it is spread [s] or None, and whether more than the limit would have been needed."""
 
     degrees: dict[str, float]
     spans: dict[str, tuple[float, float] | None]
@@ -54,7 +48,7 @@ class LimbSpread:
 
 
 def find_covered_vertices(worn: WornGarment) -> np.ndarray:
-    """Return which vertices of the wearer have cloth on them, bool, shape [vertex_count]."""
+    """Find the wearer's vertices that are covered by cloth, bool, shape [vertex_count]."""
     feet = TriangleSurface(worn.body.vertices, worn.body.faces).closest(worn.garment.nodes).foot
     return np.asarray(
         cKDTree(feet).query(worn.body.vertices, distance_upper_bound=COVERED_SKIN_RADIUS)[0] < COVERED_SKIN_RADIUS
@@ -62,7 +56,7 @@ def find_covered_vertices(worn: WornGarment) -> np.ndarray:
 
 
 def make_room_for_garment(worn: WornGarment, track: Track, settings: AnimateSettings) -> tuple[Track, LimbSpread]:
-    """Return a motion that leaves a garment room between its wearer's limbs, and what changed; see `clear_limbs`."""
+    """Return a motion with room for a garment between its wearer's limbs, and the changes; see `clear_limbs`."""
     end = settings.end if settings.end is not None else track.seconds
     cleared = clear_limbs(track, worn.body, find_covered_vertices(worn), settings.begin, end)
     degrees, spans, missed = {}, {}, {}

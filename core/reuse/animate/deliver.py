@@ -1,4 +1,4 @@
-"""Take the cloth of a frame out of its wearer, as far as it leaves itself room."""
+"""Move the cloth of a frame out of its wearer, as far as its layers leave room."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from ...cloth.scene import Scene
 from ...geometry.intersections import self_intersections
 
 FIRST_PUSH_CLEARANCE = 1e-3
-"""Distance from the skin to which nearer cloth is pushed in the first round [m], as everywhere. In later rounds cloth
-inside the body is pushed to the skin alone: layers that are pressed together have no room for more."""
+"""Distance from the skin to which nearer cloth moves in the first iteration [m], as in drapes. Later, cloth inside the
+body moves to the skin only: layers that are pressed together have no room for more."""
 
 MAX_PUSH_ITERATIONS = 12
-"""Largest number of rounds. In each a layer takes four fifths of the room that the next one leaves. A T-shirt between
+"""Largest number of iterations. In each a layer takes four fifths of the room before the next one. A T-shirt between
 arm and trunk came from 5.8 mm inside to 3.8 in two, 2.9 in six and 2.0 in twelve."""
 
 MAX_REMAINING_DEPTH = 1.9e-3
-"""Depth beyond which the straight way out is tried too [m], a little less than what passes (`MAX_MOTION_DEPTH_MM` in
-`measured.py`). What crosses then is untangled by `untangle_outside`. Where this succeeds its result is taken, though
-layers met on the way. It takes 1 to 8 s, and is tried from the nodes before the rounds and from those after them: of
-trousers between thighs either succeeded where the other did not."""
+"""Depth beyond which the direct way out is tried too [m], a little less than what passes (`MAX_MOTION_DEPTH_MM` in
+`measured.py`). `untangle_outside` then untangles what crosses. If it succeeds the result is taken, though layers met on
+the way. It takes 1 to 8 s, and is tried both from the nodes before the iterations and from those after them: for
+trousers between thighs each succeeded where the other did not."""
 
 MAX_RESOLVED_PINCH_DEPTH = 2e-2
-"""Depth between parts of the wearer that run into each other beyond which cloth is left there [m]: no place is outside
-of both. Of a T-shirt 20 to 27 mm deep between arm and trunk no try succeeded, at 20 s a frame. Tries succeeded for
-cloth 3 to 10 mm deep in the crease under an arm, or between thighs."""
+"""Depth between intersecting parts of the wearer beyond which cloth is left there [m], as no place is outside of both.
+For a T-shirt 20 to 27 mm deep between arm and trunk no try succeeded, at 20 s a frame. Tries succeeded for cloth 3 to
+10 mm deep in the crease under an arm, or between thighs."""
 
 PUSH_DEPTH_TOLERANCE = 1e-4
-"""Depth that is left inside the body [m]: nothing of it is seen."""
+"""Depth in the body that is not corrected [m]; it is not visible."""
 
 
 def resolve_penetration(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.ndarray:
-    """Return a frame's nodes outside the wearer [m], shape [node_count, 3], as far as cloth leaves them room.
+    """Move a frame's nodes out of the wearer [m], shape [node_count, 3], as far as its layers leave room.
 
-    Nodes closer to the skin than a clearance, and faces whose centre is inside, go out as `project_outside` takes them.
-    Where parts of the wearer press layers between them all of these go to one place; on the way there what would meet
-    is held back (`move_collision_free`): a little inside the wearer is not seen, cloth that passes through itself is.
+    Nodes closer to the skin than a clearance, and faces whose centre is inside, move out as in `project_outside`. Where
+    parts of the wearer press layers together, all of them move to one place; cloth that would cross on the way stops
+    (`move_collision_free`), since a small depth in the wearer is not visible but crossing cloth is.
 
     Args:
-        nodes: Where the steps left the cloth [m], shape [node_count, 3].
+        nodes: The cloth after the steps [m], shape [node_count, 3].
         skin: The wearer.
         scene: The cloth, in contact with itself.
     """

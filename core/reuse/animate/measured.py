@@ -1,4 +1,4 @@
-"""Sum up an animation: its worst frame, its cost, and whether it may be used as it is."""
+"""Measure an animation by its worst frame and its cost, and judge whether it may be used."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from ...run.verdict import Gate, Verdict
 from .animation import Animation
 
 MAX_MOTION_DEPTH_MM = 2.0
-"""Largest depth in the body that passes in any frame [mm]: in motion nothing of it is seen."""
+"""Largest depth in the body that passes in any frame [mm]; in motion it is not visible."""
 
 LIMBS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder", "spine3")
-"""Joints without which a whole limb, or the trunk, does not move as the motion does: garments lie otherwise there."""
+"""Joints without which a whole limb, or the trunk, does not follow the motion, and the garment is wrong there."""
 
 
 def measure_animation(animation: Animation) -> dict[str, float | None]:
@@ -31,7 +31,7 @@ def measure_animation(animation: Animation) -> dict[str, float | None]:
 
 
 def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
-    """Judge what `measure_animation` measured."""
+    """Judge the metrics of `measure_animation`."""
     depth, crossed, left, pinched = (
         metrics[name] or 0.0 for name in ("max_depth_mm", "crossings", "frames_not_converged", "max_pinched_mm")
     )
@@ -80,7 +80,7 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
 
 
 def judge_motion(recording: Recording) -> Gate:
-    """Judge whether a motion moves every limb, the trunk and the head: what its skeleton lacks stays stiff."""
+    """Judge whether a motion moves every limb, the trunk and the head; those that its skeleton lacks do not move."""
     missing = recording.missing()
     verdict = Verdict.FAIL if any(name in LIMBS for name in missing) else Verdict.DOUBTFUL if missing else Verdict.PASS
     message = " ".join(recording.doubts()) or "The motion moves the trunk and every limb."

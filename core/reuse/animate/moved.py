@@ -1,4 +1,4 @@
-"""Move a stored garment with its wearer, and judge it: what a job of it does."""
+"""Animate a stored garment on its wearer, and judge the result."""
 
 from __future__ import annotations
 
@@ -18,13 +18,7 @@ from .settings import AnimateSettings
 
 @dataclass(frozen=True)
 class AnimatedGarment:
-    """Describe a garment in motion with everything that was found of it.
-
-    Attributes:
-        animation: The frames.
-        motion: Name of the motion.
-        report: Numbers, verdicts, warnings, cost, and what reproduces it.
-    """
+    """Describe a garment in motion: the frames, the motion's name, and the report."""
 
     animation: Animation
     motion: str
@@ -34,18 +28,18 @@ class AnimatedGarment:
 def animate_garment(
     worn: WornGarment, recording: Recording, name: str, settings: AnimateSettings, clock: Clock
 ) -> AnimatedGarment:
-    """Move a garment on its wearer by a recording.
+    """Animate a garment on its wearer by a recording.
 
     Args:
-        worn: The garment as a result keeps it.
-        recording: The motion as it was read.
-        name: What it is called.
+        worn: The garment of a stored result.
+        recording: The motion of the file.
+        name: Name of the motion.
         settings: Frames and steps.
         clock: Times the stages.
 
     Raises:
-        AnimateBad: where no frame is asked for, or more than can be kept.
-        Cancelled: as soon as the clock's hooks say so.
+        AnimateBad: where there would be no frame, or more than can be kept.
+        Cancelled: where the clock's hooks cancel.
     """
     with clock.stage(STAGE, "moving the wearer") as hooks:
         track, clearing = retarget(recording, worn.body, settings.begin), None

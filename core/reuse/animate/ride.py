@@ -1,4 +1,4 @@
-"""What the skin takes along: points that ride on the triangles of a body that moves."""
+"""Move points with the triangles of a moving body."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from ...geometry.geometry import unit
 def move_with_triangles(points: np.ndarray, before: np.ndarray, after: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Move points as the triangles below them move.
 
-    p' = f' + R (p - f): f the point's foot on its triangle, f' the same place on it later, R the rotation between the
-    two frames of (first edge, normal).
+    p' = f' + R (p - f): f the foot on the triangle, f' the same place later, R the rotation of (first edge, normal).
 
     Args:
         points: Positions [m], shape [n, 3].
@@ -27,14 +26,14 @@ def move_with_triangles(points: np.ndarray, before: np.ndarray, after: np.ndarra
 
 
 def move_anchors(anchors: np.ndarray, skin: ExposedSurface, later: np.ndarray) -> np.ndarray:
-    """Carry friction's anchors [m], shape [n, 3], with the skin below them; `later` are its vertices after the step."""
+    """Move friction's anchors [m], shape [n, 3], with the skin below; `later` are its vertices after the step."""
     found = skin.closest(anchors)
     corners = skin.faces[found.face]
     return move_with_triangles(anchors, skin.vertices[corners], later[corners], found.barycentric)
 
 
 def _triangle_frames(corners: np.ndarray) -> np.ndarray:
-    """Return the frames of triangles as columns: first edge, in-plane normal of it, normal; shape [n, 3, 3]."""
+    """Return the frames of triangles as columns: first edge, its in-plane normal, normal; shape [n, 3, 3]."""
     edge = unit(corners[:, 1] - corners[:, 0])
     normal = unit(np.cross(edge, corners[:, 2] - corners[:, 0]))
     return np.stack([edge, np.cross(normal, edge), normal], axis=2)

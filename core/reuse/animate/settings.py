@@ -1,4 +1,4 @@
-"""What one may choose about an animation."""
+"""Settings of an animation."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from ...run.errors import BadInput
 
 
 class AnimateBad(BadInput):
-    """The choice of frames makes no animation; give --fps 1 to 240 and --from before --to."""
+    """The settings select no frame; give --fps 1 to 240 and --from before --to."""
 
     code = "animate.settings_bad"
 
 
 @dataclass(frozen=True)
 class StepLimits:
-    """Limit a step of the wearer.
+    """Describe the limits of a step of the wearer.
 
     Attributes:
-        travel: Furthest that skin near the cloth moves in a step [m]: limbs of a brisk walk go as far in a frame. A
-            step of twice the way takes as many legs, and moves the cloth of a walk by 1 mm (RMS) against two of half
-            of it.
+        travel: Largest motion of skin near the cloth in a step [m], that of limbs of a brisk walk in a frame. A step of
+            twice the motion takes as many solver runs, and the cloth of a walk differs by 1 mm (RMS) from that of two
+            half steps.
         longest: Longest step [s].
     """
 
@@ -32,23 +32,21 @@ class StepLimits:
 
 @dataclass(frozen=True)
 class AnimateSettings:
-    """Set an animation.
+    """Describe the settings of an animation.
 
     Attributes:
         fps: Frames a second [1/s].
         begin: Time of the motion at the first frame [s].
-        end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
-            out; None: where it ends, or four seconds of one that loops.
-        lead: Time in which the wearer goes from the own pose into the motion, before the first frame [s].
+        end: Time of the motion at the last frame [s], exclusive if it loops; None: its end, or 4 s of one that loops.
+        lead: Duration of the wearer's way from the own pose into the motion, before the first frame [s].
         pace: Limits of a step.
-        lead_pace: Limits of a step of the lead-in, whatever `pace` and `fps` are: cloth folds anew while the wearer
-            goes into the motion, and where it folds hangs on the steps (by 4 to 6 mm, be they ever so short). So one
-            motion has one beginning.
-        halvings: Times that a step which does not converge is halved.
+        lead_pace: Limits of a step of the lead-in, independent of `pace` and `fps`: new folds form in the lead-in, and
+            their places depend on the steps (by 4 to 6 mm, however short). So a motion always has the same beginning.
+        halvings: Largest number of times that a step which does not converge is halved.
         step: The steps.
-        contact: How the cloth touches the body.
-        apart: Whether the cloth keeps from passing through itself.
-        keep_motion: Whether limbs stay where the motion has them, though they leave the cloth no room.
+        contact: The contact of cloth and body.
+        apart: Whether the cloth is in contact with itself.
+        keep_motion: Whether limbs are not spread, even where they leave the cloth no room.
     """
 
     fps: float = 30.0

@@ -1,4 +1,4 @@
-"""The cloth and the wearer of an animation: advance both by a step of time."""
+"""The scene of an animation: advance cloth and wearer by a step of time."""
 
 from __future__ import annotations
 
@@ -31,25 +31,19 @@ from .settings import AnimateSettings, StepLimits
 
 @dataclass(frozen=True)
 class Cloth:
-    """Describe the cloth between two steps: where it is and how fast, and the matrix of the next step laid out."""
+    """Describe the cloth between two steps: positions and velocities, and the layout of the next step's matrix."""
 
     state: ClothState
     layout: SolverLayout
 
 
 SKIN_MOTION_RADIUS = 0.03
-"""Distance to the cloth within which the skin's motion limits a step [m]: skin further off does not reach the cloth in
-the step."""
+"""Distance to the cloth within which the skin's motion limits a step [m]; skin beyond it does not reach the cloth."""
 
 
 @dataclass(frozen=True)
 class PosedWearer:
-    """Describe the wearer at one moment.
-
-    Attributes:
-        transforms: From rest space to the pose, shape [24, 4, 4].
-        surface: The skin in the open.
-    """
+    """Describe the wearer at one time: `transforms` from rest space to the pose, shape [24, 4, 4], and exposed skin."""
 
     transforms: np.ndarray
     surface: ExposedSurface
@@ -57,13 +51,7 @@ class PosedWearer:
 
 @dataclass(frozen=True)
 class AnimationScene:
-    """Describe what does not change in an animation.
-
-    Attributes:
-        worn: The garment where it starts.
-        motion: The wearer's motion.
-        settings: Choices.
-    """
+    """Describe what is constant in an animation: the garment at the start, the wearer's motion, and the settings."""
 
     worn: WornGarment
     motion: LeadIn
@@ -71,7 +59,7 @@ class AnimationScene:
 
     @cached_property
     def mover(self) -> MovingBody:
-        """Return the wearer in any pose."""
+        """Return the wearer's body in any pose."""
         return MovingBody(self.worn.body)
 
     @cached_property
@@ -93,36 +81,36 @@ class AnimationScene:
 
     @property
     def start(self) -> ClothState:
-        """Return the cloth at rest where the garment is, held in its folds."""
+        """Return the cloth at rest in the garment's shape, with bending friction in its folds."""
         nodes, held = np.array(self.worn.garment.nodes), self.scene.bending_friction
         assert held is not None
         return ClothState(nodes, np.zeros_like(nodes), nodes.copy(), folds=held.angles)
 
     @cached_property
     def layout(self) -> SolverLayout:
-        """Return the matrix laid out for the scene alone: what a group of frames begins with."""
+        """Return the matrix layout for the scene alone, with which a checkpoint's frames begin."""
         return SolverLayout.of(self.scene)
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Return the skinning weights by which cloth rides on the wearer, shape [node_count, 24]."""
+        """Return the skinning weights by which the wearer carries the cloth, shape [node_count, 24]."""
         return weights_at(self.worn.body, self.worn.garment.nodes, rest=False)
 
     @cached_property
     def _waist(self) -> np.ndarray:
-        """Return the pinned nodes carried back to the T-pose [m], shape [pin_count, 3]."""
+        """Return the pinned nodes mapped back to the T-pose [m], shape [pin_count, 3]."""
         pins = self.scene.pins
         assert pins is not None
         return unskin(np.asarray(pins.points), self.weights[pins.nodes], self.worn.body.transforms)
 
     def at(self, time: float, nodes: np.ndarray) -> PosedWearer:
-        """Return the wearer at a time of the motion [s], to be asked near cloth that is about at nodes [m], [n, 3]."""
+        """Return the wearer at a time of the motion [s], for queries near cloth at about `nodes` [m], [n, 3]."""
         transforms = self.mover.transforms(self.motion.at(time))
         vertices = skin(self.mover.at_rest, self.worn.body.weights, transforms)
         return PosedWearer(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, near=nodes))
 
     def move_pins(self, moment: PosedWearer) -> Pins | None:
-        """Return the waist's pins where the skin takes them, out of the body."""
+        """Return the waist's pins carried by the skin and moved out of the body."""
         pins = self.scene.pins
         if pins is None:
             return None
@@ -136,7 +124,7 @@ class AnimationScene:
         return resolve_penetration(nodes, moment.surface, self.scene)
 
     def count_steps(self, now: PosedWearer, nodes: np.ndarray, span: tuple[float, float], pace: StepLimits) -> int:
-        """Return in how many steps the wearer goes from a moment, the first of two times [s], to the other."""
+        """Return the number of steps for the wearer's motion between two times [s]; `now` is at the first."""
         later = self.mover.vertices(self.motion.at(span[1]))
         found = now.surface.closest(nodes)
         near = found.distance < SKIN_MOTION_RADIUS
@@ -145,7 +133,7 @@ class AnimationScene:
         return max(1, int(np.ceil(way / pace.travel - 1e-9)), int(np.ceil((span[1] - span[0]) / pace.longest - 1e-9)))
 
     def step(self, cloth: Cloth, now: PosedWearer, then: PosedWearer, dt: float) -> StepResult:
-        """Take a step of the cloth while the wearer goes from one moment to another in `dt` [s]."""
+        """Take a step of the cloth while the wearer moves from one moment to another in `dt` [s]."""
         state = cloth.state
         own = unskin(state.nodes, self.weights, now.transforms)
         carried = skin(own, self.weights, then.transforms)

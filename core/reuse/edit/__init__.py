@@ -1,1 +1,1 @@
-"""A result's pattern edited: draped from where its garment hangs, judged, and compared with what it was."""
+"""Edit a result's pattern: drape it from where its garment hangs, judge it, and compare it with the recovered one."""

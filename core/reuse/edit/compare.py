@@ -1,4 +1,4 @@
-"""How a version of a pattern differs from the one that was recovered: panel by panel and seam by seam."""
+"""Compare a version of a pattern with the recovered one, panel by panel and seam by seam."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ...run.units import MM_PER_M
 
 @dataclass(frozen=True)
 class SeamChange:
-    """Describe how a seam changed that both versions have.
+    """Describe the change of a seam that both versions have.
 
     Attributes:
         seam: Its number in the version.
         was: Its number in the recovered pattern.
         a, b: Panel and number of the edge of both sides, in the version.
-        change_mm: How much longer each side is than it was [mm].
+        change_mm: Increase in length of each side [mm].
     """
 
     seam: int
@@ -31,12 +31,12 @@ class SeamChange:
 
 @dataclass(frozen=True)
 class PatternDifference:
-    """Describe how a version of a pattern differs from the recovered one.
+    """Describe the difference of a version of a pattern from the recovered one.
 
     Attributes:
         panels: Panel by panel, the version first; panels of one name are pairs.
         seams: The seams of both.
-        seams_added, seams_removed: Numbers of the seams that only the version has, and that only the recovered one had.
+        seams_added, seams_removed: Numbers of the seams only in the version, and only in the recovered pattern.
     """
 
     panels: Comparison
@@ -48,13 +48,12 @@ class PatternDifference:
 def compare_versions(version: Pattern, recovered: Pattern) -> PatternDifference:
     """Compare a version of a pattern with the recovered one.
 
-    Seams correspond where they join edges of the same panels with the same labels; where that leaves a choice, in their
-    order. Where the edges of a panel have no labels, their numbers stand for them, which holds as long as no point was
-    added or removed before them.
+    Seams correspond where they join edges of the same panels with the same labels, repeated ones in their order. Edges
+    without labels are compared by their numbers, which is correct unless a point was added or removed before them.
 
     Args:
         version: The edited pattern.
-        recovered: What it was.
+        recovered: The recovered pattern.
     """
     now, was = ([seam_key(pattern, seam) for seam in pattern.seams] for pattern in (version, recovered))
     lengths = [MM_PER_M * seam_lengths(pattern) for pattern in (version, recovered)]
@@ -73,7 +72,7 @@ def compare_versions(version: Pattern, recovered: Pattern) -> PatternDifference:
 
 
 def seam_key(pattern: Pattern, seam: Seam) -> tuple[tuple[str, str], ...]:
-    """Return what tells a seam from others: for both sides the panel, and the edge's label or else its number."""
+    """Return the key of a seam: for both sides the panel, and the edge's label or else its number."""
     sides = []
     for ref in (seam.a, seam.b):
         label = pattern.panel(ref.panel).edges[ref.edge].label
@@ -82,7 +81,7 @@ def seam_key(pattern: Pattern, seam: Seam) -> tuple[tuple[str, str], ...]:
 
 
 def _number_repeats(keys: list[tuple[tuple[str, str], ...]]) -> list[tuple[object, int]]:
-    """Return keys each with how many equal ones stand before it."""
+    """Return keys each with the number of equal ones before it."""
     seen: Counter[object] = Counter()
     found: list[tuple[object, int]] = []
     for key in keys:

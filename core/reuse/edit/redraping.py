@@ -36,14 +36,13 @@ STAGES = ("drape", "measure")
 """Stages of an edit, after those that read its input."""
 
 WARM_START_SETTINGS = DrapeSettings(settle_steps=0, apart=True)
-"""Drapes from where the cloth hangs: no node is moved before the search for the equilibrium, so that cloth that nobody
-edited stays in its folds."""
+"""Drapes from where the cloth hangs: nodes do not move before the equilibrium search, so folds are kept."""
 
 MAX_SEAM_MISMATCH_MM = 0.5
 """Largest difference in length of a seam's sides that passes [mm], as in the verdicts of a recovery."""
 
-COLD_START_WARNING = "a panel comes from nowhere in the present garment, so the pattern was draped from its placement."
-"""What is said where there is nothing to start from."""
+COLD_START_WARNING = "a panel is not in the present garment, so the pattern was draped from its placement."
+"""Warning of a drape without a start."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +53,9 @@ class EditedGarment:
         before: The garment that was edited, on its wearer.
         worn: The edited one at rest.
         drape: The equilibrium.
-        is_warm: True where the drape began where the garment hung; False: from the panels' placement.
+        is_warm: Whether the drape began where the garment hung; else it began at the panels' placement.
         difference: From the recovered pattern.
-        ease: Garment and body at each place where cloth goes round the body.
+        ease: Garment and body at each place where cloth surrounds the body.
         strain: Largest principal strain of the cloth at each node, shape [node_count].
         pressure: Of the cloth on the body at each node [Pa], shape [node_count].
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
@@ -74,19 +73,18 @@ class EditedGarment:
 
 
 def drape_edit(worn: WornGarment, pattern: Pattern, recovered: Pattern, clock: Clock) -> EditedGarment:
-    """Drape an edited pattern on the wearer of the present one, starting from where that hangs.
-
-    The cloth keeps apart from itself. Fabric, wearer, waist and rotation are the present garment's.
+    """Drape an edited pattern on the wearer of the present garment, from where that hangs, in contact with itself.
+    Fabric, wearer, waist and rotation are the present garment's.
 
     Args:
-        worn: The present garment as a result keeps it.
+        worn: The present garment of a stored result.
         pattern: The edited pattern.
-        recovered: The pattern that was recovered, which the edited one is compared with.
+        recovered: The recovered pattern, with which the edited one is compared.
         clock: Times the stages.
 
     Raises:
         PatternFault: where the pattern cannot be meshed.
-        Cancelled: as soon as the clock's hooks say so.
+        Cancelled: where the clock's hooks cancel.
     """
     wearer = WearerGeometry(worn.body)
     with clock.stage("drape", "draping from where the garment hangs") as hooks:
@@ -121,7 +119,7 @@ def drape_edit(worn: WornGarment, pattern: Pattern, recovered: Pattern, clock: C
 def _drape(
     worn: WornGarment, pattern: Pattern, start: Garment | None, wearer: WearerGeometry, hooks: Hooks
 ) -> tuple[Garment, Drape]:
-    """Return the edited garment at rest: from a start, or from nothing but its placement."""
+    """Drape the edited garment from a start, or from its placement alone."""
     target, fabric = worn.target, worn.fabric
     if start is None:
         mesh = mesh_pattern(pattern, len(worn.garment.nodes))
@@ -135,7 +133,7 @@ def _drape(
 
 
 def _measure_change(before: Garment, now: Garment, fabric: Fabric) -> dict[str, float | None]:
-    """Measure how much longer the cloth of each contour hangs, and how much larger the pattern is."""
+    """Measure the change of each contour's worn length, and of the pattern's area."""
     found: dict[str, float | None] = {}
     for contour in now.contours:
         was = before.contour(contour.name)
@@ -147,13 +145,12 @@ def _measure_change(before: Garment, now: Garment, fabric: Fabric) -> dict[str, 
 
 
 def worn_length(garment: Garment, contour: Contour, fabric: Fabric) -> float:
-    """Return how long a contour of a drape is in the fabric [m], which a tension stretches less than the drape.
+    """Return the length of a drape's contour in the real fabric [m], which tension stretches less than in the drape.
 
         L' = P - (1 - s) max(P - F, 0)
 
     A drape's membrane is s times as stiff as the fabric's (`reduce_membrane_stiffness`), so that the same tension
-    stretches it 1 / s times as much. That a garment's weight stretches a hem on the hips by 1 % in a drape is 0.1 % in
-    poplin.
+    stretches it 1 / s times as much: 1 % in a hem on the hips under a garment's weight is 0.1 % in poplin.
 
     Notation: P the length of the contour's polygon, F of the same cloth laid flat, s the share.
     """
@@ -163,7 +160,7 @@ def worn_length(garment: Garment, contour: Contour, fabric: Fabric) -> float:
 
 
 def _judge_seams(metrics: dict[str, float | None]) -> Gate:
-    """Judge whether both sides of every seam are of one length."""
+    """Judge whether both sides of every seam have the same length."""
     apart = metrics["seam_mismatch_mm"] or 0.0
     verdict = Verdict.PASS if apart <= MAX_SEAM_MISMATCH_MM else Verdict.DOUBTFUL
     message = f"The two sides of a seam differ by up to {apart:.2f} mm in length" + (

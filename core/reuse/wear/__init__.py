@@ -1,1 +1,1 @@
-"""A recovered garment worn again: on another body, made to measure, with what it needs of a stored result."""
+"""Dress other bodies in a recovered garment, as it is or made to measure."""

@@ -1,4 +1,4 @@
-"""Find the body that is to wear a garment: a file's, a described one, or the wearer in another pose."""
+"""Find the body for a garment: a file's, a described one, or the wearer in another pose."""
 
 from __future__ import annotations
 
@@ -20,12 +20,8 @@ from ...scan.scan import Scan, describe_scan
 
 @dataclass(frozen=True)
 class BodyFile:
-    """What the file of a body holds.
-
-    Attributes:
-        mesh: The mesh of a person, or None.
-        body: The person, where the file is of SMPL's format and has its own skeleton, or None.
-    """
+    """Describe a body's file: the mesh of a person, or the person if it is in SMPL's format and has its own
+    skeleton."""
 
     mesh: Scan | None = None
     body: Body | None = None
@@ -35,10 +31,10 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
     """Read the file of a body.
 
     Args:
-        path: A mesh, or an `.npz` of SMPL's format.
-        units: A name of `UNITS`, of the file, or None to find it.
-        up: Its axis that points up, or None to find it.
-        limits: What the file may be at most.
+        path: A mesh, or an `.npz` in SMPL's format.
+        units: Unit of the file, a name of `UNITS`, or None to find it.
+        up: Its upward axis, or None to find it.
+        limits: Limits of the file.
 
     Raises:
         BadInput: where it cannot be used.
@@ -49,7 +45,7 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
 
 
 def describe_body_file(given: BodyFile) -> dict[str, Any]:
-    """Return what was understood of the file, as JSON values."""
+    """Return how the file was interpreted, as JSON values."""
     return {"body": {"format": "smpl"} if given.mesh is None else describe_scan(given.mesh)}
 
 
@@ -59,14 +55,14 @@ def find_wearer(
     """Return the body that is to wear a garment.
 
     Args:
-        wanted: What a file holds, a built-in body, or None for the wearer.
+        wanted: A file's body, a built-in body, or None for the wearer.
         own: The wearer.
-        pose: One of `POSES` that the body is to take; None: its own.
+        pose: The body's pose, one of `POSES`; None: its own.
         hooks: Progress and cancellation.
 
     Raises:
-        BodySpecBad: where the description, or the pose, is none.
-        NotHuman: where the mesh is no person's.
+        BodySpecBad: where description or pose is not valid.
+        NotHuman: where the mesh is not a person's.
     """
     if isinstance(wanted, BodyFile):
         body = wanted.body

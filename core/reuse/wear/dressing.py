@@ -34,15 +34,15 @@ class DressedGarment:
     """Describe a garment on another body.
 
     Attributes:
-        before: The garment on the wearer that it was recovered from.
+        before: The garment on the wearer from whom it was recovered.
         worn: The garment at rest on the other body.
         drape: The equilibrium.
-        ease: Garment and body at each place where cloth goes round the body.
+        ease: Garment and body at each place where cloth surrounds the body.
         strain: Largest principal strain of the cloth at each node, shape [node_count].
         pressure: Of the cloth on the body at each node [Pa], shape [node_count].
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
-        pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
-        under: The garment below it at rest with it, or None where it is worn alone.
+        pieces: Numbers of each production piece of the pattern; empty if none can be cut.
+        under: The garment below it at rest with it, or None.
     """
 
     before: WornGarment
@@ -57,20 +57,19 @@ class DressedGarment:
 
 
 def dress_body(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
-    """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
+    """Dress a body in a worn garment, in its own cloth or another one, at rest under its weight.
 
-    A garment that was scanned while its wearer turned turns with him again; on anybody else it hangs at rest.
-
-    The drape is that of a recovery's re-draped mesh; where cloth then passes through itself, its layers are parted.
+    A garment of a rotating wearer rotates with the same wearer again; on another body it hangs at rest. It is draped
+    like a recovery's re-draped mesh; layers that cross then are separated.
 
     Args:
-        worn: The garment as a result keeps it.
-        body: Who wears it now.
+        worn: The garment of a stored result.
+        body: The new wearer.
         fabric: The cloth, or None for the garment's own.
         clock: Times the stages.
 
     Raises:
-        Cancelled: as soon as the clock's hooks say so.
+        Cancelled: where the clock's hooks cancel.
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in the pattern") as hooks:
@@ -79,11 +78,11 @@ def dress_body(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Cloc
 
 
 def transfer_to_body(worn: WornGarment, body: Body, fabric: Fabric | None) -> WornGarment:
-    """Return a garment that is to hang on another body, its waist carried there and its nodes as they were.
+    """Return a garment with another wearer: its waist moved to that body, its nodes unchanged.
 
     Args:
-        worn: The garment as a result keeps it.
-        body: Who is to wear it.
+        worn: The garment of a stored result.
+        body: The new wearer.
         fabric: The cloth, or None for the garment's own.
     """
     waist = None if worn.waist is None else transfer_curve(worn.waist, worn.body, body)
@@ -91,15 +90,13 @@ def transfer_to_body(worn: WornGarment, body: Body, fabric: Fabric | None) -> Wo
 
 
 def transfer_alone_to_body(worn: WornGarment, body: Body, fabric: Fabric | None) -> WornGarment:
-    """Return a garment as `transfer_to_body` does, that is to hang alone: on its own wearer in the rotation it came
-    in.
-    """
+    """Return a garment as `transfer_to_body` does, to be worn alone: on its own wearer with its rotation."""
     carried = transfer_to_body(worn, body, fabric)
     return replace(carried, rotation=worn.rotation) if is_same_body(worn.body, body) else carried
 
 
 def drape_worn(worn: WornGarment, wearer: WearerGeometry, hooks: Hooks) -> tuple[WornGarment, Drape]:
-    """Drape a garment on its wearer from its pattern's rest placement, and part its layers; give it and its rest."""
+    """Drape a garment on its wearer from its pattern's rest placement, and separate its layers."""
     nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
     draped = replace(worn, garment=worn.garment.at(nodes))
     nodes, drape = separate_layers(draped, wearer, drape, hooks)
@@ -114,15 +111,15 @@ def judge_dressed(
     clock: Clock,
     layers: dict[str, float | None] | None = None,
 ) -> DressedGarment:
-    """Measure and judge how a garment fits that came to rest on another body.
+    """Measure and judge the fit of a garment at rest on another body.
 
     Args:
-        before: The garment on the wearer that it was recovered from.
+        before: The garment on the wearer from whom it was recovered.
         draped: The garment at rest on the other one.
         drape: The equilibrium.
         wearer: The other one's geometry.
         clock: Times the stages.
-        layers: Metrics of how it lies over another garment, or None where it is worn alone.
+        layers: Metrics of the garment over another one, or None where it is worn alone.
     """
     body = wearer.body
     with clock.stage("measure", "measuring how it fits"):
@@ -174,6 +171,6 @@ def tabulate_ease(ease: tuple[Ease, ...]) -> dict[str, float | None]:
 
 
 def is_valid_drape(metrics: dict[str, float | None]) -> bool:
-    """Return whether a garment is at rest, crosses itself nowhere, and is at most 1 mm inside the body."""
+    """Check that a garment is at rest, does not cross itself, and is at most 1 mm inside the body."""
     values = [metrics[name] for name in ("body_penetration_mm", "self_intersecting_faces", "drape.at_rest")]
     return bool(np.all([values[0] <= 1.0, values[1] == 0.0, values[2] == 1.0]))  # type: ignore[operator]

@@ -1,4 +1,4 @@
-"""Ease: how much longer the cloth is round a body than the body's girth, at the places where a tailor measures."""
+"""Measure ease: the length of cloth around a body less the body's girth, where a tailor measures."""
 
 from __future__ import annotations
 
@@ -17,27 +17,19 @@ from ...geometry.intersections import self_intersections
 from ...recover.drape.waist import flat_length
 
 LEG_OFFSET_SHARE = 0.5
-"""Share of the hip joint's distance from the middle beyond which cloth belongs to one leg: a skirt's line is in the
-middle."""
+"""Share of the hip joint's distance from the median plane beyond which cloth is one leg's; a skirt's is centred."""
 
 
 EASE_LEVEL_OFFSETS = (0.0, 0.02, 0.04, 0.06)
-"""Offsets of the levels at which cloth is measured from the body's level [m], over a hand's breadth: below it at chest
-and thigh, above it at the hips, further out along the arm. At the chest the shortest line counts, since a wide sleeve
-joins the line of the chest's level. Elsewhere the least ease counts, where the garment binds: a line at a fork (a
-crotch that hangs low, the end of an armhole) is longer than those beside it, and jumps when the cloth moves by a
-millimetre."""
+"""Offsets of the levels at which cloth is measured from the body's level [m], over a hand's breadth: downward at chest
+and thigh, upward at the hips, outward along the arm. At the chest the shortest line counts, since a wide sleeve joins
+the line of the chest's level. Elsewhere the least ease counts, where the garment is tightest: a line at a fork (a low
+crotch, the end of an armhole) is longer than those beside it and changes abruptly."""
 
 
 @dataclass(frozen=True)
 class Ease:
-    """Compare a garment with its wearer at one place.
-
-    Attributes:
-        place: One of `GIRTHS`.
-        garment: Length of the cloth round the body there, unstretched [m].
-        body: The body's girth there [m].
-    """
+    """Describe the unstretched length of cloth around the body and the body's girth at one of `GIRTHS` [m]."""
 
     place: str
     garment: float
@@ -51,12 +43,7 @@ class Ease:
 
 @dataclass(frozen=True)
 class MeasuredBody:
-    """Describe a body as a tailor measures it, taken once for many garments.
-
-    Attributes:
-        tape: Lies about the body in its T-pose.
-        taken: Its girths by place.
-    """
+    """Describe a body's measures, taken once for many garments: the tape on its T-pose, and the girths by place."""
 
     tape: TapeMeasure
     taken: Mapping[str, Girth]
@@ -69,22 +56,22 @@ class MeasuredBody:
 
     @property
     def apart(self) -> float:
-        """Return how far from the middle cloth is one leg's [m]."""
+        """Return the distance from the median plane beyond which cloth is one leg's [m]."""
         return LEG_OFFSET_SHARE * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
 
     @property
     def centre(self) -> float:
-        """Return x of the body's middle [m]."""
+        """Return x of the body's median plane [m]."""
         return float(self.tape.body.joint("pelvis")[0])
 
     def trunk(self, level: float) -> np.ndarray:
-        """Return the middle of the trunk [m], shape [3], at a height, on the line from pelvis to neck."""
+        """Return the centre of the trunk [m], shape [3], at a height, on the line from pelvis to neck."""
         pelvis, neck = (self.tape.body.joint(name) for name in ("pelvis", "neck"))
         found: np.ndarray = pelvis + (level - pelvis[1]) / (neck[1] - pelvis[1]) * (neck - pelvis)
         return found
 
     def arm(self, side: str, level: float) -> np.ndarray:
-        """Return the middle of an arm [m], shape [3], where it is as far from the body's middle as a level's x."""
+        """Return the centre of an arm [m], shape [3], at the same distance from the median plane as x = level."""
         shoulder, elbow = (self.tape.body.joint(f"{side}_{joint}") for joint in ("shoulder", "elbow"))
         share = (abs(level - self.centre) - abs(shoulder[0] - self.centre)) / abs(elbow[0] - shoulder[0])
         found: np.ndarray = shoulder + share * (elbow - shoulder)
@@ -92,11 +79,11 @@ class MeasuredBody:
 
 
 def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
-    """Measure the ease of a worn garment wherever cloth goes round the body.
+    """Measure the ease of a worn garment wherever cloth surrounds the body.
 
-    The body's levels are those of its T-pose, to which the cloth is carried back; the cloth's length along such a level
-    is measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge. No line
-    counts that comes near faces which cross others: such cloth lies as none can.
+    The levels are those of the body's T-pose, to which the cloth is mapped back; the cloth's length at such a level is
+    measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge. Lines near
+    crossed faces are ignored, since cloth there is not in a possible state.
 
     Args:
         garment: The garment, nodes on the body.
@@ -106,10 +93,7 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
 
 
 def _drop_crossed_faces(garment: Garment) -> Garment:
-    """Return the cloth without what is within a hand's breadth of faces that cross others: lines end there.
-
-    Around such faces cloth is crumpled, and a level line runs up and down in it.
-    """
+    """Drop the cloth within a hand's breadth of crossed faces, where it is crumpled and level lines are longer."""
     crossed = self_intersections(garment.nodes, garment.faces)
     if not len(crossed):
         return garment
@@ -124,16 +108,16 @@ def _drop_crossed_faces(garment: Garment) -> Garment:
 
 
 def unpose_points(nodes: np.ndarray, body: Body) -> np.ndarray:
-    """Return points on a wearer [m], shape [n, 3], carried with the skin to the T-pose."""
+    """Map points on a wearer [m], shape [n, 3], with the skin to the T-pose."""
     return unskin(nodes, weights_at(body, nodes, rest=False), body.transforms)
 
 
 def measure_unposed_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody) -> tuple[Ease, ...]:
-    """Measure the ease as `measure_ease` does, of cloth that lies on a body's T-pose.
+    """Measure the ease as `measure_ease` does, of cloth on a body's T-pose.
 
     Args:
         garment: The cloth.
-        nodes: Where it lies [m], shape [node_count, 3].
+        nodes: Its nodes there [m], shape [node_count, 3].
         figure: The body.
     """
     found = []
@@ -155,7 +139,7 @@ class ClothSlice:
 
     Attributes:
         lengths: Length of each line in the flat pattern [m], straight across each panel, shape [line_count].
-        middles: Mean place of each on the other of x and y [m], shape [line_count].
+        middles: Mean coordinate of each on the other of x and y [m], shape [line_count].
         pieces: The segments of each line in the plane [m], the other of x and y first, then z; shape [n, 2, 2] each.
     """
 
@@ -168,7 +152,7 @@ class ClothSlice:
         return float(self.lengths[chosen].max()) if chosen.any() else None
 
     def goes_round(self, point: np.ndarray) -> np.ndarray:
-        """Check which lines go round a point of the plane [m], shape [2]: a ray from it crosses them an odd time.
+        """Check which lines enclose a point of the plane [m], shape [2], by the parity of a ray's crossings.
 
         Returns:
             Shape [line_count].
@@ -177,13 +161,13 @@ class ClothSlice:
 
 
 def slice_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> ClothSlice:
-    """Cut cloth by the plane across an axis at a level [m]; lines that end at the cloth's border are left out.
+    """Cut cloth by the plane normal to an axis at a level [m]; lines that end at the cloth's border are left out.
 
     Args:
         garment: The cloth.
-        nodes: Where it is cut [m], shape [node_count, 3].
+        nodes: Its nodes [m], shape [node_count, 3].
         axis: 0 for x, 1 for y.
-        level: Where the plane is [m].
+        level: Coordinate of the plane [m].
     """
     side = nodes[:, axis] > level
     inside = side[garment.faces]
@@ -212,7 +196,7 @@ def slice_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) ->
 
 
 def _crosses_ray(pieces: np.ndarray) -> int:
-    """Return how many segments, shape [n, 2, 2], cross the ray from the origin along the first axis."""
+    """Count the segments, shape [n, 2, 2], that cross the ray from the origin along the first axis."""
     start, end = pieces[:, 0], pieces[:, 1]
     rises = (start[:, 1] > 0.0) != (end[:, 1] > 0.0)
     start, end = start[rises], end[rises]
@@ -221,13 +205,8 @@ def _crosses_ray(pieces: np.ndarray) -> int:
 
 
 def _join_segments(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of the two cut edges of each cut face, [face_count, 2], and the line of each edge.
-
-    Args:
-        corners: Corners of the faces, shape [face_count, 3], numbers below `count`.
-        crossed: Which of a face's edges, each from its corner, are cut: two of three.
-        count: Of corners.
-    """
+    """Return the numbers of the two cut edges of each cut face, [face_count, 2], and the line of each edge. Corners
+    [face_count, 3] are numbered below `count`; `crossed` marks a face's cut edges, two of three."""
     sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
     edges, number = np.unique((sides @ [count, 1])[crossed], return_inverse=True)
     number = number.reshape(-1, 2)
@@ -237,16 +216,14 @@ def _join_segments(corners: np.ndarray, crossed: np.ndarray, count: int) -> tupl
 def _measure_panel_chords(
     ends: np.ndarray, corners: np.ndarray, crossed: np.ndarray, count: int, of_face: np.ndarray
 ) -> list[tuple[int, float]]:
-    """Return the line and the length [m] of each piece of a line in one panel: straight from border to border.
-
-    Worn cloth bags and folds, and a level line then runs to and fro in the panel; round the body counts what is between
-    the seams, as a ruler tells. A piece that ends at no border has its own length.
+    """Return the line and the length [m] of each piece of a line in one panel: straight from border to border, or its
+    own length where it ends at no border. Worn cloth bags and folds, and a level line then wiggles in the panel; the
+    girth is the straight distance between the seams.
 
     Args:
         ends: Where each face is cut, in the flat pattern [m], shape [face_count, 2, 2].
-        corners: Corners of the faces in the flat pattern, shape [face_count, 3], numbers below `count`.
+        corners: Corners of the faces in the flat pattern, shape [face_count, 3], numbered below `count`.
         crossed: Which of a face's edges are cut.
-        count: Of corners.
         of_face: The line of each face.
     """
     number, piece = _join_segments(corners, crossed, count)
@@ -264,7 +241,7 @@ def _measure_panel_chords(
 
 
 def _trunk_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
-    """Return the ease at chest or waist, or None where no cloth goes round."""
+    """Return the ease at chest or waist, or None where no cloth surrounds it."""
     below = EASE_LEVEL_OFFSETS if place == "chest" else EASE_LEVEL_OFFSETS[:1]
     taken = figure.taken[place]
     lengths = [_trunk_length(garment, nodes, figure, taken.level - down) for down in below]
@@ -273,7 +250,7 @@ def _trunk_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place
 
 
 def _hip_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
-    """Return the least ease at the hips and above, or None where no cloth goes round them."""
+    """Return the least ease at the hips and above, or None where no cloth surrounds them."""
     found = []
     for up in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level + up
@@ -281,19 +258,19 @@ def _hip_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: 
         if not len(cut.lengths):
             break
         length = cut.length(np.abs(cut.middles - figure.centre) < figure.apart)
-        if length is not None:  # else it is the legs', of a crotch that hangs low
+        if length is not None:  # else the cloth is the legs', below a low crotch
             found.append(Ease(place, length, figure.tape.trunk(level).value))
     return min(found, key=lambda ease: ease.value, default=None)
 
 
 def _trunk_length(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, level: float) -> float | None:
-    """Return the length of the cloth round the trunk at a height [m], or None where none goes round."""
+    """Return the length of the cloth around the trunk at a height [m], or None where there is none."""
     cut = slice_cloth(garment, nodes, 1, level)
-    return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is no girth
+    return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is not a girth
 
 
 def _arm_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
-    """Return the least ease of the sleeves there and further out, the mean of both, or None where an arm has none."""
+    """Return the least ease of the sleeves there and further out, the mean of both, or None if an arm has none."""
     found = []
     for out in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level + out
@@ -301,7 +278,7 @@ def _arm_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: 
         for side in ("left", "right"):
             middle = figure.arm(side, level)
             cut = slice_cloth(garment, nodes, 0, float(middle[0]))
-            lengths.append(cut.length(cut.goes_round(middle[1:])))  # cloth of the hips beside a hand is carried along
+            lengths.append(cut.length(cut.goes_round(middle[1:])))  # excludes cloth of the hips that moved with a hand
         length = _mean(lengths)
         if length is not None:
             found.append(Ease(place, length, figure.tape.arms(level).value))
@@ -309,7 +286,7 @@ def _arm_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: 
 
 
 def _thigh_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
-    """Return the least ease at the thighs and below, the mean of both, or None where a leg has no cloth of its own."""
+    """Return the least ease at the thighs and below, the mean of both, or None if a leg has no cloth of its own."""
     found = []
     for down in EASE_LEVEL_OFFSETS:
         level = figure.taken[place].level - down

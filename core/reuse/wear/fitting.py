@@ -1,4 +1,4 @@
-"""Fit the draft of a template to a body: widened as foreseen, draped, and widened by what the drape has shown."""
+"""Fit a template's draft to a body: widen it by a prediction, drape it, and widen it by the remaining difference."""
 
 from __future__ import annotations
 
@@ -27,22 +27,21 @@ from .widening import widening_rules
 from .worn import WornGarment
 
 EASE_FIT_TOLERANCE = 2e-3
-"""Difference of the ease on a drape that is left as it is [m]: a drape done anew on the same body shows as much."""
+"""Difference of the ease on a drape that is not corrected [m]: the repeatability of a drape on the same body."""
 
 MAX_FITTING_ITERATIONS = 3
-"""Largest number of drapes of a draft. Three are needed on bodies at the ends of the range, for whose thighs the draft
-lacks a tenth of a metre."""
+"""Largest number of drapes of a draft; bodies for whose thighs the draft is 0.1 m too small need three."""
 
 
 @dataclass(frozen=True)
 class FittedDraft:
-    """Describe a template's draft that has on a body the ease which it has on the body of the library.
+    """Describe a template's draft that has the same ease on a body as on the body of the library.
 
     Attributes:
         pattern: The pattern.
-        garment: As it hangs on the body's T-pose; None where it was not draped.
+        garment: The garment on the body's T-pose; None where it was not draped.
         body: The body in its T-pose.
-        waist: The curve that it hangs from there [m], shape [n, 3], or None.
+        waist: The curve from which it hangs there [m], shape [n, 3], or None.
     """
 
     pattern: Pattern
@@ -51,11 +50,8 @@ class FittedDraft:
     waist: np.ndarray | None
 
     def foresee(self, other: FittedDraft) -> Mapping[str, float]:
-        """Return how much more ease is foreseen for another fitting than there is on this body [m], by place.
-
-        Both have the same ease, so this is by how much the foresight (`EasePrediction`) errs from one body to the
-        other.
-        """
+        """Return the predicted ease of another fitting in excess of that on this body [m], by place. Both have the same
+        ease, so this is the error of the prediction (`EasePrediction`) from one body to the other."""
         if self.garment is None or other.garment is None:
             return {}
         return EasePrediction.of(self.garment, self.body, self.waist, other.body).foresee(other.pattern)
@@ -64,10 +60,10 @@ class FittedDraft:
 def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedDraft:
     """Fit a template's draft to a body.
 
-    A draft alone does not know every girth: the sleeves', the thighs', the girth where a waistband sits. It is widened
-    until its ease is foreseen to be that on the body of the library. How cloth hangs is only seen on the body, though:
-    wide forks let a crotch hang lower, a deep chest draws the sleeves in. So it is draped, and widened by what then
-    differs. The result is the body's and the template's alone, whatever pattern is made by it.
+    A draft does not include every girth: the sleeves', the thighs', that where a waistband sits. It is widened until
+    its predicted ease is that on the body of the library. The prediction does not include how cloth hangs: wide forks
+    lower the crotch, a deep chest draws the sleeves in. So the draft is draped, and widened by the remaining
+    difference. The result depends on body and template only, not on the pattern in question.
 
     Args:
         template: Name of a template.
@@ -76,7 +72,7 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedD
 
     Raises:
         TemplateUnknown: where there is no template of that name.
-        Cancelled: as soon as the hooks say so.
+        Cancelled: where the hooks cancel.
     """
     found, shipped = widen_draft(template, body), load_draped_template(template)
     if shipped is None or found.garment is not None:
@@ -101,7 +97,7 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedD
 
 
 def widen_draft(template: str, body: Body) -> FittedDraft:
-    """Return a template's draft for a body, widened until its ease is foreseen to be that on the body of the library.
+    """Return a template's draft for a body, widened until its predicted ease is that on the body of the library.
 
     Raises:
         TemplateUnknown: where there is no template of that name.
@@ -113,13 +109,13 @@ def widen_draft(template: str, body: Body) -> FittedDraft:
     wearer, waist = builtin_body(TEMPLATE_WEARER), _waist_curve(shipped)
     if measures == measure_wearer(wearer):
         return FittedDraft(shipped.pattern, shipped, wearer, waist)
-    # with the curves that a refit leaves to the pattern: a draft draws its own anew
+    # with the curves that a refit leaves to the pattern: a draft has its own
     drafted = move_by_drafts(shipped.pattern, shipped.pattern, drafted) or drafted
     laid = EasePrediction.of(shipped, wearer, waist, rest)
     return FittedDraft(preserve_ease(drafted, laid, widening_rules(template)), None, rest, None)
 
 
 def _waist_curve(garment: Garment) -> np.ndarray | None:
-    """Return the curve that a shipped garment hangs from [m], shape [n, 3], or None."""
+    """Return the curve from which a shipped garment hangs [m], shape [n, 3], or None."""
     contour = garment.contour("waist")
     return None if contour is None else garment.nodes[contour.vertices]

@@ -1,4 +1,4 @@
-"""Foresee the ease of a pattern on another body without draping it, and widen the pattern until the ease is kept."""
+"""Predict the ease of a pattern on another body without a drape, and widen the pattern until the ease is kept."""
 
 from __future__ import annotations
 
@@ -18,18 +18,17 @@ from .ease import MeasuredBody, measure_ease, measure_unposed_ease, unpose_point
 from .waist import transfer_curve
 
 EASE_CONVERGENCE_TOLERANCE = 1e-4
-"""Change of the ease at which widening ends [m], a fiftieth of what is promised."""
+"""Change of the ease at which widening ends [m], a fiftieth of the tolerance."""
 
 MAX_WIDENING_ITERATIONS = 6
-"""Largest number of rounds of widening. Lengths are nearly linear in the control points: two rounds are usual, more
-where a line at another level becomes the one that counts."""
+"""Largest number of iterations of widening. Lengths are nearly linear in the control points: two are usual, more where
+a line at another level becomes the shortest."""
 
 WIDENING_DERIVATIVE_STEP = 0.01
-"""Widening of a line by which the derivatives of the lengths are taken [m]."""
+"""Widening of a line for the finite differences of the lengths [m]."""
 
 MAX_LINE_WIDENING = 0.2
-"""Largest widening of a line [m]. Between bodies at the ends of the range drafts lack half of that. More is a search
-that lost its line, and no result."""
+"""Largest widening of a line [m], beyond which the search has diverged; between extreme bodies drafts need half."""
 
 MIN_SINGULAR_VALUE_RATIO = 1e-3
 """Ratio of a singular value to the largest, below which a combination of widenings changes no ease."""
@@ -37,18 +36,18 @@ MIN_SINGULAR_VALUE_RATIO = 1e-3
 
 @dataclass(frozen=True)
 class EasePrediction:
-    """Foresee how a pattern lies on another body.
+    """Describe a prediction of a pattern's garment on another body.
 
-    The cloth is where it was on the wearer, both in their T-poses, moved by what the pattern's places moved by; what
-    hangs from the waist goes up or down with the place of it.
+    The cloth is where it was on the wearer, both in their T-poses, displaced like the pattern's places; a garment that
+    hangs from the waist moves up or down with the waist.
 
     Attributes:
         garment: The garment on its wearer.
         nodes: Its nodes on the wearer's T-pose [m], shape [node_count, 3].
         ease: Its ease there [m], by place.
         figure: The other body.
-        across: How much further left its middle is than the wearer's [m].
-        waist: Height of the waist's place on it in its T-pose [m], or None where the garment hangs from the shoulders.
+        across: Offset of its median plane to the left of the wearer's [m].
+        waist: Height of the waist on it in its T-pose [m], or None where the garment hangs from the shoulders.
     """
 
     garment: Garment
@@ -60,12 +59,12 @@ class EasePrediction:
 
     @classmethod
     def of(cls, garment: Garment, wearer: Body, waist: np.ndarray | None, body: Body) -> EasePrediction:
-        """Lay a garment on another body.
+        """Predict a garment on another body.
 
         Args:
             garment: The garment, nodes on its wearer.
             wearer: The wearer.
-            waist: The curve that it hangs from, on the wearer [m], shape [n, 3], or None.
+            waist: The curve from which it hangs, on the wearer [m], shape [n, 3], or None.
             body: The other body.
         """
         figure, nodes = MeasuredBody.of(body), unpose_points(garment.nodes, wearer)
@@ -73,13 +72,14 @@ class EasePrediction:
         height = None
         contour = garment.contour("waist")
         if waist is not None and contour is not None:
-            # the curve's points lie closer on one side than on another: how much higher the cloth's mean is stays so
+            # the curve's points are denser on one side than on another: the offset of the cloth's mean height from
+            # theirs is kept
             above = nodes[contour.vertices, 1].mean() - unpose_points(waist, wearer)[:, 1].mean()
             height = float(unpose_points(transfer_curve(waist, wearer, body), body)[:, 1].mean() + above)
         return cls(garment, nodes, ease, figure, figure.centre - float(wearer.rest_joints[0, 0]), height)
 
     def lay(self, pattern: Pattern) -> Garment:
-        """Return the garment cut by another pattern, where it is foreseen to lie on the other body's T-pose."""
+        """Return the garment of another pattern, at its predicted place on the other body's T-pose."""
         garment = self.garment
         uv = map_controls(garment).apply(pattern.points)
         moves = _place_uv(pattern, uv, garment) - _place_uv(garment.pattern, garment.uv, garment)
@@ -94,13 +94,13 @@ class EasePrediction:
         return replace(garment, pattern=pattern, uv=uv, nodes=nodes)
 
     def foresee(self, pattern: Pattern) -> dict[str, float]:
-        """Return how much more ease the garment has on the other body, cut by another pattern [m], by place."""
+        """Return the predicted change of the ease on the other body with another pattern [m], by place."""
         found = measure_unposed_ease(cut := self.lay(pattern), cut.nodes, self.figure)
         return {one.place: one.value - self.ease[one.place] for one in found if one.place in self.ease}
 
 
 def max_ease_change(laid: EasePrediction, pattern: Pattern) -> float:
-    """Return the largest change of the ease that is foreseen for a pattern on another body [m]."""
+    """Return the largest predicted change of a pattern's ease on another body [m]."""
     return max((abs(change) for change in laid.foresee(pattern).values()), default=0.0)
 
 
@@ -108,12 +108,12 @@ def preserve_ease(pattern: Pattern, laid: EasePrediction, rules: Mapping[str, np
     """Return a pattern widened until its ease on the other body is that on the wearer, seams equalised.
 
     Newton's steps with the least-norm, least-squares widening: where fewer places have control points of their own than
-    are measured, the changes of the ease are made small together. A pattern that cannot be cut is no result.
+    are measured, the changes of the ease are minimised together. Patterns that cannot be cut are discarded.
 
     Args:
-        pattern: What to widen.
-        laid: How it lies on the other body.
-        rules: How control points move for a widening at each place (`widen_rules`).
+        pattern: The pattern to widen.
+        laid: The prediction on the other body.
+        rules: How control points move for a widening at each place (`widening_rules`).
     """
     moves = np.array(list(rules.values()))
 
@@ -141,7 +141,7 @@ def preserve_ease(pattern: Pattern, laid: EasePrediction, rules: Mapping[str, np
 
 
 def _has_simple_outlines(pattern: Pattern) -> bool:
-    """Return whether every panel's outline is simple."""
+    """Check whether every panel's outline is simple."""
     try:
         for panel in pattern.panels:
             check_outline(panel)
@@ -151,7 +151,7 @@ def _has_simple_outlines(pattern: Pattern) -> bool:
 
 
 def _place_uv(pattern: Pattern, uv: np.ndarray, garment: Garment) -> np.ndarray:
-    """Return where a pattern's first drape places flat points across and up [m], shape [uv_count, 2]."""
+    """Return the positions of flat points, across and up, in a pattern's rest placement [m], shape [uv_count, 2]."""
     axes = np.array([panel.rotation[:2, :2] for panel in pattern.panels])[garment.panel_of_uv]
     origins = np.array([panel.translation[:2] for panel in pattern.panels])[garment.panel_of_uv]
     return np.asarray(np.einsum("nij,nj->ni", axes, uv) + origins)

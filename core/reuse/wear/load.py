@@ -1,4 +1,4 @@
-"""What worn cloth bears: its stretch, and its pressure on the body."""
+"""Measure the load of worn cloth: its strain, and its pressure on the body."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ from .worn import WornGarment
 
 
 def measure_strain(worn: WornGarment) -> np.ndarray:
-    """Return the largest principal strain of the cloth at each node, 0 where it is as cut, shape [node_count].
-
-    The mean over the faces around a node, by their flat areas; negative where the cloth is pressed together.
-    """
+    """Return the largest principal strain of the cloth at each node, 0 where it is as cut, shape [node_count]. It is
+    the mean over the faces around a node, by their flat areas; negative where the cloth is compressed."""
     garment = worn.garment
     stretch = principal_stretches(deformation_gradients(garment.nodes, garment.faces, garment.rest))[:, 0]
     sides = garment.rest[:, 1:] - garment.rest[:, :1]

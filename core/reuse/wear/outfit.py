@@ -19,7 +19,7 @@ from .worn import WornGarment
 Metrics = dict[str, float | None]
 
 SHARED_METRICS = ("drape.residual", "drape.residual_rms", "drape.iterations", "drape.at_rest")
-"""Metrics of the equilibrium, which all garments have in common."""
+"""Metrics of the equilibrium, which are common to all garments."""
 
 MAXIMUM_METRICS = ("body_penetration_mm", "layers.depth_mm")
 """Metrics of which the outfit's is the largest of its garments'."""
@@ -34,7 +34,7 @@ class DressedOutfit:
 
     Attributes:
         garments: Each by its word (`upper`), from the innermost to the outermost.
-        body: Who wears them.
+        body: The wearer.
         drape: The equilibrium of all.
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
     """
@@ -49,16 +49,16 @@ def dress_outfit(outfit: Mapping[str, WornGarment], body: Body, clock: Clock) ->
     """Dress a body in several garments, each in its own cloth over the one before, all at rest together.
 
     Args:
-        outfit: The garments as their results keep them, by word, from the innermost to the outermost.
-        body: Who wears them now.
+        outfit: The garments of stored results, by word, from the innermost to the outermost.
+        body: The new wearer.
         clock: Times the stages.
 
     Raises:
-        Cancelled: as soon as the clock's hooks say so.
+        Cancelled: where the clock's hooks cancel.
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in all garments") as hooks:
-        if len(outfit) == 1:  # as `dress_body` has it
+        if len(outfit) == 1:  # as in `dress_body`
             (only,) = outfit.values()
             alone, drape = drape_worn(transfer_alone_to_body(only, body, None), wearer, hooks)
             rest: tuple[WornGarment, ...] = (alone,)
@@ -73,7 +73,7 @@ def dress_outfit(outfit: Mapping[str, WornGarment], body: Body, clock: Clock) ->
 
 
 def _measure_over(below: tuple[WornGarment, ...], above: WornGarment, wearer: WearerGeometry) -> Metrics | None:
-    """Measure how a garment lies over those below it, the worst of all; None where nothing is below."""
+    """Measure a garment over those below it, the worst of all; None where nothing is below."""
     if not below:
         return None
     found = [measure_layers(one.garment, above.garment, wearer.exposed) for one in below]
@@ -84,7 +84,7 @@ def _measure_over(below: tuple[WornGarment, ...], above: WornGarment, wearer: We
 
 
 def _combine_results(judged: Mapping[str, DressedGarment], body: Body, drape: Drape, clock: Clock) -> DressedOutfit:
-    """Return garments that were judged one by one as one result."""
+    """Combine garments that were judged one by one to one result."""
     each = [one.report.metrics for one in judged.values()]
     metrics: Metrics = {name: each[0][name] for name in SHARED_METRICS} | {"garments": float(len(judged))}
     for name in (*MAXIMUM_METRICS, *SUMMED_METRICS):

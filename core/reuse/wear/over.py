@@ -35,9 +35,9 @@ def dress_over(
     """Dress a body in a garment over another one, both at rest together under their weight, patterns unchanged.
 
     Args:
-        worn: The garment above, as a result keeps it.
+        worn: The garment above, of a stored result.
         under: The garment below.
-        body: Who wears them now.
+        body: The new wearer.
         fabric: The cloth of the garment above, or None for its own.
         clock: Times the stages.
 
@@ -45,7 +45,7 @@ def dress_over(
         The garment above, judged; `under` is the one below at rest with it.
 
     Raises:
-        Cancelled: as soon as the clock's hooks say so.
+        Cancelled: where the clock's hooks cancel.
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in both garments") as hooks:
@@ -68,7 +68,7 @@ def drape_in_order(garments: Sequence[WornGarment], wearer: WearerGeometry, hook
         hooks: Progress and cancellation.
 
     Returns:
-        The garments, each outside of those below it but where it cannot be.
+        The garments, each outside of those below it where that is possible.
     """
     innermost, _ = drape_worn(garments[0], wearer, hooks)
     laid, raised = [innermost], wearer
@@ -86,9 +86,8 @@ def drape_together(
 ) -> tuple[tuple[WornGarment, ...], Drape]:
     """Bring garments to rest on a wearer, each in its own fabric, in contact with each other and with themselves.
 
-    What still crosses is untangled first. Waists are held where they lie, and not where each was tied when it was
-    draped alone: what cleared them of the skin moved them by some millimetres, and on the way back they would push the
-    layers over them, for ever where these have nowhere to go.
+    What still crosses is untangled first. Waists are pinned where they are now, not where each was pinned in its own
+    drape: clearing them of the skin moved them by some millimetres, and moving back they would push other layers.
 
     Args:
         garments: From the innermost to the outermost, nodes near their rest (`drape_in_order`).

@@ -1,4 +1,4 @@
-"""Part the layers of worn cloth that pass through each other."""
+"""Separate the layers of worn cloth that cross each other."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .worn import WornGarment
 def separate_layers(
     worn: WornGarment, wearer: WearerGeometry, drape: Drape, hooks: Hooks = SILENT_HOOKS
 ) -> tuple[np.ndarray, Drape]:
-    """Bring worn cloth that crosses itself to rest anew, in contact with itself and untangled first.
+    """Bring worn cloth that crosses itself to rest anew, untangled and in contact with itself.
 
-    Cloth that crosses itself nowhere stays as it is, and so does cloth of which as many faces cross after that.
+    Cloth without crossings is not changed, nor is cloth whose crossed faces do not become fewer.
 
     Args:
         worn: The garment, nodes at rest on the wearer, outside of it.
         wearer: The wearer's geometry.
-        drape: The equilibrium that the nodes are of.
+        drape: The equilibrium of the nodes.
         hooks: Progress and cancellation.
 
     Returns:
-        Nodes [m], shape [node_count, 3], outside the wearer, and the equilibrium that they are of.
+        Nodes [m], shape [node_count, 3], outside the wearer, and their equilibrium.
     """
     garment = worn.garment
     crossed = len(self_intersections(garment.nodes, garment.faces))

@@ -1,4 +1,4 @@
-"""Made to measure: a recovered pattern moved by what its draft says another body needs."""
+"""Make a pattern to measure: move it by what its draft changes from one body to another."""
 
 from __future__ import annotations
 
@@ -27,29 +27,24 @@ EASE_CHANGE_TOLERANCE = 5e-3
 """Largest change of the ease at which it counts as kept [m]."""
 
 MAX_DRAFT_EASE_CHANGE = 1e-2
-"""Change of the ease beyond which a pattern counts as of another form than its draft [m]. How cloth will hang is
-predicted to 5.5 mm at the thighs of the library's own trousers, which are their draft."""
+"""Change of the ease beyond which a pattern's form counts as different from its draft's [m]. For the library's own
+trousers, which are their draft, the prediction's error is 5.5 mm at the thighs."""
 
 MAX_GIRTH_EDGE_COUNT = 8
-"""Largest number of panel edges around a place, front and back in halves. A pattern whose control points are d off its
-draft's loses at most 8 d more ease than it. More is predicted where a line meets the crotch on one of the bodies (148
-mm at the thighs of shorts that are 8 mm off), and means nothing."""
+"""Largest number of panel edges around a place, front and back in halves. A pattern whose control points are d from its
+draft's loses at most 8 d more ease than it. Where a line meets the crotch on one of the bodies the prediction is larger
+(148 mm at the thighs of shorts that are 8 mm off) and wrong."""
 
 SCALED_PATTERN_WARNING = (
-    "the pattern is no shipped template's, so nobody knows its draft: its panels were scaled by the ratios of both "
+    "the pattern is not a shipped template's, so its draft is not known: its panels were scaled by the ratios of both "
     "bodies' girths and heights, which is approximate."
 )
-"""What is said of a pattern without a draft."""
+"""Warning of a pattern without a draft."""
 
 
 @dataclass(frozen=True)
 class RefittedPattern:
-    """Describe a pattern made to measure.
-
-    Attributes:
-        pattern: The pattern, seams equalised.
-        is_drafted: True where a draft said how; False where it was scaled by measures' ratios.
-    """
+    """Describe a pattern made to measure, seams equalised: moved by a draft, or else scaled by ratios of measures."""
 
     pattern: Pattern
     is_drafted: bool
@@ -59,18 +54,18 @@ def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) ->
     """Return a worn garment's pattern made to the measures of another body.
 
     Control points move by what the draft changes, p + D(b1) - D(b0) with b0 the wearer, b1 the other body, and D the
-    template's draft fitted to a body (`fit_draft`), as grade rules do; handles are relative and follow. There and back
-    is therefore where it was. Where a pattern is of so much another form than its draft that more than
-    `MAX_DRAFT_EASE_CHANGE` of the ease is foreseen to be lost beyond what is foreseen for the draft, and no more than
-    that form can lose, it is widened itself. Seams are equalised. On a body of the wearer's own measures nothing moves.
+    template's draft fitted to a body (`fit_draft`), like grade rules; handles are relative and follow. So a refit there
+    and back returns the pattern. Where a pattern's form differs so much from its draft's that more than
+    `MAX_DRAFT_EASE_CHANGE` of ease is predicted to be lost beyond the draft's loss, and no more than its form can lose,
+    it is widened itself. Seams are equalised. For a body of the wearer's own measures nothing moves.
 
     Args:
         worn: The garment on its wearer.
-        body: Who it is made for.
+        body: The new wearer.
         hooks: Progress and cancellation.
 
     Raises:
-        Cancelled: as soon as the hooks say so.
+        Cancelled: where the hooks cancel.
     """
     pattern = worn.pattern
     if measure_wearer(worn.body) == measure_wearer(body):
@@ -91,16 +86,16 @@ def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) ->
 
 
 def make_to_measure(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
-    """Make a garment to measure and dress the body in it; what of the ease is not kept is said.
+    """Make a garment to measure and dress the body in it; warn where the ease is not kept.
 
     Args:
-        worn: The garment as a result keeps it.
-        body: Who it is made for.
+        worn: The garment of a stored result.
+        body: The new wearer.
         fabric: The cloth, or None for the garment's own.
         clock: Times the stages.
 
     Raises:
-        Cancelled: as soon as the clock's hooks say so.
+        Cancelled: where the clock's hooks cancel.
     """
     with clock.stage("refit", "making the pattern to measure") as hooks:
         found, before = refit_pattern(worn, body, hooks), measure_ease(worn.garment, worn.body)
@@ -131,7 +126,7 @@ def _pair_ease(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ea
 
 
 def _scale(worn: WornGarment, body: Body) -> Pattern:
-    """Return the pattern scaled by the ratios of both bodies: across by the mean ratio of girths, along by heights'."""
+    """Return the pattern scaled by both bodies' ratios: across by the mean of girths, along by that of heights."""
     tapes = [TapeMeasure.of(one) for one in (worn.body, body)]
     places = [one.place for one in measure_ease(worn.garment, worn.body)] or ["chest", "waist", "hip"]
     across = float(np.mean([tapes[1].measure(place).value / tapes[0].measure(place).value for place in places]))

@@ -1,4 +1,4 @@
-"""Where another garment lies under one: the wearer raised to it, and how the two lie."""
+"""Raise a wearer's skin to the garments below another one, and measure how two garments overlie."""
 
 from __future__ import annotations
 
@@ -15,28 +15,27 @@ from ...geometry.surface import TriangleSurface
 from ...recover.drape.wearer import WearerGeometry
 
 RAISED_SKIN_CLEARANCE = 2.0 * SelfContactSettings().thickness
-"""Distance of the raised skin from the cloth under it [m]: two thicknesses. What is cleared of the raised skin then
-touches none of the cloth's faces, which lie between their nodes."""
+"""Distance of the raised skin from the cloth under it [m]: two thicknesses, so that cloth outside the raised skin
+touches none of the faces between its nodes."""
 
 SKIN_RAISING_RADIUS = 0.04
-"""Distance of feet on the skin up to which they raise a place of it [m]: a body's vertices are 2 to 3 cm apart, and
-feet of coarse cloth as well."""
+"""Distance within which feet on the skin raise it [m]: vertices of bodies and of coarse cloth are 2 to 3 cm apart."""
 
 MAX_SKIN_RAISE = 0.06
-"""Largest height by which skin is raised [m]: no other cloth rests on cloth that hangs further off (a skirt)."""
+"""Largest height by which skin is raised [m]: cloth further from the skin (a skirt) supports no other cloth."""
 
 HEIGHT_SMOOTHING_ITERATIONS = 4
 """Number of times that heights are averaged with their neighbours', never below what the cloth needs."""
 
 
 def raise_skin_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
-    """Return the geometry of a wearer whose skin lies outside of what he wears, for cloth that goes over it.
+    """Return the geometry of a wearer with the skin raised outside of a garment, for cloth that goes over it.
 
-    Each place of the skin is raised as high as the cloth around it lies, up to `MAX_SKIN_RAISE`.
+    Each place of the skin is raised to the cloth around it, up to `MAX_SKIN_RAISE`.
 
     Args:
         wearer: The wearer.
-        under: The garment under the other one, nodes at rest on the wearer.
+        under: The garment below the other one, nodes at rest on the wearer.
     """
     body, faces = wearer.body, under.faces
     normals = vertex_normals(under.nodes, faces)
@@ -61,15 +60,11 @@ def raise_skin_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
 
 
 def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[str, float | None]:
-    """Measure how one garment lies over another on the skin of their wearer.
-
-    `layers.crossing_faces` counts the faces of both that pass through the other garment,
-    `under.self_intersecting_faces` those of the one below that pass through itself; `layers.depth_mm` is how deep the
-    one above lies under it.
-    Depth is the greatest distance of a node or face centre of the one above from the one below where it sees that from
-    its back, and where the way out from the skin meets the one below within `MAX_SKIN_RAISE`: it lies between cloth and
-    skin there. What lies beyond a waistband that stands off sees its back as well, but is not under it.
-    """
+    """Measure one garment over another on the skin of their wearer. `layers.crossing_faces` counts the faces of both
+    that cross the other garment, `under.self_intersecting_faces` those of the lower one that cross itself.
+    `layers.depth_mm` is the depth of the upper one below it: the greatest distance of a node or face centre behind the
+    lower one's surface, if the way from the skin outward through it meets the lower one within `MAX_SKIN_RAISE`. The
+    second condition excludes cloth beyond a waistband that stands off the body."""
     first, faces = len(under.faces), np.concatenate([under.faces, over.faces + len(under.nodes)])
     pairs = intersecting_pairs(np.concatenate([under.nodes, over.nodes]), faces)
     below_of = (pairs < first).sum(axis=1)
@@ -88,10 +83,8 @@ def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[
 
 
 def is_covered(points: np.ndarray, skin: ExposedSurface, cloth: Garment) -> np.ndarray:
-    """Check for each point [m], shape [n, 3], whether the way out from the skin through it meets cloth behind it.
-
-    The way is a straight line of `MAX_SKIN_RAISE` away from the nearest skin (Moeller and Trumbore 1997).
-    """
+    """Check for each point [m], shape [n, 3], whether the way outward from the skin through it meets cloth beyond it.
+    The way is a straight line of `MAX_SKIN_RAISE` away from the nearest skin (Moeller and Trumbore 1997)."""
     _, ways = skin.measure(points)
     corner, *others = (cloth.nodes[cloth.faces[:, k]] for k in range(3))
     sides = [other - corner for other in others]

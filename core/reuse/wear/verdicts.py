@@ -1,4 +1,4 @@
-"""Judge a garment on a body: at rest, outside the body, through itself nowhere, and wide enough."""
+"""Judge a garment on a body: at rest, outside the body, without crossings, and wide enough."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ...run.verdict import Gate, Verdict
 Metrics = Mapping[str, float | None]
 
 MAX_WORN_DEPTH_MM = 1.0
-"""Largest depth in the body that passes [mm]: nothing of it shows in a picture."""
+"""Largest depth in the body that passes [mm]; it is not visible in a picture."""
 
 
 def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
-    """Judge what `measure_worn` measured."""
+    """Judge the metrics of `measure_worn`."""
     residual, depth = metrics["drape.residual"] or 0.0, metrics["body_penetration_mm"] or 0.0
     crossed, rests = metrics["self_intersecting_faces"] or 0.0, bool(metrics["drape.at_rest"])
     return (
@@ -25,8 +25,8 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             MAX_REST_RESIDUAL,
             "The garment is at rest."
             if rests
-            else f"The garment is not at rest: its least balanced node feels "
-            f"{residual:.1f} times its own weight; look at its picture, or dress a body that it fits.",
+            else f"The garment is not at rest: the largest force left on a node is "
+            f"{residual:.1f} times its weight; look at its picture, or dress a body that it fits.",
         ),
         Gate(
             "depth",
@@ -51,7 +51,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
 
 
 def _judge_layers(metrics: Metrics) -> tuple[Gate, ...]:
-    """Judge how a garment lies over another one; nothing where it is worn alone."""
+    """Judge a garment over another one; nothing where it is worn alone."""
     crossed, depth = metrics.get("layers.crossing_faces"), metrics.get("layers.depth_mm")
     if crossed is None or depth is None:
         return ()
@@ -68,7 +68,7 @@ def _judge_layers(metrics: Metrics) -> tuple[Gate, ...]:
 
 
 def _judge_width(metrics: Metrics) -> Gate:
-    """Judge the tightest place: cloth that is shorter than the body's girth stretches, and is told."""
+    """Judge the tightest place: cloth shorter than the body's girth stretches."""
     ease = {name[5:-3]: value for name, value in metrics.items() if name.startswith("ease.") and value is not None}
     least = min(ease.values(), default=0.0)
     if least >= 0.0:

@@ -1,4 +1,4 @@
-"""Find where a garment that hangs from the waist sits on another body."""
+"""Transfer the waist of a garment to another body."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ...geometry.surface import TriangleSurface
 
 
 def transfer_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:
-    """Carry points on a wearer to the same place of another body, as far from the skin, and return them [m], [n, 3].
+    """Move points on a wearer to the same place of another body, at the same distance from the skin, [m], [n, 3].
 
-    Both bodies' fitted models have one topology, so a place of the skin is a face and weights of its corners. The
-    points go through both T-poses. On the same body they stay exactly where they are.
+    Both bodies' fitted models share a topology, so a place of the skin is a face and weights of its corners. Points are
+    mapped through both T-poses. On the same body they do not move.
 
     Args:
         curve: Points on or near the old body's skin, in its pose [m], shape [n, 3].
@@ -34,10 +34,8 @@ def transfer_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:
 
 
 def match_models(old: Body, new: Body) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return faces [f, 3] that two bodies share, and the vertices of both in their T-poses [m], [n, 3] each.
-
-    Bodies whose models differ (one is of SMPL's format) are both fitted by the built-in one.
-    """
+    """Return faces [f, 3] that two bodies share, and the vertices of both in their T-poses [m], [n, 3] each. The
+    built-in body is fitted to both where their models differ (one is in SMPL's format)."""
     if np.array_equal(old.rest_faces, new.rest_faces):
         return old.rest_faces, old.rest_vertices, new.rest_vertices
     models = []
@@ -48,5 +46,5 @@ def match_models(old: Body, new: Body) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 def is_same_body(old: Body, new: Body) -> bool:
-    """Return whether two bodies are one, in one pose."""
+    """Check whether two bodies are the same, in the same pose."""
     return old is new or (np.array_equal(old.vertices, new.vertices) and np.array_equal(old.transforms, new.transforms))

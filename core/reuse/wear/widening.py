@@ -1,4 +1,4 @@
-"""Grade rules for girths: how the control points of a shipped template move where it is made wider at one place."""
+"""Grade rules for girths: the moves of a shipped template's control points that widen it at one place."""
 
 from __future__ import annotations
 
@@ -12,23 +12,20 @@ from ...garment.pattern import Panel, Pattern
 from ...garment.templates import draft_template
 
 SEWN_POINT_TOLERANCE = 5e-3
-"""Distance of two placed control points up to which they are sewn together [m]. A back's corner that was moved until
-its seams are equal lies within it."""
+"""Distance up to which placed control points are sewn together [m], more than the equalisation of seams moves."""
 
 MAX_CONTROL_POINT_DISTANCE = 0.1
-"""Largest distance of a place's control points from where the place is measured [m]. Those that are further off shape
-another place."""
+"""Largest distance of a place's control points from the place [m]; points further away shape another place."""
 
 
 def widening_rules(template: str) -> dict[str, np.ndarray]:
-    """Return how control points move for a line of cloth that is longer by its unit, by the place where it lies.
+    """Return the moves of control points that lengthen a line of cloth by its unit, by the place of the line.
 
-    Round trunk and legs each place has the height of control points, the nearest to where the draft measures it; a
-    waist that the garment hangs from has that of its edge. There each panel is widened about its middle, by its share
-    of the whole line. The widening goes over linearly into that of the next place, stays below the lowest, and fades
-    above the highest up to the panel's top. Sleeves are widened along the underarm; the corners of the armholes that
-    they are sewn to go down with them. The rules are the template's, the same for all bodies: what one refit adds
-    another one takes away.
+    Around trunk and legs each place is at the height of control points, those nearest to where the draft measures it; a
+    waist from which the garment hangs is at that of its edge. There each panel is widened about its middle, by its
+    share of the whole line. Between places the widening is interpolated linearly; it is constant below the lowest, and
+    fades above the highest up to the panel's top. Sleeves are widened along the underarm; the corners of their armholes
+    go down with them. The rules depend on the template only, so that one refit reverses another.
 
     Args:
         template: Name of a shipped template.
@@ -76,7 +73,7 @@ def _place_panel(panel: Panel) -> np.ndarray:
 def _body_rules(
     pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray, measures: BodyMeasures
 ) -> dict[str, np.ndarray]:
-    """Return the rules of all places round trunk and legs, moves in the world's x, y, shape [point_count, 2] each."""
+    """Return the rules of all places around trunk and legs, moves in the world's x, y, shape [point_count, 2] each."""
     knots = _find_girth_heights(pattern, placed[~sleeve, 1], measures)
     heights = placed[:, 1]
     order = sorted(knots, key=lambda name: knots[name])  # from below
@@ -115,7 +112,7 @@ def _find_girth_heights(pattern: Pattern, heights: np.ndarray, measures: BodyMea
 
 
 def _lowest_of_waist(pattern: Pattern) -> float:
-    """Return the lowest height of the edge that a garment hangs from [m]."""
+    """Return the lowest height of the edge from which a garment hangs [m]."""
     heights = []
     for panel in pattern.panels:
         along = _place_panel(panel)[:, 1]
@@ -125,7 +122,7 @@ def _lowest_of_waist(pattern: Pattern) -> float:
 
 
 def _hangs_from_waist(pattern: Pattern) -> bool:
-    """Return whether a pattern's garment hangs from the waist."""
+    """Check whether a pattern's garment hangs from the waist."""
     return any(edge.contour == "waist" for panel in pattern.panels for edge in panel.edges)
 
 
@@ -144,7 +141,7 @@ def _chords(pattern: Pattern, placed: np.ndarray, height: float) -> tuple[np.nda
 
 
 def _cross_at_height(points: np.ndarray, height: float) -> tuple[float, float] | None:
-    """Return where the outermost chords of a closed polygon cross a height [m], or None where it lies elsewhere."""
+    """Return the outermost points at which a closed polygon crosses a height [m], or None where it does not."""
     after = np.roll(points, -1, axis=0)
     low, high = np.minimum(points[:, 1], after[:, 1]), np.maximum(points[:, 1], after[:, 1])
     cut = (low <= height) & (height <= high) & (high > low)

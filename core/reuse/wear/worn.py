@@ -1,4 +1,4 @@
-"""What a later job reads of a stored result: the garment at rest on its wearer, in one file of plain arrays."""
+"""The garment at rest on its wearer in a stored result, as one file of plain arrays for later jobs."""
 
 from __future__ import annotations
 
@@ -27,8 +27,7 @@ WORN_FILE_NAME = "worn.npz"
 """Name of the file in the folder of a result."""
 
 WORN_FORMAT_VERSION = 1
-"""Version of the file's format. It rises by one whenever a field of what the file holds is added, removed or changed
-(`_StoredWorn`)."""
+"""Version of the file's format; it increases with every change of its fields (`_StoredWorn`)."""
 
 _VERSION_KEY = "version"
 """Key of the version beside the fields."""
@@ -42,17 +41,16 @@ class ResultOld(BadInput):
 
 @dataclass(frozen=True)
 class WornGarment:
-    """Describe a garment at rest on its wearer, with all that dressing another body or moving this one needs.
+    """Describe a garment at rest on its wearer, with all that dressing another body or animating it needs.
 
     Attributes:
         garment: Pattern, mesh and named contours; nodes at rest on the wearer [m].
         fabric: The cloth, recovered or chosen.
         body: The wearer.
-        waist: The curve that the garment hangs from [m], shape [n, 3], on the wearer; None where it hangs from the
-            shoulders, or from where it lies.
-        rotation: The rotation in which the wearer turns, or None for cloth at rest under its weight alone.
+        waist: The curve on the wearer from which the garment hangs [m], shape [n, 3]; None if it has no pinned waist.
+        rotation: The rotation of the wearer, or None for cloth at rest under its weight alone.
         template: Name of the base pattern.
-        category: One of `segment.CATEGORIES`.
+        category: One of `CATEGORIES`.
     """
 
     garment: Garment
@@ -64,7 +62,7 @@ class WornGarment:
     category: str
 
     def __repr__(self) -> str:
-        """Return one line; the arrays are its attributes."""
+        """Return a one-line summary without the arrays."""
         return f"<Worn {self.category} on {self.body.source}: {len(self.garment.nodes)} nodes>"
 
     @property
@@ -74,16 +72,16 @@ class WornGarment:
 
     @property
     def target(self) -> Target:
-        """Return what a drape asks of a scan: the waist, and nothing where the garment has none."""
+        """Return the target of a drape: the waist, or nothing where the garment has none."""
         return make_waist_target(self.waist, self.category)
 
 
 def make_waist_target(waist: np.ndarray | None, category: str) -> Target:
-    """Return a target without a surface: a garment's category, and the curve that it hangs from.
+    """Return a target without a surface: a garment's category, and the curve from which it hangs.
 
     Args:
         waist: Points of the curve in order [m], shape [n, 3], or None.
-        category: One of `segment.CATEGORIES`.
+        category: One of `CATEGORIES`.
     """
     points = np.zeros((0, 3)) if waist is None else waist
     length = float(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).sum())
@@ -93,11 +91,11 @@ def make_waist_target(waist: np.ndarray | None, category: str) -> Target:
 
 
 def load_worn_template(name: str, fabric: Fabric) -> WornGarment | None:
-    """Return a shipped template on the built-in female body that it hangs on; None where no drape of it is shipped.
+    """Return a shipped template on the built-in female body; None where no drape of it is shipped.
 
     Args:
         name: Of the template.
-        fabric: The cloth that it is worn in.
+        fabric: The cloth.
 
     Raises:
         TemplateUnknown: where there is no template of that name.
@@ -113,7 +111,7 @@ def load_worn_template(name: str, fabric: Fabric) -> WornGarment | None:
 
 
 def worn_from_recovery(recovery: Recovery) -> WornGarment:
-    """Return the recovered garment at rest: its simulation mesh, or where the method makes none the graded drape."""
+    """Return the recovered garment at rest: its simulation mesh, or the graded drape if the method makes none."""
     meshes = recovery.meshes
     garment = recovery.garment.at(meshes.graded if meshes.simulation is None else meshes.simulation)
     return WornGarment(
@@ -128,14 +126,14 @@ def worn_from_recovery(recovery: Recovery) -> WornGarment:
 
 
 def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
-    """Return the curve that a recovered garment hangs from [m], shape [n, 3]; None where it hangs from the shoulders.
+    """Return the curve from which a recovered garment hangs [m], shape [n, 3]; None where it hangs from the shoulders.
 
-    It is the scan's waist. Where another garment covers that the scan's border lies below it, often by a hand or more;
-    then it is the garment's own waist, where the recovery has completed it.
+    It is the scan's waist. Where another garment covers that, the scan's border is below it, often by a hand or more;
+    then it is the garment's own waist, as completed by the recovery.
 
     Args:
         garment: The garment at rest on its wearer.
-        target: What of it was seen.
+        target: The scanned garment.
     """
     if target.waist is not None:
         return np.asarray(target.vertices[target.waist.vertices])
@@ -145,7 +143,7 @@ def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class _StoredGarment:
-    """A garment whose edges' uv vertices stand in two lists, for names of arrays are texts; the rest as `Garment`."""
+    """Describe a `Garment` for storage: its edges' uv vertices are in two lists, since names of arrays are texts."""
 
     pattern: Pattern
     extra: str
@@ -162,7 +160,7 @@ class _StoredGarment:
 
     @classmethod
     def of(cls, garment: Garment) -> _StoredGarment:
-        """Return what is kept of a garment."""
+        """Return a garment's stored form."""
         pattern, arrays = garment.pattern, ("nodes", "faces", "uv", "uv_faces", "uv_node")
         return cls(
             pattern=replace(pattern, extra={}),
@@ -187,7 +185,7 @@ class _StoredGarment:
 
 @dataclass(frozen=True)
 class _StoredWorn:
-    """What `WornGarment` holds, each field as there."""
+    """Describe a `WornGarment` for storage, each field as there."""
 
     garment: _StoredGarment
     fabric: Fabric

@@ -1,1 +1,1 @@
-"""From a scan and a body to the garment's surface with its open contours named."""
+"""Name the open contours of a garment from its scan and its body."""

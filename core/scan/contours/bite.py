@@ -1,4 +1,4 @@
-"""Holes that have broken through a contour: found by their narrow mouth and bridged there."""
+"""Find holes that have broken through a contour by their narrow mouth, and bridge them there."""
 
 from __future__ import annotations
 
@@ -10,38 +10,35 @@ import numpy as np
 from ...geometry.curves import ClosedCurve
 
 MIN_BITE_RIM_RATIO = 2.5
-"""Least length of a bite's rim over its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: these are
-design."""
+"""Least length of a bite's rim over its mouth. Design has less: a half-round scallop 1.6, a pointed V-neck 2."""
 MIN_BITE_DEPTH = 0.05
 """Least depth of a bite into the garment [m]; less is a tooth of a cut along triangles."""
 MIN_BITE_DEPTH_SHARE = 0.25
 """Least depth of a bite into the garment, as a share of its rim's length; a fold of a hem runs sideways instead."""
 MIN_BITE_AREA_SHARE = 0.6
-"""Least area of a neck's bite, as a share of the rectangle over its mouth that reaches as deep. A triangle has 0.5, and
-so has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and 2.7 near the
-tip where worn; a round hole whose rim is 2.5 times its mouth has 1.0."""
+"""Least area of a neck's bite, as a share of the rectangle over its mouth of equal depth. A triangle has 0.5, and so
+has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and 2.7 near the tip;
+a round hole whose rim is 2.5 times its mouth has 1.0."""
 MIN_TEAR_RIM_RATIO = 4.0
-"""Length of the rim over the mouth from which a neck's bite with less area than `MIN_BITE_AREA_SHARE` is a tear: a V
+"""Length of the rim over the mouth from which a neck's bite with less area than `MIN_BITE_AREA_SHARE` is a tear; a V
 has this ratio where it is twice as deep as wide."""
 MAX_SLIT_AREA_RATIO = 0.02
 """Area over the squared length of a rim below which it is a slit's, whose area vector has no reliable direction."""
 MIN_BITE_NORMAL_COSINE = 0.1
-"""Least cosine between a bite's area vector and the direction that missing surface gives it: nearer to 0 its sign is
-random. A fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
+"""Least cosine between a bite's area vector and its direction for missing surface: nearer to 0 its sign is random. A
+fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
 MAX_BITE_POINT_COUNT = 1000
-"""Largest number of points that are compared in pairs; a longer contour is searched at every second, third, ...
-point."""
+"""Largest number of points that are compared in pairs; of a longer contour every second, third, ... point is."""
 MAX_BITE_CANDIDATE_COUNT = 500
-"""Largest number of stretches that are checked, narrowest first; the folds of a gathered hem are many, and all of them
-are rejected."""
+"""Largest number of stretches that are checked, narrowest first: the many folds of a gathered hem are all rejected."""
 
 MIN_BAY_AREA_RATIO = 0.3
-"""Least area of a bay where the scanner saw nothing over that of the square on its mouth: a half disk has 0.39."""
+"""Least area of an unseen bay over that of the square on its mouth: a half disk has 0.39."""
 MIN_BAY_NORMAL_COSINE = 0.85
-"""Smallest cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
+"""Least cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
 MIN_MEAN_NORMAL_LENGTH = 2.0 / np.pi
-"""Least length of the mean of a bay's unit normals: what half a tube's have. A stretch that goes further around is the
-end of the tube, whose normals cancel and do not show where its area vector should point."""
+"""Least length of the mean of a bay's unit normals: that of half a tube. A stretch that goes further around is the end
+of the tube, whose normals cancel and give no direction for its area vector."""
 MIN_BAY_AREA = 4e-4
 """Smallest area of a bay [m2]: less is a tooth of the triangles."""
 MIN_SEEN_LENGTH = 0.01
@@ -51,7 +48,7 @@ MIN_SEEN_LENGTH = 0.01
 def bridge_bays(
     points: np.ndarray, normals: np.ndarray, unseen: np.ndarray
 ) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Cut off the bays of a contour beyond which nothing was seen: holes of the scan that broke through the contour.
+    """Cut off a contour's bays beyond which nothing was seen: holes of the scan that broke through the contour.
 
     A stretch of unseen points and its chord enclose the area vector A; with the garment on the left, A runs against the
     surface's normal n where the stretch goes around missing surface. It is a bay where A and -n agree, A is large, and
@@ -59,7 +56,7 @@ def bridge_bays(
 
     Args:
         points: The contour [m], garment on the left, shape [n, 3].
-        normals: The surface's normals around there, averaged over some centimetres, shape [n, 3].
+        normals: The surface's normals there, averaged over some centimetres, shape [n, 3].
         unseen: True where nothing was seen beyond, shape [n].
 
     Returns:
@@ -106,16 +103,14 @@ def bridge_bites(
 ) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Cut bites off a contour along the chord of their mouth.
 
-    Of all stretches of the contour that are much longer than the chord between their ends, that reach into the garment
-    (along the contour's area vector), and whose area vector runs against the surface's normal as around missing surface
-    (`bridge_bays`), the one with the narrowest mouth for its length is cut off, then again. A fold of a hem goes around
-    the air between two sheets, or around cloth.
+    A bite is much longer than its chord, reaches into the garment (along the contour's area vector), and has an area
+    vector against the surface's normal, as around missing surface (`bridge_bays`); a fold of a hem goes around air or
+    cloth. The one with the narrowest mouth for its length is cut off, then again.
 
     Args:
         points: The contour [m], garment on the left, shape [n, 3].
-        find_normals: Gives the surface's normals around there, averaged over some centimetres, shape [n, 3]; asked only
-            where a stretch may be a bite.
-        pointed: True for a neck, whose design may be a V: what is as narrow as a V and has no more area is none.
+        find_normals: Returns the surface's normals there, averaged over some centimetres, shape [n, 3].
+        pointed: True for a neck, whose design may be a V: a stretch as narrow as a V with no more area is no bite.
 
     Returns:
         Indices of the points that stay on the contour, in order, and those of each bite, its mouth's two ends included.
@@ -137,7 +132,7 @@ def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
 
 
 def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
-    """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
+    """Return start and number of steps of the bite with the narrowest mouth, or None."""
     stride = -(-len(points) // MAX_BITE_POINT_COUNT)
     found = _search_pairs(points[::stride], lambda: normals()[::stride], pointed)
     if found is None:
@@ -176,7 +171,7 @@ def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray], pointed
 
 
 def _frame_area(points: np.ndarray) -> float:
-    """Return the area of the rectangle over a stretch's chord that reaches as deep as the stretch [m2]."""
+    """Return the area of the rectangle over a stretch's chord that is as deep as the stretch [m2]."""
     run, chord = points - points[0], points[-1] - points[0]
     return float(np.linalg.norm(np.cross(run, chord), axis=1).max())
 
@@ -187,7 +182,7 @@ def _mean_length(normals: np.ndarray) -> float:
 
 
 def _missing_area(points: np.ndarray, normals: np.ndarray) -> tuple[float, float]:
-    """Return the area [m2] within a stretch and its chord, and how much of it is surface that is missing."""
+    """Return the area [m2] between a stretch and its chord, and how much of it is missing surface."""
     run, normal = points - points[0], normals.sum(axis=0)
     area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
     return float(np.linalg.norm(area)), -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)

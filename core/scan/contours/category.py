@@ -1,4 +1,4 @@
-"""The garment's category, from its contours and the bones they encircle."""
+"""Choose the garment's category from its contours and the bones they encircle."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .encirclement import find_crossings
 from .target import Contour
 
 LONG_SLEEVE = 1.5
-"""A sleeve is long where its cuff lies beyond this place on the arm: the middle of the forearm (1 is the elbow, 2 the
-wrist). Loose T-shirt sleeves reach to the elbow and a little past it."""
+"""Place on the arm (1 is the elbow, 2 the wrist) beyond which a cuff makes a sleeve long: the middle of the forearm.
+Loose T-shirt sleeves reach a little past the elbow."""
 SHORTS_END = 1.4
-"""Shorts end above this place on the leg (1 is the knee, 2 the ankle): knee-length shorts still are shorts."""
+"""Place on the leg (1 is the knee, 2 the ankle) above which trousers are shorts: knee-length shorts still are."""
 DRESS_START = 0.4
-"""A top is a dress where its hem hangs below this place on the leg (0 is the hip joint, 1 the knee). The crotch is at
-about 0.25, and a long shirt covers it."""
+"""Place on the leg (0 is the hip joint, 1 the knee) below which a hem makes a top a dress. The crotch is at about 0.25,
+and a long shirt covers it."""
 
 
 def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: Body) -> str:
@@ -32,7 +32,7 @@ def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: B
     | neck or arms, no cuffs | tank |
 
     Args:
-        contours: Named contours, as `name_contours` gives them.
+        contours: Named contours, from `name_contours`.
         vertices: Positions that the contours index [m], shape [vertex_count, 3].
         body: The wearer.
     """
@@ -61,7 +61,7 @@ def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: B
 def _places(
     contours: tuple[Contour, ...], vertices: np.ndarray, body: Body, kind: str, limb: tuple[str, ...]
 ) -> list[float]:
-    """Place each contour of a kind along its limb; a bridged one that no longer goes around it only if none does."""
+    """Place a kind's contours along their limb; one that no longer goes around it (NaN) counts only if none does."""
     places = []
     for contour in contours:
         stem, _, side = contour.name.partition(".")

@@ -1,4 +1,4 @@
-"""Names for a garment's open contours, by the bones that each one encircles."""
+"""Name a garment's open contours by the bones that each one encircles."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ ARM_BONES = ("collar", "shoulder", "elbow", "wrist", "hand")
 LEG_BONES = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
 ARMHOLE_END = 0.31
-"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and the
+"""Share of the upper arm above which a sleeveless garment's armhole is: a dropped shoulder reaches 0.26, and the
 shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
-"""A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
-0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
+"""Share of the way from the pelvis to the neck joint below which a skirt's or trousers' waist is: a high waist reaches
+0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
 MIN_CONTOUR_LENGTH = 0.12
-"""Length of a loop below which no part of a body passes through it [m]: a child's wrist has 13 cm."""
+"""Length of a loop below which no part of a body fits through it [m]: a child's wrist has 13 cm."""
 MAX_BRIDGED_SHARE = 0.3
-"""Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
+"""Largest share of a trusted contour that was bridged; above it the chords determine its shape more than the cloth."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,9 @@ def name_contours(
     scanned: bool = False,
     hidden: np.ndarray | None = None,
 ) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
-    """Name the open contours of a worn garment and tell them from holes.
+    """Name the open contours of a worn garment and separate them from holes.
 
-    | bones through the contour's disk | garment lies | name |
+    | bones through the contour's disk | garment is | name |
     |---|---|---|
     | trunk, beyond 0.6 of the way to the neck, or both collars | towards the pelvis | neck |
     | trunk, otherwise | towards the pelvis | waist |
@@ -66,24 +66,22 @@ def name_contours(
     | bones of one arm, otherwise | | armhole.SIDE |
     | bones of one leg | towards the pelvis | leg.SIDE |
 
-    A hole that broke through a contour is bridged at its mouth: the contour goes on across it. A loop that encircles no
-    bone is a hole, and so is the shorter of two of one name, and a name that no category has
-    beside the others (a hem beside two legs, a waist beside a neck).
+    A hole that broke through a contour is bridged at its mouth. Holes are loops that encircle no bone, the shorter of
+    two of one name, and names that no category has beside the others (a hem beside two legs, a waist beside a neck).
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Outward faces, shape [face_count, 3].
         body: The wearer.
         unseen: True at vertices beyond which the scanner saw nothing, shape [vertex_count], or None. Skin beyond a
-            contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
-        scanned: True where the surface is a scan's, so that a hole can have broken through a contour, and a contour can
-            be where it was cut off. Our own meshes have no holes, however deep a neckline, and teeth where they are
-            coarse, though nothing cut them.
+            contour proves design; a bay with nothing beyond is damage, however wide its mouth.
+        scanned: Whether the surface is a scan's, in which holes can break through a contour and a contour can be a cut.
+            Our own meshes have no holes, however deep a neckline, and teeth only where they are coarse.
         hidden: True at vertices where the garment may go on beyond its border, shape [vertex_count], or None.
 
     Returns:
         The contours in the order of their names, not trusted where much of one is bridged or hidden, or it alone has
-        the teeth of a cut, and the vertex loops of the holes, longest first.
+        the teeth of a cut; and the vertex loops of the holes, longest first.
     """
     candidates = []
     for loop in find_loops(faces, vertices):
@@ -119,7 +117,7 @@ def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
 
 
 def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:
-    """Return the hems of two legs for a hem that is pinched between them, or else what was given."""
+    """Return the hems of two legs for a hem that is pinched between them, or else the candidate."""
     parts = split_legs(vertices[candidate.vertices]) if candidate.name == "hem" else None
     legs = []
     for part in parts or ():
@@ -131,7 +129,7 @@ def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list
 
 
 def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray) -> list[_Candidate]:
-    """Cut the holes that broke through a contour off it, and give it and them."""
+    """Cut holes that broke through a contour off it; return it and them."""
     if candidate.name is None:
         return [candidate]
     loop = candidate.vertices
@@ -141,10 +139,9 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Return unit normals along a contour, each averaged over the surface within `CONTOUR_SMOOTHING_LENGTH`, shape
-    [loop_count, 3].
+    """Return unit normals along a contour, averaged within `CONTOUR_SMOOTHING_LENGTH`, shape [loop_count, 3].
 
-    Noise scatters the vertices' normals, so that their mean is short; only its direction is of the surface.
+    Noise scatters the vertices' normals, which shortens their mean but keeps its direction.
     """
     normals, around = (
         vertex_normals(vertices, faces),
@@ -156,7 +153,7 @@ def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> 
 def _bridge_bays(
     candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, unseen: np.ndarray
 ) -> list[_Candidate]:
-    """Cut the bays beyond which the scanner saw nothing off a contour, and give it and them."""
+    """Cut bays beyond which the scanner saw nothing off a contour; return it and them."""
     if candidate.name is None:
         return [candidate]
     loop = candidate.vertices
@@ -167,13 +164,13 @@ def _bridge_bays(
 def _cut_off(
     candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
 ) -> list[_Candidate]:
-    """Return a contour without its bites, and they as holes; whole, and not trusted, where little of it is left."""
+    """Return a contour without its bites, and these as holes; whole and not trusted if little would be left."""
     if not bites:
         return [candidate]
     loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
     mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
     length = smoothed_length(vertices[loop])
-    if length < MIN_CONTOUR_LENGTH:  # the hole took the contour with it: what is left encircles nothing
+    if length < MIN_CONTOUR_LENGTH:  # what is left encircles nothing
         return [replace(candidate, bridged=1.0)]
     parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
     return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]
@@ -212,7 +209,7 @@ def trunk_place(crossing: Crossing, body: Body) -> float:
 def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> float:
     """Place a contour along a limb: 0 at the shoulder (hip), 1 at the elbow (knee), 2 at the wrist (ankle).
 
-    Where the disk meets several bones of a bent limb, the one nearest to the trunk counts.
+    If several bones of a bent limb meet the disk, the one nearest to the trunk counts.
     """
     mine = _limb_crossings(crossings, side, limb)
     first = 2 if limb is ARM_BONES else 1
@@ -224,7 +221,7 @@ def _limb_crossings(crossings: tuple[Crossing, ...], side: str, limb: tuple[str,
 
 
 def _choose(candidates: list[_Candidate]) -> dict[str, _Candidate]:
-    """Keep the longest candidate of each name, and only names that a category can have together."""
+    """Keep the longest candidate of each name, and only names that one category has together."""
     chosen: dict[str, _Candidate] = {}
     for candidate in candidates:
         name = candidate.name

@@ -1,4 +1,4 @@
-"""By how much an open edge turns in its cloth, and where it has corners."""
+"""Measure how much an open edge turns in its cloth, and find its corners."""
 
 from __future__ import annotations
 
@@ -14,37 +14,35 @@ NARROW_WINDOW_STD, BROAD_WINDOW_STD = 0.01, 0.02
 """Standard deviations of the windows over which an edge's turn is summed [m]: one and two edges of a scan's mesh."""
 
 MIN_RIM_CORNER_ANGLE = np.radians(5.0)
-"""Turn from which an outline has a corner [rad] (`core/garment/fairness.py`)."""
+"""Least turn of a corner of an outline [rad] (`core/garment/fairness.py`)."""
 
 MIN_NARROW_TURN_RATIO = 0.7
-"""Least turn of a corner in the narrow window over that in the broad one: 1 at a corner, 0.5 on a curve that is wider
-than both."""
+"""Least turn of a corner in the narrow window over the broad one: 1 at a corner, 0.5 on a curve wider than both."""
 
 MIN_CORNER_NOISE_RATIO = 6.0
-"""Least turn of a corner over the median turn along its edge: four standard deviations of noise, which 50 independent
-windows, an edge's length, exceed once in 300 edges."""
+"""Least turn of a corner over the median along its edge: four standard deviations, which noise exceeds on one of 300
+edges (50 independent windows each)."""
 
 MIN_RIM_CORNER_DISTANCE = 0.08
 """Least distance of two corners of one edge [m]: four times `BROAD_WINDOW_STD`."""
 
 MAX_EDGE_TURN_RMS = np.radians(2.5)
-"""Largest root mean square of an edge's turn away from its corners up to which these are accepted [rad]: simulated
-scans have 0.0 to 1.5 degrees on hems, cut or noisy ones 10 to 40, and teeth of up to 260 degrees."""
+"""Largest root mean square of an edge's turn away from its corners for which these are accepted [rad]: simulated scans
+have 0.0 to 1.5 degrees on hems, cut or noisy ones 10 to 40, and teeth of up to 260 degrees."""
 
 
 @dataclass(frozen=True)
 class EdgeTurn:
-    """Describe by how much an open edge turns in its cloth.
+    """Describe how much an open edge turns in its cloth.
 
-    At a vertex of an edge cloth turns by pi less the sum of its faces' angles there: as its pattern does, whatever
-    folds it hangs in.
+    At a vertex it turns by pi less the sum of its faces' angles there: as its pattern does, in whatever folds.
 
     Attributes:
         places: Arc lengths along the edge [m], a quarter of `NARROW_WINDOW_STD` apart, shape [count].
         points: The edge there [m], shape [count, 3].
         length: Of the edge [m].
-        turn: The turns around each place, weighted by a Gaussian as wide as `NARROW_WINDOW_STD` [rad], positive where
-            the edge bulges out, shape [count].
+        turn: Turns around each place, weighted by a Gaussian as wide as `NARROW_WINDOW_STD` [rad], positive where the
+            edge bulges out, shape [count].
         broad: The same with `BROAD_WINDOW_STD`.
     """
 
@@ -56,7 +54,7 @@ class EdgeTurn:
 
     @classmethod
     def of(cls, line: np.ndarray, turns: np.ndarray) -> EdgeTurn:
-        """Sum up the turns of an edge.
+        """Sum the turns of an edge.
 
         Args:
             line: Its vertices in order, closed [m], shape [n, 3].
@@ -73,12 +71,12 @@ class EdgeTurn:
 
     @classmethod
     def of_target(cls, contour: Contour, target: Target) -> EdgeTurn:
-        """Sum up the turns of a target's edge."""
+        """Sum the turns of a target's edge."""
         turns = rim_turns(target.vertices[target.faces], target.faces, contour.vertices)
         return cls.of(target.vertices[contour.vertices], turns)
 
     def corners(self) -> list[int]:
-        """Return which of its places are corners, the largest first."""
+        """Return the indices of the places that are corners, the largest turn first."""
         turn, broad = np.abs(self.turn), np.abs(self.broad)
         least = max(MIN_RIM_CORNER_ANGLE, MIN_CORNER_NOISE_RATIO * float(np.median(turn)))
         found: list[int] = []
@@ -92,15 +90,14 @@ class EdgeTurn:
         return found
 
     def is_clear(self, corners: list[int]) -> bool:
-        """Check whether an edge turns so little farther than half of `MIN_RIM_CORNER_DISTANCE` from its corners that
-        these are believed.
+        """Check whether the edge turns little enough, away from its corners, for these to be accepted.
 
-        Where there is nothing else on the edge they are not.
+        Places within half of `MIN_RIM_CORNER_DISTANCE` of a corner do not count; without others the result is False.
         """
         elsewhere = self.turn[(self._apart(self.places, corners) > MIN_RIM_CORNER_DISTANCE / 2).all(axis=1)]
         return len(elsewhere) > 0 and float(np.sqrt(np.mean(elsewhere**2))) <= MAX_EDGE_TURN_RMS
 
     def _apart(self, places: np.ndarray, chosen: list[int]) -> np.ndarray:
-        """Return how far arc lengths are from some of its places along the edge [m], shape [n, len(chosen)]."""
+        """Return distances of arc lengths from some of its places along the edge [m], shape [n, len(chosen)]."""
         away = places[:, None] - self.places[chosen][None]
         return np.asarray(np.abs((away + self.length / 2) % self.length - self.length / 2))

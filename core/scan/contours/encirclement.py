@@ -1,4 +1,4 @@
-"""Which bones pass through the disk that a contour spans, which way, and where along the bone."""
+"""Find which bones pass through the disk that a contour spans, which way, and where along the bone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...body.body import JOINT_PARENTS, JOINTS, Body
 from .loop import smooth_loop, span_disk
 
 LEAF_LENGTHS = {"head": 0.3, "left_foot": 0.5, "right_foot": 0.5, "left_hand": 0.3, "right_hand": 0.3}
-"""How far the skeleton's ends are drawn out [m], for hoods, hems that touch the floor and sleeves over the hand."""
+"""Lengths by which the skeleton's ends are extended [m], for hoods, hems at the floor and sleeves over the hand."""
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,8 @@ class Crossing:
 
     Attributes:
         bone: The bone's name (its child joint).
-        distal: True where the garment lies on the far side of the contour seen from the pelvis, as at a waist's spine
-            bone for a shirt; False where it lies on the near side, as at a cuff.
+        distal: True where the garment is on the far side of the contour seen from the pelvis, as at a waist's spine
+            bone for a shirt; False where it is on the near side, as at a cuff.
         place: Where along the bone, 0 at its parent joint and 1 at its child joint.
     """
 
@@ -32,9 +32,8 @@ class Crossing:
 def find_crossings(points: np.ndarray, body: Body) -> tuple[Crossing, ...]:
     """Find the bones that a closed contour encircles.
 
-    The contour is smoothed and spanned by a harmonic disk whose normal points into the garment, because the contour
-    runs with the garment on its left. A bone is encircled where its signed passages through the disk do not cancel,
-    which does not depend on how the disk is spanned, only on the contour.
+    The contour is smoothed and spanned by a harmonic disk whose normal points into the garment (on the contour's left).
+    A bone is encircled where its signed passages do not cancel, which depends on the contour and not on the disk.
 
     Args:
         points: Positions along the contour [m], garment on the left, shape [n, 3].
@@ -51,7 +50,7 @@ def find_crossings(points: np.ndarray, body: Body) -> tuple[Crossing, ...]:
 
 
 def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]:
-    """Return each bone's name, start [m], end [m] and place of its start: 0, or 1 for a leaf's drawn-out end."""
+    """Return each bone's name, start [m], end [m] and place of its start: 0, or 1 for a leaf's extension."""
     segments = []
     for index, parent in enumerate(JOINT_PARENTS):
         if parent >= 0:
@@ -59,7 +58,7 @@ def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]
     for name, length in LEAF_LENGTHS.items():
         index = JOINTS.index(name)
         parent = JOINT_PARENTS[index]
-        # A foot goes on below the ankle as the shin came; a head or hand goes on from its own joint.
+        # A foot extends the shin below the ankle; a head or hand is extended from its own joint.
         before = JOINT_PARENTS[parent]
         start = body.joints[parent] if name.endswith("foot") else body.joints[index]
         way = body.joints[parent] - body.joints[before]
@@ -70,7 +69,7 @@ def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]
 
 
 def _merge(found: list[Crossing]) -> tuple[Crossing, ...]:
-    """Return one crossing per bone: a leaf's own segment before its drawn-out end."""
+    """Keep one crossing per bone: a leaf's own segment before its extension."""
     single: dict[str, Crossing] = {}
     for crossing in found:
         single.setdefault(crossing.bone, crossing)
@@ -78,7 +77,7 @@ def _merge(found: list[Crossing]) -> tuple[Crossing, ...]:
 
 
 def _pass_triangles(start: np.ndarray, end: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Intersect a segment with triangles [n, 3, 3]: signs (+1 along the face normal) and places of each passage.
+    """Intersect a segment with triangles [n, 3, 3]; return signs (+1 along the face normal) and places of passages.
 
     The orientations of the segment against the three edges agree where it passes inside (Segura and Feito 2001).
     """

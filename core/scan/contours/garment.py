@@ -1,4 +1,4 @@
-"""From a checked scan and its wearer to the `Target` of a recovery."""
+"""Build the `Target` of a recovery from a checked scan and its wearer."""
 
 from __future__ import annotations
 
@@ -42,20 +42,19 @@ class SeveralGarments(BadInput):
 MIN_SEPARATE_SURFACE_SHARE = 0.05
 """Share of the whole area from which a separate surface is more than a button or a stray piece."""
 MAX_JOINED_SURFACE_GAP = 0.02
-"""Median distance from a contour of one surface to those of another up to which the two belong together [m]: an unsewn
-waistband lies on its skirt's edge, a T-shirt's hem hangs 5 cm and more below the waist of what is worn with it."""
+"""Median distance between contours of two surfaces up to which these belong together [m]: an unsewn waistband is on its
+skirt's edge, a T-shirt's hem hangs 5 cm and more below the waist worn with it."""
 LOWER_OPENINGS = ("hem", "leg.left", "leg.right")
-"""Contours below which the body comes out of a garment; every garment has one."""
+"""Contours through which the body leaves a garment below; every garment has one."""
 ARM_OPENING_STEMS = ("cuff", "armhole")
-"""Stems of the contours through which an arm comes out."""
+"""Stems of the names of contours through which an arm leaves."""
 
 
 def segment_garment(scan: Scan, body: Body) -> Target:
-    """Name the contours of a scanned garment, choose its category, and take off outliers and noise.
+    """Name the contours of a scanned garment, choose its category, and remove outliers and noise.
 
     Noise as large as half an edge makes a surface up to twice as large and its contours longer: a pattern graded to it
-    would be too large, and fold. So what grading, drape and deformer see is the smoothed surface, and of a dense scan
-    the thinned one.
+    would be too large, and fold. So later steps use the smoothed surface, thinned if the scan is dense.
 
     Raises:
         NoContour: where no open boundary encircles a bone.
@@ -88,16 +87,15 @@ def segment_garment(scan: Scan, body: Body) -> Target:
 
 
 def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = False) -> None:
-    """Refuse openings that no worn garment has: a body that goes in comes out below, and above or at both arms.
+    """Check that a garment has the openings of a worn one: one below, and one above or at both arms.
 
-    So half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one boundary) end
-    in a clear line and not in a pattern of something else. One contour may be missing on a whole garment (a neckline
-    under a closed hood), so nothing more is asked. Of one that goes on below another garment one end is not seen:
-    trousers below a long top are two tubes.
+    This refuses half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one
+    boundary). A whole garment may lack one contour (a neckline under a closed hood), so no more is required. Of one
+    below another garment one end is not seen: trousers below a long top are two tubes.
 
     Args:
         contours: The named openings.
-        name: The scan's, for people.
+        name: The scan's, for the message.
         is_covered: Whether the garment goes on below another one.
 
     Raises:
@@ -114,10 +112,9 @@ def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = Fal
 
 
 def check_single(scan: Scan, body: Body) -> None:
-    """Refuse several garments, or a garment and its body, in one unlabelled file.
+    """Check that an unlabelled file has neither several garments nor a garment with its body.
 
-    Together they have openings enough for one garment, of another kind, and the rest would be taken for holes: a
-    T-shirt above a skirt for a dress.
+    Together these would be read as one garment of another kind with holes: a T-shirt above a skirt as a dress.
 
     Raises:
         SeveralGarments: where two separate surfaces are each a whole garment, or one of several has no opening.
@@ -146,7 +143,7 @@ def check_single(scan: Scan, body: Body) -> None:
 
 
 def _missing(contours: tuple[Contour, ...]) -> list[str]:
-    """Find where a worn garment has no opening: below, above."""
+    """Return where the openings of a worn garment are missing: below, above."""
     found = {contour.name for contour in contours}
     above = found & {"neck", "waist"} or all(
         found & {f"{arm}.{side}" for arm in ARM_OPENING_STEMS} for side in ("left", "right")

@@ -1,4 +1,4 @@
-"""A hem around both legs that is two: where trouser legs touch, a scan joins them, and their hems become one loop."""
+"""Split a hem around both legs: where trouser legs touch, a scan joins them, and their hems become one loop."""
 
 from __future__ import annotations
 
@@ -8,26 +8,24 @@ from ...geometry.curves import ClosedCurve
 from .loop import smoothed_length
 
 MAX_PINCH_CHORD_RATIO = 0.15
-"""Largest chord across a pinch, over the shorter way around: where scanned legs touch it has 0.01 to 0.05; a skirt's
-hem has 0.6 where it is round, and 0.25 where it is four times as wide as deep."""
+"""Largest chord across a pinch, over the shorter way around: 0.01 to 0.05 where scanned legs touch; 0.6 for a round
+skirt's hem, 0.25 for one four times as wide as deep."""
 
 MAX_PINCH_CHORD = 0.08
-"""Largest chord across a pinch [m]: scanned legs touch to within 3 cm. A tiered hem of 2.5 to 3.4 m has chords of 15 to
-18 cm across its folds, which are short only beside its length."""
+"""Largest chord across a pinch [m]: scanned legs touch to within 3 cm. Tiered hems of 2.5 to 3.4 m have chords of 15 to
+18 cm across folds, which are short only relative to their length."""
 
 MIN_LEG_HEM_SHARE = 0.25
 """Least share of the loop's length on either side of a pinch: two legs are alike."""
 
 MAX_PINCH_POINT_COUNT = 600
-"""Largest number of points of the loop that are compared in pairs; a longer loop is searched at every second, third,
-... point."""
+"""Largest number of points that are compared in pairs; of a longer loop every second, third, ... point is."""
 
 
 def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Split a closed curve at its narrowest pinch, if it has one: an eight that is nearly closed in the middle.
 
-    Ways around are those along the smoothed curve: noise makes a ragged one half as long again, and a flat hem's chord
-    would look short beside it.
+    Ways around are measured along the smoothed curve, since noise makes a ragged one half as long again.
 
     Args:
         points: Along the curve [m], shape [n, 3].

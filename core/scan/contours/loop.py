@@ -1,4 +1,4 @@
-"""Open boundaries of a mesh: ordered loops, their length, and the disk that spans one."""
+"""Find open boundaries of a mesh: ordered loops, their length, and the disk that spans one."""
 
 from __future__ import annotations
 
@@ -8,26 +8,24 @@ from ...geometry.connectivity import HalfEdges
 from ...geometry.curves import ClosedCurve
 
 CONTOUR_SMOOTHING_LENGTH = 0.03
-"""Width over which a contour is smoothed before it is measured [m]: wider than the teeth that a cut along the triangles
-of a scan leaves (1 cm), narrower than any feature of a contour's design."""
+"""Width over which a contour is smoothed before it is measured [m]: wider than the teeth of a cut along a scan's
+triangles (1 cm), narrower than any feature of a contour's design."""
 LOOP_SAMPLE_SPACING = 0.004
 """Spacing of the samples of a loop [m]: several in one smoothing width."""
 MIN_SMOOTHED_LENGTH_SHARE = 0.8
-"""Share of its length that smoothing leaves of a curve, below which it was cut along triangles; a wavy hem keeps
-more."""
+"""Length of a smoothed curve over its own below which it was cut along triangles; a wavy hem keeps more."""
 
 
 def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
     """Find the boundary loops of a surface, each in order with the surface on its left.
 
-    The loop that leaves a boundary edge goes on by turning through the faces around the edge's end until the next
-    boundary edge. A loop that comes to the same vertex twice (a pinched vertex: two holes that touch) is split there
-    into simple loops. Given `vertices`, shape [vertex_count, 3], places are compared instead of indices, so that loops
-    are also split where a pinched vertex was already doubled.
+    A loop continues from a boundary edge to the next by turning through the faces around the edge's end. A loop that
+    returns to a vertex (a pinched vertex: two holes that touch) is split there into simple loops. With `vertices`
+    positions are compared instead of indices, so that loops are also split where a pinched vertex is doubled.
 
     Args:
         faces: Consistently oriented faces, shape [face_count, 3].
-        vertices: Positions, or None.
+        vertices: Positions, shape [vertex_count, 3], or None.
 
     Returns:
         Vertex indices of each loop, int64, without the first one repeated; longest loop (by count) first.
@@ -59,7 +57,7 @@ def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[n
 
 
 def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:
-    """Cut a closed walk into simple loops wherever it comes back to a place it has been."""
+    """Split a closed walk into simple loops wherever it returns to an earlier place."""
     loops: list[list[int]] = []
     stack: list[int] = []
     place: dict[int, int] = {}
@@ -95,8 +93,7 @@ def smooth_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> 
 def smooth_ragged_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> np.ndarray:
     """Smooth a closed polygon, shape [n, 3], over `width` [m] as `smooth_loop`, shape [sample_count, 3].
 
-    Smoothed once more where that took a fifth of the length: a ragged curve's arc is long, so the width along it was
-    too small.
+    If that removes a fifth of the length it is smoothed again: on a ragged curve's long arc the width was too small.
     """
     curve = smooth_loop(np.asarray(points, dtype=np.float64), width)
     ragged = ClosedCurve(curve).length < MIN_SMOOTHED_LENGTH_SHARE * ClosedCurve(points).length
@@ -109,15 +106,15 @@ def smoothed_length(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH)
 
 
 def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple[np.ndarray, np.ndarray]:
-    """Span a smoothed closed curve by a harmonic disk; give its vertices [m] and faces.
+    """Span a smoothed closed curve by a harmonic disk; return its vertices [m] and faces.
 
     X(r, t) = sum_k c_k r^|k| exp(i k t), with c_k the Fourier series of the curve over its arc length t: each
-    coordinate is harmonic, so the disk is free of folds that the curve does not force and close to the minimal surface.
+    coordinate is harmonic, so the disk has no folds that the curve does not force and is close to the minimal surface.
 
     Args:
         points: The curve, shape [n, 3].
-        around: Points along the curve; 64 keep a 1.5 m hem within 2.5 cm steps.
-        rings: Circles from the curve to the centre.
+        around: Number of points along the curve; 64 keep a 1.5 m hem within 2.5 cm steps.
+        rings: Number of circles from the curve to the centre.
     """
     series = np.fft.fft(ClosedCurve(points).resample(around), axis=0)
     order = np.abs(np.fft.fftfreq(around, 1.0 / around))

@@ -1,4 +1,4 @@
-"""Whether a garment lies on the body that was given with it, by where its surface is."""
+"""Check by the distances of its surface whether a garment is on the body that was given with it."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ MAX_CLOTH_PENETRATION = 0.02
 """Depth inside the body that noise and pressed-in cloth do not reach [m]."""
 
 NEAR_BODY_DISTANCE = 0.03
-"""Distance from the body within which some part of worn cloth lies [m]."""
+"""Distance from the body within which some part of worn cloth is [m]."""
 
 MAX_PENETRATION_SHARE = 0.03
-"""Largest share of the surface deeper than `MAX_CLOTH_PENETRATION`. Of 13 garments on the bodies that they were draped
-or scanned on none has a point so deep; on others' bodies, in the same place, it is up to a quarter."""
+"""Largest share of the surface deeper than `MAX_CLOTH_PENETRATION`: 0 for 13 garments on the bodies that they were
+draped or scanned on, up to a quarter on others' bodies in the same place."""
 
 MIN_NEAR_BODY_SHARE = 0.05
-"""Least share of the surface within `NEAR_BODY_DISTANCE`: on their own bodies it is 39 % or more, least for a skirt; in
-another place 0 to 3 %."""
+"""Least share of the surface within `NEAR_BODY_DISTANCE`: 39 % (a skirt) or more when worn, 0 to 3 % elsewhere."""
 
 MAX_MISFIT_SAMPLE_COUNT = 2000
 """Largest number of points that are checked: shares of a per cent need no more."""
@@ -29,7 +28,7 @@ MAX_MISFIT_SAMPLE_COUNT = 2000
 def explain_misfit(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> str:
     """Return a sentence where a garment cannot have been scanned on a body; else an empty text.
 
-    A garment that is cut loose lies on a slimmer person's body as well; that is not told.
+    That a loose garment is on a slimmer person's body is not detected.
 
     Args:
         points: The garment's vertices [m], shape [n, 3].
@@ -55,9 +54,9 @@ def explain_misfit(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) 
 
 
 def find_misfit_warnings(points: np.ndarray, body: Body) -> tuple[str, ...]:
-    """Return what speaks against a body for a garment's vertices [m], shape [n, 3], one sentence each.
+    """Return warnings about a given body for a garment's vertices [m], shape [n, 3], one sentence each.
 
-    A model that was fitted to a clothed person lies where it was guessed; nothing is said of it.
+    A model that was fitted to a clothed person is not checked: its place is estimated.
     """
     is_given = body.source.startswith(("mesh:", "builtin:"))
     misfit = explain_misfit(points, body.vertices, body.faces) if is_given else ""

@@ -1,4 +1,4 @@
-"""The lines of a neck opening, unrolled into the plane in front and behind: what a neckline is told by."""
+"""Unroll the lines of a neck opening into the plane, in front and behind, to find the neckline's shape."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from ...body.body import Body
 from .loop import smooth_loop
 
 NECK_SMOOTHING_LENGTH = 0.02
-"""Width over which a neck contour is smoothed before it is unrolled [m]: two teeth of a cut along triangles. It rounds
-a right angle by 2 mm."""
+"""Width of smoothing before a neck contour is unrolled [m]: two teeth of a cut; a right angle is rounded by 2 mm."""
 
 MAX_STRAP_LEAN_RATIO = 0.35
 """Largest inward shift of a strap's edge over its height on the way to the side neck point. A neckline is widest there,
-but for a square one whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and pointed ones
-lean in by more than a half below that point; between 0.3 and 0.4 the lines of eleven drapes are read alike."""
+except a square one, whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and pointed ones
+lean in by more than a half below that point; 0.3 to 0.4 give the same lines on eleven drapes."""
 
 HALF_NECKLINE_SAMPLE_COUNT = 96
 """Number of samples of half a neckline: one every 3 mm of a deep one."""
@@ -40,13 +39,12 @@ class NeckLines:
 def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
     """Unroll a neck contour into the plane; None where it does not go round the neck from left to right.
 
-    The cloth of chest and back is taken for a cylinder whose rulings run from left to right: a point's distance u from
-    the middle plane stays, and its height becomes the length p along the profile, a cubic over its chord that is fitted
-    to the points' (y, z).
+    Chest and back are modelled as a cylinder whose rulings run from left to right: a point's distance u from the middle
+    plane stays, and its height becomes the length p along the profile, a cubic over its chord fitted to (y, z).
 
     Args:
         points: The contour [m], shape [n, 3].
-        body: The wearer; tells left, right and front.
+        body: The wearer; its joints define left, right and front.
     """
     loop = smooth_loop(points, NECK_SMOOTHING_LENGTH)
     lateral = body.joint("left_shoulder") - body.joint("right_shoulder")
@@ -73,7 +71,7 @@ def _between(count: int, start: int, end: int) -> np.ndarray:
 
 
 def _unroll(arc: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Unroll the arc from the left to the right side neck point and find its middle; None where it crosses none."""
+    """Unroll the arc from the left to the right side neck point and find its middle; None where there is none."""
     crossings = np.flatnonzero((off[:-1] > 0) & (off[1:] <= 0))
     if not len(crossings):
         return None
@@ -92,7 +90,7 @@ def _unroll(arc: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray] |
 
 
 def _length_along_profile(points: np.ndarray) -> np.ndarray | None:
-    """Return how far down a profile each of its points (y, z) lies [m], shape [n]; None where it has no length."""
+    """Return the length down a profile to each of its points (y, z) [m], shape [n]; None where it has no length."""
     chord = points[-1] - points[0]
     size = float(np.linalg.norm(chord))
     if size < 1e-3:

@@ -1,4 +1,4 @@
-"""A scan's noise: found from its roughness, and smoothed by as much as leaves the least error."""
+"""Estimate a scan's noise from its roughness, and smooth it by as much as leaves the least error."""
 
 from __future__ import annotations
 
@@ -10,42 +10,41 @@ from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import edge_lengths, vertex_normals
 
 MIN_SCAN_NOISE_STD = 4e-3
-"""Noise of a scan from which it is smoothed first [m per coordinate]. Below, the garment's own edges average it out (2
-mm gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, which are folds. With smoothing 5 mm
-gave 1.7 mm to the truth, without 2.6."""
+"""Noise from which a scan is smoothed first [m per coordinate]. Below, the garment's own edges average it out (2 mm
+gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, which are folds. With smoothing 5 mm gave
+1.7 mm to the truth, without 2.6."""
 
 MIN_ROUGHNESS_RATIO = 0.35
 """Least roughness of noise over the edge length: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise on
 edges of 14 to 20 mm 0.38 to 0.5."""
 
 ROUGH_OF_NOISE = 1.66
-"""Median distance of a vertex from the mean of its ring, over the noise: 1.54 (median of chi with three degrees) times
-sqrt(1 + 1/6)."""
+"""Median distance of a vertex from its ring's mean over the noise: 1.54 (median of chi, 3 degrees) sqrt(1 + 1/6)."""
 
 MIN_DENOISING_WEIGHT, MAX_DENOISING_WEIGHT = 1.0, 1e4
-"""Range of the smoothing weight that is searched: 1 removes half the noise of an even mesh, and 10 000 half the depth
-of a fold 30 edges long, 40 cm on a garment's."""
+"""Range of the smoothing weight: 1 removes half the noise of an even mesh, and 10 000 half the depth of a fold 30 edges
+long, 40 cm on a garment's."""
 
 TRACE_PROBE_COUNT = 4
-"""Number of random vectors that the trace is estimated with: at 4 thousand vertices one alone is within 2 %."""
+"""Number of random vectors in the estimate of the trace: at 4 thousand vertices one alone is within 2 %."""
 
 
 def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, float]:
     """Smooth a surface whose noise is larger than what the garment's edges average out.
 
-    The noise is sigma = median |L x| / `ROUGH_OF_NOISE`, where L x is a vertex' distance from the mean of its ring. The
-    smoothed surface is A y with A = (I + s L^T L)^-1: on an even mesh a fold of w edges keeps 1 / (1 + s (pi / w)^4) of
-    its depth. On a border L runs along the border, so that openings do not shrink. How much is smoothed is told by the
-    scan itself: s minimises Stein's unbiased estimate of the error that is left across the surface (C. Stein,
-    "Estimation of the mean of a multivariate normal distribution", Annals of Statistics 9, 1981),
+    The noise is sigma = median |L x| / `ROUGH_OF_NOISE`, where L x is a vertex's distance from the mean of its ring.
+    The smoothed surface is A y with A = (I + s L^T L)^-1: on an even mesh a fold of w edges keeps
+    1 / (1 + s (pi / w)^4) of its depth. On a border L runs along the border, so that openings do not shrink. s
+    minimises Stein's unbiased estimate of the error that is left across the surface (C. Stein, "Estimation of the mean
+    of a multivariate normal distribution", Annals of Statistics 9, 1981),
 
         R(s) = sum_i (n_i . (A y - y)_i)^2 + 2 sigma^2 tr A,    up to a constant,
 
-    with the normals n of the smoothed surface: what is left along it changes no shape. The trace is estimated with
-    `TRACE_PROBE_COUNT` (Hutchinson's way).
+    with the normals n of the smoothed surface: errors along it change no shape. The trace is estimated with
+    `TRACE_PROBE_COUNT` vectors (Hutchinson's estimator).
 
     Returns:
-        The vertices [m], and the noise that was found [m per coordinate], 0 where nothing was smoothed.
+        The vertices [m], and the noise [m per coordinate], 0 where nothing was smoothed.
     """
     rings, edges = _ring_means(vertices, faces)
     laplacian = (sp.identity(len(vertices), format="csr") - rings).tocsr()
@@ -82,7 +81,7 @@ def _smooth(square: sp.csr_matrix, weight: float, values: np.ndarray) -> np.ndar
 
 
 def _ring_means(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Return the matrix that takes each vertex to the mean of its ring, at a border along the border; edges."""
+    """Return the matrix that maps vertices to the mean of their ring, at a border along the border; and the edges."""
     count = len(vertices)
     half_edges = HalfEdges.of(faces, count)
     edges, border = half_edges.edges, half_edges.border_vertices

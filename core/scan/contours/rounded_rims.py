@@ -1,4 +1,4 @@
-"""The rounded edge of a garment that was cut out of a dressed person's surface, straightened."""
+"""Straighten the rounded edge of a garment that was cut out of a dressed person's surface."""
 
 from __future__ import annotations
 
@@ -14,42 +14,40 @@ from ...geometry.linear import factor_symmetric
 from ..scan import Scan
 
 ROUNDED_RIM_WIDTH = 0.012
-"""Width of the strip along a cut in which the surface bends off to what lies beyond [m], three cells of 4 mm of a fused
-surface: on four garments of such scans it lies 3 to 6 mm inside the cloth at the cut, 1 to 3 at 5 to 8 mm, 0.3 to 1 at
-8 to 11, and not at all from 15 on."""
+"""Width of the strip along a cut in which the surface bends towards what is beyond [m], three cells of 4 mm of a fused
+surface: on four garments 3 to 6 mm inside the cloth at the cut, 1 to 3 at 5 to 8 mm, 0.3 to 1 at 8 to 11, 0 from 15."""
 
 MAX_RIM_FIT_DISTANCE = 0.030
-"""Distance from a cut up to which the cloth is fitted to find where the surface would go on [m]: half a fold."""
+"""Distance from a cut up to which the cloth is fitted to extrapolate the surface [m]: half a fold."""
 
 MAX_RIM_FIT_COUNT = 48
-"""Largest number of vertices in a fit: of a surface with edges of 4 mm those of 2 x 3 cm."""
+"""Largest number of vertices in a fit: 2 x 3 cm of a surface with edges of 4 mm."""
 
 RIM_FIT_SPACING = 0.004
 """Edge length of a surface of which every vertex is fitted [m]; of a finer one every n-th."""
 
 MIN_RIM_FIT_COUNT = 12
-"""Least number of vertices in a fit; fewer are of a surface so coarse that its edge cannot be rounded."""
+"""Least number of vertices in a fit; a surface with fewer is so coarse that its edge cannot be rounded."""
 
 MIN_RIM_NORMAL_COSINE = 0.5
-"""Least cosine between the normals of the fitted vertices and the nearest one's: it leaves out the far side of a sharp
-fold."""
+"""Least cosine between the fitted vertices' normals and the nearest one's: excludes the far side of sharp folds."""
 
 
 RIM_SMOOTHING_LENGTH = 0.005
-"""Length over which a cut edge is smoothed [m]: half of a wave of 3 cm is left, and a seventeenth of one of 15 mm. A
-person's parts are labelled at samples 7 mm apart, so that the borders between them wave by two to four of these."""
+"""Length over which a cut edge is smoothed [m]: half of a wave of 3 cm is left, a seventeenth of one of 15 mm. Borders
+between labelled parts have waves of two to four samples, which are 7 mm apart."""
 
 MIN_RIM_EDGE_LENGTH = 1e-4
-"""Least length of a rim's edge in the smoothing [m]: shorter ones are divided by as if they had this length."""
+"""Lower bound of the length of a rim's edge in the smoothing, which divides by it [m]."""
 
 STRAIGHTENED_RIM_NOTE = "edges that the scan rounds towards what lies beyond them were straightened over 12 mm"
-"""What a person is told."""
+"""Note to the user."""
 
 
 def straighten_scan(scan: Scan) -> Scan:
     """Return a garment's scan with straight rims where it was cut out of a larger surface; others as they are.
 
-    What is rounded there is no cloth, so neither target nor metrics are of it.
+    What is rounded there is no cloth, so neither target nor metrics have it.
     """
     if scan.unseen is None:
         return scan
@@ -62,16 +60,16 @@ def straighten_scan(scan: Scan) -> Scan:
 def straighten_rims(
     vertices: np.ndarray, faces: np.ndarray, unseen: np.ndarray, hidden: np.ndarray | None = None
 ) -> np.ndarray:
-    """Move what is rounded along a garment's cut edges to where the cloth beside it leads [m], [vertex_count, 3].
+    """Move what is rounded along a garment's cut edges to the extrapolated cloth beside it [m], [vertex_count, 3].
 
     A scanner's software joins cloth and skin by one surface, which leaves the cloth before its end and bends over the
-    step to the skin. Cut there, cuffs came out 6 mm too narrow, an eighth of their length. Around each vertex of a cut
-    a surface z = a + b u + c v + e u^2 is fitted (least squares) to the vertices `ROUNDED_RIM_WIDTH` to
+    step to the skin; cut there, cuffs were 6 mm too narrow, an eighth of their length. Around each vertex of a cut a
+    surface z = a + b u + c v + e u^2 is fitted (least squares) to the vertices `ROUNDED_RIM_WIDTH` to
     `MAX_RIM_FIT_DISTANCE` away from it, v pointing away from these, u across, z along their mean normal; the vertex
-    moves along z onto it, by at most `ROUNDED_RIM_WIDTH`. Outward only, for beyond lies the skin, and what rises there
-    is skin that was taken for cloth; where the garment goes on hidden, either way. Then the rim is evened out
-    (`_smooth_rim`) and what lies within `ROUNDED_RIM_WIDTH` of it is laid as a plate between it and the cloth
-    (`_fit_thin_plate`): moved one by one, a tenth of its faces were folded over.
+    moves along z onto it, by at most `ROUNDED_RIM_WIDTH`. It moves outward only, since what rises above the fit is skin
+    that was taken for cloth; where the garment goes on hidden, either way. Then the rim is smoothed (`_smooth_rim`),
+    and the vertices within `ROUNDED_RIM_WIDTH` of it are moved onto a plate between rim and cloth (`_fit_thin_plate`):
+    moved one by one, a tenth of its faces were folded over.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -104,13 +102,9 @@ def straighten_rims(
 def _height_over_cloth(
     vertices: np.ndarray, faces: np.ndarray, rim: np.ndarray, straight: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return how far a rim lies over where the cloth beside it leads [m]: vertices of it, heights, unit normals.
+    """Return a rim's vertices with enough cloth beside them, their heights over where it leads [m], and unit normals.
 
-    Args:
-        vertices: Shape [vertex_count, 3].
-        faces: Shape [face_count, 3].
-        rim: Indices of the vertices that are asked for; those without enough cloth beside them are left out.
-        straight: Of the cloth's.
+    `rim` and `straight` are indices of vertices: of the rim, and of the cloth that is fitted.
     """
     away, near = cKDTree(vertices[straight]).query(
         vertices[rim], k=min(MAX_RIM_FIT_COUNT, len(straight)), distance_upper_bound=MAX_RIM_FIT_DISTANCE
@@ -126,16 +120,10 @@ def _height_over_cloth(
 
 
 def _smooth_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.ndarray:
-    """Return vertices [m] with those of a rim where int |x - x0|^2 + `RIM_SMOOTHING_LENGTH`^4 |x''|^2 ds along the
-    border is least.
+    """Return vertices [m] with those in `rim` minimising int |x - x0|^2 + a^4 |x''|^2 ds, a = `RIM_SMOOTHING_LENGTH`.
 
-    A wave of length l keeps 1 / (1 + (2 pi `RIM_SMOOTHING_LENGTH` / l)^4) of its height, and a circle of radius r loses
-    (`RIM_SMOOTHING_LENGTH` / r)^4 of it: a cuff nothing.
-
-    Args:
-        vertices: Shape [vertex_count, 3].
-        edges: The mesh.
-        rim: Indices of those that may move; the others are held.
+    The integral is along the border; other vertices are fixed. A wave of length l keeps 1 / (1 + (2 pi a / l)^4) of its
+    height; a circle of radius r loses (a / r)^4 of it: a cuff nothing.
     """
     ends = edges.edges[edges.face_counts == 1]
     lengths = np.maximum(edge_lengths(vertices, ends), MIN_RIM_EDGE_LENGTH)
@@ -150,14 +138,9 @@ def _smooth_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.n
 
 
 def _fit_thin_plate(vertices: np.ndarray, edges: HalfEdges, free: np.ndarray) -> np.ndarray:
-    """Return vertices [m] with the free ones where the squared sums of their differences to neighbours are least.
+    """Return vertices [m] with those in `free`, none on a border, minimising squared sums of differences to neighbours.
 
-    All neighbours weigh alike: with cotangents, slivers would be stiff, and folds stay.
-
-    Args:
-        vertices: Shape [vertex_count, 3].
-        edges: The mesh.
-        free: Indices of the vertices that may move, none on a border; the others are held.
+    Neighbours have equal weights: with cotangents, slivers would be stiff, and folds stay.
     """
     differences = sparse.csr_matrix(sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64)))
     plate = differences[free] @ sparse.diags((~edges.border_vertices).astype(np.float64)) @ differences
@@ -167,13 +150,9 @@ def _fit_thin_plate(vertices: np.ndarray, edges: HalfEdges, free: np.ndarray) ->
 def _solve_free_vertices(
     vertices: np.ndarray, rows: sparse.csr_matrix, load: np.ndarray, free: np.ndarray
 ) -> np.ndarray:
-    """Return vertices with the free ones where x^T K x / 2 - load^T x is least, the others held, [vertex_count, 3].
+    """Return vertices with those in `free` minimising x^T K x / 2 - load^T x, the others fixed, [vertex_count, 3].
 
-    Args:
-        vertices: Shape [vertex_count, 3].
-        rows: The free vertices' rows of K, shape [free_count, vertex_count].
-        load: Of the free vertices, shape [free_count, 3].
-        free: Their indices.
+    `rows` are the free vertices' rows of K, shape [free_count, vertex_count]; `load` is theirs, shape [free_count, 3].
     """
     if not len(free):
         return vertices
@@ -184,13 +163,10 @@ def _solve_free_vertices(
 
 
 def _height_over(points: np.ndarray, beside: np.ndarray, asked: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Return how far points lie over the surfaces that are fitted beside each [m], shape [count].
+    """Return the heights of points, shape [count, 3], over the surfaces fitted beside each [m], shape [count].
 
-    Args:
-        points: Shape [count, 3].
-        beside: Points beside each [m], shape [count, most, 3].
-        asked: Which of them are, bool, shape [count, most].
-        normal: Unit normal of each surface, shape [count, 3].
+    `beside` are points beside each [m], shape [count, most, 3]; `asked` marks those that are used, shape [count, most];
+    `normal` is the unit normal of each surface, shape [count, 3].
     """
     weight = (asked / asked.sum(axis=1, keepdims=True))[..., None]
     middle = (weight * beside).sum(axis=1)

@@ -1,4 +1,4 @@
-"""A scan's outliers: single vertices far from their ring, put back onto it."""
+"""Move a scan's outliers, single vertices far from their ring, back onto it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ...geometry.connectivity import HalfEdges, adjacency_matrix
 from ...geometry.geometry import edge_lengths
 
 SPIKE_EDGES = 1.3
-"""Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""
+"""Least distance of a spike from the median of its ring, in median edges (a trial found 113 of 115)."""
 
 SPIKE_OWN = 0.7
-"""A spike is also at least this share of its own shortest edge away: a coarse but sound patch is not."""
+"""Least distance of a spike, as a share of its own shortest edge: a coarse but sound patch has less."""
 
 SPIKE_RING = 0.8
-"""A spike also lies outside this quantile of its ring's distances from the ring's median: a sound vertex lies within
-its ring, however unevenly a scan was decimated. Not the maximum: one of the ring may be a spike itself."""
+"""Quantile of its ring's distances from the ring's median that a spike exceeds: a sound vertex is within its ring,
+however unevenly a scan was decimated. Not the maximum: one of the ring may be a spike itself."""
 
 
 def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -23,7 +23,7 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
 
     A vertex is a spike when it is further from the component-wise median of its neighbours than `SPIKE_EDGES` median
     edges, than `SPIKE_OWN` of its own shortest edge and than most of these neighbours are (`SPIKE_RING`). On a border
-    all neighbours lie to one side, so there it is also that far from the middle of its two neighbours along the border:
+    all neighbours are on one side, so there it is also that far from the middle of its two neighbours along the border:
     the corners of a coarse hem are none. Two rounds, because two spikes may be neighbours.
 
     Returns:
@@ -56,7 +56,7 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
 
 
 def _quantiles(values: np.ndarray, counts: np.ndarray, share: float) -> np.ndarray:
-    """Return a quantile of each row's first numbers, `counts` of them; the rest is no number (linear, as in numpy)."""
+    """Return a quantile of the first `counts` numbers of each row, the rest being NaN (linear, as in numpy)."""
     ordered, row = np.sort(values, axis=1), np.arange(len(values))
     at = share * (counts - 1)
     below = at.astype(np.int64)

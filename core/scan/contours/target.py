@@ -1,4 +1,4 @@
-"""A garment's surface with its open contours named: what the recovery has to reach."""
+"""Describe a garment's surface with its open contours named: the target of a recovery."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ CONTOUR_NAMES = (
     "armhole.left", "armhole.right",
     "leg.left", "leg.right",
 )  # fmt: skip
-"""Every name an open contour can have. Left and right are the wearer's: left is +x on a body that faces +z."""
+"""All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z."""
 
 CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
-"""Every category of garment."""
+"""All categories of garments."""
 
 TOP_CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank")
-"""Those that hang from the shoulders and end above the legs."""
+"""Categories that hang from the shoulders and end above the legs."""
 
 
 @dataclass(frozen=True)
 class Contour:
-    """Name one open contour of a garment.
+    """Describe one open contour of a garment.
 
     Attributes:
         name: One of `CONTOUR_NAMES`.
@@ -33,8 +33,7 @@ class Contour:
         length: Circumference of the closed curve after smoothing over 3 cm [m].
         bones: Names of the bones (by child joint, SMPL-24) that cross the disk spanned by the loop.
         trusted: False where the loop may be damage (a cut-off hem, a hole's rim) rather than design.
-        hidden: True where the garment may go on beyond it, below another one or since nothing shows that it ends; it is
-            not trusted then.
+        hidden: Whether the garment may go on beyond it, covered or since nothing shows its end; it is not trusted then.
     """
 
     name: str
@@ -50,12 +49,12 @@ def mark_hidden_border(
 ) -> np.ndarray | None:
     """Mark the border beyond which a garment may go on, bool, shape [vertex_count]; None where there is none.
 
-    A border loop is hidden as a whole where any of it is: bays that were cut off a hidden contour belong to it. What
-    belongs to a contour that is not hidden stays out.
+    A border loop with any hidden vertex is hidden as a whole, including the bays that were cut off it; vertices of
+    contours that are not hidden are left out.
 
     Args:
         faces: The surface's faces, shape [face_count, 3].
-        hidden: What is known to be hidden, bool, shape [vertex_count], or None.
+        hidden: Vertices known to be hidden, bool, shape [vertex_count], or None.
         contours: The surface's named contours.
     """
     if hidden is None or not hidden.any():
@@ -71,7 +70,7 @@ def mark_hidden_border(
 
 @dataclass(frozen=True)
 class Target:
-    """Describe the surface to be reached.
+    """Describe the surface that a recovery fits.
 
     Attributes:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -80,10 +79,8 @@ class Target:
         contours: The named open contours.
         holes: Vertex loops that are damage and no contour.
         category: One of `CATEGORIES`, chosen from the contours and the bones they encircle.
-        origin: Index in the scan of each vertex, shape [vertex_count], where the scan was thinned; None: the scan's own
-            vertices in their order.
-        hidden: True at the vertices of the border beyond which the garment may go on, shape [vertex_count]; None:
-            nowhere.
+        origin: Index in the scan of each vertex, shape [vertex_count]; None where the scan was not thinned.
+        hidden: True at vertices of the border beyond which the garment may go on, shape [vertex_count]; None: nowhere.
     """
 
     vertices: np.ndarray
@@ -96,7 +93,7 @@ class Target:
     hidden: np.ndarray | None = None
 
     def contour(self, name: str) -> Contour | None:
-        """Find a contour by name, or None."""
+        """Return a contour by its name, or None."""
         return next((c for c in self.contours if c.name == name), None)
 
     @property

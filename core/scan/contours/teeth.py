@@ -1,4 +1,4 @@
-"""A contour's teeth: what tells the border of a scan that was cut along its triangles from a hem."""
+"""Find contours with teeth, which separate the border of a scan cut along its triangles from a hem."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ...geometry.curves import ClosedCurve
 from ...geometry.geometry import area_vectors, unit
 
 COARSE_ZIGZAG_LENGTH = 0.02
-"""Length over which a zigzag is measured that is wider than the triangles are [m]: of a cut of a coarse mesh that was
-refined afterwards, or of labels of less resolution than the scan. A hem's folds and its design's corners are longer."""
+"""Length over which a zigzag wider than the triangles is measured [m]: of a cut of a coarse mesh that was refined
+later, or of labels coarser than the scan. A hem's folds and its design's corners are longer."""
 
 MIN_FINE_ZIGZAG_RATIO = 0.35
 """Height of the zigzag between neighbouring vertices, over half the chord, from which a contour was cut. 37 designed
@@ -20,15 +20,14 @@ contours of scans with 5 to 16 thousand faces had 0.00 to 0.15, 10 with 16 to 64
 27 hems cut along triangles 0.57 to 1.7, and 3 whose rows of triangles run along the cut 0.01 to 0.16."""
 
 MIN_COARSE_ZIGZAG_RATIO = 0.2
-"""Height of the zigzag over half the chord from which a contour was cut, at `COARSE_ZIGZAG_LENGTH`: the designed
-contours had 0.00 to 0.09, the hems cut on coarse meshes 0.24 to 0.6."""
+"""The same at `COARSE_ZIGZAG_LENGTH`: designed contours had 0.00 to 0.09, hems cut on coarse meshes 0.24 to 0.6."""
 
 MIN_ZIGZAG_NOISE_RATIO = 1.5
-"""Least height of the zigzag over the contour's roughness across the surface. Noise is as large both ways."""
+"""Least height of the zigzag over the contour's roughness across the surface; noise is equal both ways."""
 
 MAX_SMOOTH_ZIGZAG_SHARE = 0.85
 """Share of the limits up to which another contour of the same garment counts as uncut. Where all have a larger zigzag,
-the garment was cut out along the triangles as a whole, and the zigzag shows nothing."""
+the whole garment was cut out along the triangles, and the zigzag shows nothing."""
 
 MIN_NORMAL_AVERAGING_RADIUS = 0.01
 """Least radius over which the surface's normal is averaged at a contour [m]: many triangles of a dense scan."""
@@ -37,12 +36,11 @@ MIN_NORMAL_AVERAGING_RADIUS = 0.01
 def find_cut_contours(loops: Mapping[str, np.ndarray], vertices: np.ndarray, faces: np.ndarray) -> frozenset[str]:
     """Name the contours with the teeth of a cut along triangles, where another contour of the garment has none.
 
-    A cut leaves a zigzag that lies in the surface, as high as half a triangle. Waves of a hem leave the surface, design
-    bends it one way over many vertices, and noise moves a border as much across the surface as in it. So the height of
-    a vertex over the chord of its neighbours is taken along the surface, less the mean of its two neighbours' heights,
-    and across the surface likewise; t and n are the medians of their sizes over half the chord. The teeth are
-    sqrt(t^2 - n^2), and 0 where t is not well above n. Neither the number of the triangles nor noise decides: both are
-    compared at the same length, once between neighbours and once over `COARSE_ZIGZAG_LENGTH`.
+    A cut leaves a zigzag in the surface, as high as half a triangle; waves of a hem leave the surface, design bends it
+    one way over many vertices, and noise moves a border as much across the surface as in it. The height of a vertex
+    over the chord of its neighbours, less the mean of its two neighbours' heights, is taken along the surface and
+    across it; t and n are the medians of their sizes over half the chord. The teeth are sqrt(t^2 - n^2), and 0 where t
+    is not well above n. Both are measured between neighbours and over `COARSE_ZIGZAG_LENGTH`.
 
     Args:
         loops: Vertex indices of the contours by name.
@@ -59,7 +57,7 @@ def find_cut_contours(loops: Mapping[str, np.ndarray], vertices: np.ndarray, fac
 
 
 def _measure_zigzag(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
-    """Return the height of a contour's teeth over the limit, at the length where that is larger."""
+    """Return the height of a contour's teeth over the limit, the larger one of both lengths."""
     curve = ClosedCurve(points)
     found = _zigzag_height(points, centres, vectors) / MIN_FINE_ZIGZAG_RATIO
     count = round(curve.length / COARSE_ZIGZAG_LENGTH)
@@ -69,7 +67,7 @@ def _measure_zigzag(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -
 
 
 def _zigzag_height(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
-    """Return the median height of the teeth over half the chord, the noise taken out."""
+    """Return the median height of the teeth over half the chord, without the noise."""
     before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
     chord = after - before
     half = np.maximum(0.5 * np.linalg.norm(chord, axis=1), 1e-12)

@@ -1,1 +1,1 @@
-"""Programs that run inside other programs' own interpreters; nothing here is imported, the files are copied."""
+"""Programs that run inside other programs' interpreters; they are copied, not imported."""

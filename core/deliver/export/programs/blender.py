@@ -1,9 +1,9 @@
 """Set a garment up as sewn cloth in Blender: `blender --python THIS_FILE`, or run it in the text editor.
 
 The panels are one mesh that is cut along the seams; loose edges join both sides of each seam, which Blender's cloth
-takes for sewing threads. The flat panels are the rest shape; START says where the cloth begins: worn, the mesh is so
-in the first frame alone, and flat from the second on, whose lengths a dynamic mesh takes for those at rest.
-Mass is the fabric's. Blender's stiffnesses have no units that a fabric could be measured in: they stay as they are.
+uses as sewing threads. The flat panels are the rest shape. START is the cloth's first place: with "worn" the mesh is
+worn in the first frame alone and flat from the second on, because a dynamic mesh has its rest lengths from there. Mass
+is the fabric's. Blender's stiffnesses have no physical units and are not changed.
 """
 
 import os
@@ -24,7 +24,7 @@ START = "worn"
 
 
 def find_folder() -> str:
-    """Return the folder that holds the files."""
+    """Find the folder with the files."""
     places: list[str] = [FOLDER, os.path.dirname(globals().get("__file__", "")), bpy.path.abspath("//"), os.getcwd()]
     for place in places:
         if place and os.path.isfile(os.path.join(place, STEM + "_sewing.obj")):

@@ -1,8 +1,8 @@
 """Build a sewn garment in CLO or Marvelous Designer: run this file in their Python editor, in a new project.
 
-It first imports the pattern document that it holds. Where the program has no such import, or leaves out a seam, it
-draws the pieces point by point in an empty project and sews them line by line. What was open is replaced.
-Written after the documented interface; neither program was at hand to try it in.
+It first imports its pattern document. Where the program has no such import, or leaves out a seam, it draws the pieces
+point by point in an empty project and sews them line by line; the open project is replaced. Written after the
+documented interface; not run in either program.
 """
 
 import json
@@ -14,11 +14,11 @@ DOCUMENT = "{}"
 """The pattern document, as JSON."""
 
 POINTS = "{}"
-"""The same garment for the second way, as JSON: pieces with (x, y, kind) in mm, and seams by piece and line."""
+"""The same garment for the second method, as JSON: pieces with (x, y, kind) in mm, and seams by piece and line."""
 
 
 def build() -> str:
-    """Build the garment, and return one line that says how."""
+    """Build the garment, and return one line on how it was built."""
     import pattern_api  # CLO's and Marvelous Designer's own modules
 
     wanted = json.loads(POINTS)
@@ -35,7 +35,7 @@ def build() -> str:
 
 
 def import_document(pattern_api: Any) -> bool:
-    """Import the pattern document, and return whether the program took it."""
+    """Import the pattern document, and return whether that succeeded."""
     if not hasattr(pattern_api, "ImportPatternJSON"):
         return False
     path = os.path.join(tempfile.mkdtemp(), "garment.json")
@@ -45,7 +45,7 @@ def import_document(pattern_api: Any) -> bool:
 
 
 def count(pattern_api: Any) -> "tuple[int, int]":
-    """Return how many pieces and seams the scene has."""
+    """Return the numbers of pieces and seams of the scene."""
     return int(pattern_api.GetPatternCount()), int(pattern_api.GetSeamlinePairGroupCount())
 
 

@@ -1,4 +1,4 @@
-"""How far two surfaces are from each other, both ways; what is strongly curved counts more (thesis eq. 3.8, 3.9)."""
+"""Compute the distance of two surfaces, both ways, weighted by curvature (thesis eq. 3.8, 3.9)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from ....geometry.geometry import lump, mean_curvature, signed_areas
 from ....geometry.surface import TriangleSurface
 
 REFERENCE_FOLD_RADIUS = 0.025
-"""Radius of a fold whose inverse is the unit of mean curvature [m]: a fold of 2.5 cm radius counts twice a flat
-place."""
+"""Radius of a fold whose inverse is the unit of mean curvature [m]: a fold of 2.5 cm counts twice a flat place."""
 
 MAX_RELATIVE_CURVATURE = 4.0
-"""Largest curvature that counts, in units of 1 / `REFERENCE_FOLD_RADIUS`: a weight of 5, as Bongratz et al. (2022) cap
-theirs. Beyond it, at radii under 6 mm, lie the noise of a scan and the corners of its triangles."""
+"""Largest curvature that counts, in units of 1 / `REFERENCE_FOLD_RADIUS`: a weight of 5, the cap of Bongratz et al.
+(2022). Radii under 6 mm are the noise of a scan and the corners of its triangles."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class ChamferLoss:
     w `weights`, with kappa the mean curvature's size and c `curvature`. Thesis eq. 3.9; with c = 0 eq. 3.8.
 
     **Deviation**: the thesis takes the closest vertices, whose distance on a mesh of 3 cm edges is mostly that of the
-    meshing, and kappa itself, which vanishes on flat cloth; here closest points of the surfaces, and 1 + kappa with a
-    cap, as Bongratz et al. have it. Divided by its mean, the weight leaves L a mean square in m2.
+    meshing, and kappa itself, which vanishes on flat cloth; here closest points of the surfaces, and 1 + kappa with the
+    cap of Bongratz et al. Divided by its mean, the weight leaves L a mean square in m2.
 
     Attributes:
         goal: The target's surface.
@@ -60,8 +59,7 @@ class ChamferLoss:
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
         """Return L [m2] and dL/dx [m], shape [node_count, 3], at nodes [m], shape [node_count, 3].
 
-        The closest points move with the nodes, but the distance is stationary in them (envelope theorem): the gradient
-        is exact wherever the closest points are unique.
+        The gradient is exact where closest points are unique: the distance is stationary in them (envelope theorem).
         """
         found = self.goal.closest(nodes)
         away = nodes - found.foot

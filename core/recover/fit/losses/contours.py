@@ -1,4 +1,4 @@
-"""How far open contours are from their counterparts, one to one by name (second term of thesis eq. 3.7)."""
+"""Compute the distance of open contours from their counterparts, by name (second term of thesis eq. 3.7)."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ class ContourLoss:
         L = sum_c l_c / (2 l) (mean_s |p_s - s|^2 + mean_v |x_v - q_v|^2)
 
     Notation: s samples of the target's contour c, p_s the closest point of our closed curve to each; q_v the closest
-    sample to node x_v of our curve; l_c the target contour's length, l that of all. A contour that is not trusted, or
-    has no counterpart, does not count.
+    sample to node x_v of our curve; l_c the target contour's length, l that of all. Only trusted pairs count.
 
     Attributes:
         loops: Nodes along each of our contours, in order.

@@ -1,4 +1,4 @@
-"""Keep panels as a tailor would cut them: no fold-over, smooth curves smooth, centre lines at right angles."""
+"""Keep panels regular: no fold-over, smooth curves smooth, centre lines at right angles."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FOLD_PENALTY_AREA_SHARE = 0.3
 """Share of its area below which a flat triangle is penalised: well before it turns over."""
 
 MAX_SMOOTH_TURN_ANGLE = np.radians(5.0)
-"""Largest turn of the outline at a control point that counts as smooth [rad]; drawn corners are sharper by far."""
+"""Largest turn of the outline at a control point that counts as smooth [rad]; drawn corners are far sharper."""
 
 RIGHT_ANGLE_TOLERANCE = np.radians(3.0)
 """Largest difference from a right angle, at the end of a centre line, that counts as right [rad]."""
@@ -25,17 +25,17 @@ RIGHT_ANGLE_TOLERANCE = np.radians(3.0)
 
 @dataclass(frozen=True)
 class PanelLoss:
-    """Penalise flat triangles that shrink towards turning over, and corners that have to stay as drawn [m2].
+    """Penalise flat triangles that shrink towards turning over, and changes of corners to be kept [m2].
 
         L = sum_f A_f relu(s - a_f / A_f)^2 + mean_c l_c^2 (turn_c - turn0_c)^2
 
-    Notation: a_f area of flat triangle f [m2], A_f at first, s `FOLD_PENALTY_AREA_SHARE`; turn_c [rad] by how much the
-    outline turns at a kept control point c, turn0_c in the template; l_c mean length of the two chords that meet there
-    [m], so that l_c times an angle is how far the end of an edge has swung. Kept are points where the template's
-    outline is smooth, and right angles at both ends of a centre line: a seam between an edge and its own mirror image.
+    Notation: a_f area of flat triangle f [m2], A_f at first, s `FOLD_PENALTY_AREA_SHARE`; turn_c [rad] the outline's
+    turn at a kept control point c, turn0_c in the template; l_c mean length of the two chords that meet there [m], so
+    that l_c times an angle is the swing of an edge's end. Kept are points where the template's outline is smooth, and
+    right angles at both ends of a centre line: a seam between an edge and its own mirror image.
 
     Attributes:
-        control: How the flat mesh follows the control points.
+        control: The map from control points to the flat mesh.
         uv: The flat mesh at first [m], shape [uv_count, 2].
         uv_faces: Its triangles, shape [face_count, 3].
         before, here, after: The kept control points with their neighbours on the outline, shape [kept_count] each.
@@ -54,7 +54,7 @@ class PanelLoss:
 
     @classmethod
     def of(cls, garment: Garment, like: Pattern) -> PanelLoss:
-        """Prepare for a meshed pattern; `like`, the template, tells which corners to keep."""
+        """Prepare for a meshed pattern; the template `like` gives the corners to keep."""
         kept = _kept_corners(like, find_symmetry(like))
         rows = np.array(kept, dtype=np.int64).reshape(-1, 3)
         points = like.points
@@ -84,7 +84,7 @@ class PanelLoss:
         start = signed_areas(self.uv[self.uv_faces])
         corners = at[self.uv_faces]
         short = np.maximum(FOLD_PENALTY_AREA_SHARE - signed_areas(corners) / start, 0.0)
-        # d(2 a)/d corner k is the opposite edge turned by a quarter
+        # d(2 a)/d corner k is the opposite edge rotated by 90 degrees
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         slope = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
         by_uv = np.zeros_like(at)
@@ -107,7 +107,7 @@ def _kept_corners(like: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int
 
 
 def _centre_lines(like: Pattern, symmetry: Symmetry) -> set[tuple[str, int]]:
-    """Name the edges that are sewn to their own mirror image: (panel, edge)."""
+    """Return the edges (panel, edge) that are sewn to their own mirror image."""
     image = {}
     for mirror in symmetry.mirrors:
         source, target = like.panels[mirror.source].name, like.panels[mirror.target].name
@@ -125,7 +125,7 @@ def _centre_lines(like: Pattern, symmetry: Symmetry) -> set[tuple[str, int]]:
 
 
 def _tangent_turn(panel: Panel, index: int) -> float:
-    """Return by how much the drawn outline turns at a control point [rad], curves' own directions counted."""
+    """Return the turn of the drawn outline at a control point [rad], between the tangents of its curves."""
     segments = 64
     into = edge_points(panel, (index - 1) % len(panel.points), segments)
     out = edge_points(panel, index, segments)
@@ -133,13 +133,13 @@ def _tangent_turn(panel: Panel, index: int) -> float:
 
 
 def _turn(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-    """Return the signed angle from directions to directions [rad], shape [n]."""
+    """Return the signed angles between directions [rad], shape [n]."""
     cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
     return np.asarray(np.arctan2(cross, (one * two).sum(1)))
 
 
 def _wrap(angle: np.ndarray) -> np.ndarray:
-    """Bring angles into -pi to pi."""
+    """Wrap angles to -pi to pi."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 

@@ -1,4 +1,4 @@
-"""How far a drape's nodes are from the target's faces, along their normals."""
+"""Compute the distance of a drape's nodes from the target's faces, along their normals."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ class PlaneLoss:
     """Compare nodes with the planes of the target's nearest faces [m2].
 
         L = sum_v a_v (n_v . (x_v - q_v))^2
-
     q_v closest point of the target, n_v the normal of its face, a `shares` of area, which sum to 1. Sliding within the
-    surface costs nothing, so that Gauss-Newton does not crawl as it does on distances to points. Nodes whose closest
-    point lies on an open edge do not count: the target ends there.
+    surface has no cost, so that Gauss-Newton converges faster than on distances to points. Nodes whose closest point is
+    on an open edge do not count: the target ends there.
 
     Attributes:
         goal: The target's surface.

@@ -1,4 +1,4 @@
-"""Keep a fabric within what cloth can be (the material term of thesis eq. 3.7)."""
+"""Keep a fabric within the range of real cloth (the material term of thesis eq. 3.7)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STIFFNESSES = ("H00", "H01", "H11", "H22", "k")
 """The parameters of thesis eq. 3.11, in the order of the logarithms."""
 
 LIBRARY_RANGE_FACTOR = 2.0
-"""Factor by which the range of the library is extended at both ends: its 19 fabrics are not all there are."""
+"""Factor by which the library's range is extended at both ends: its 19 fabrics are not all that exist."""
 
 MAX_STIFFNESS_COUPLING = 0.95
 """Largest H01 / sqrt(H00 H11): at 1 the cloth could be stretched one way without resistance."""
@@ -24,12 +24,11 @@ class RangeLoss:
     """Penalise stiffnesses outside the library's range, as logarithms; a pure number.
 
         L = sum_i relu(low_i - g_i)^2 + relu(g_i - high_i)^2 + relu(g_01 - (g_00 + g_11) / 2 - ln c)^2
-
     g_i: ln of H00, H01, H11, H22, k, in this order; low and high: the library's range of the ratio to the weight at the
     fabric's own weight, widened; c `MAX_STIFFNESS_COUPLING`. The last term keeps H positive definite.
 
-    **Deviation**: the thesis has relu(1e-6 - value), which only forbids what is not positive; logarithms never are
-    that, but from a single drape they run to where no cloth is.
+    **Deviation**: the thesis has relu(1e-6 - value), which only excludes values that are not positive; logarithms
+    always give positive values, but from a single drape diverge beyond real cloth.
 
     Attributes:
         low, high: Of the logarithms, shape [5].
@@ -40,7 +39,7 @@ class RangeLoss:
 
     @classmethod
     def of(cls, fabric: Fabric) -> RangeLoss:
-        """Take the library's range at a fabric's weight; the fabric itself always lies within it."""
+        """Return the library's range at a fabric's weight, extended to the fabric itself."""
         ratios = np.log([[getattr(each, name) / each.density for name in STIFFNESSES] for each in load_fabrics()])
         weight, own = np.log(fabric.density), logarithms(fabric)
         low, high = (

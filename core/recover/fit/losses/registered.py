@@ -1,4 +1,4 @@
-"""How far a drape is from the registered target: along the surface's normal in full, within the surface a little."""
+"""Compute the distance of a drape from the registered target: in full along the normal, reduced within the surface."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ class RegisteredLoss:
     """Compare a drape node by node with a registered target (thesis 4.3.6) [m2].
 
         L = 1/2 sum_v d_v^T W_v d_v,    d_v = x_v - t_v,    W_v = a_v (s I + (1 - s) n_v n_v^T) / sum a
+    Registration finds the surface to a millimetre, but a node's place on it only as accurately as the pattern was
+    known. So sliding within the surface has the share s of the cost; on open contours, which are visible, s = 1.
 
-    Registration finds the surface to a millimetre, but where on it a node lies only as well as the pattern was known.
-    So a node may slide within the surface at the share s of the cost; on open contours s = 1 because they are seen.
-
-    **Deviation**: the thesis compares all three components alike.
+    **Deviation**: the thesis weights all three components alike.
 
     Attributes:
         target: t, where registration put each node [m], shape [node_count, 3].
@@ -34,7 +33,7 @@ class RegisteredLoss:
 
     @classmethod
     def of(cls, garment: Garment, slide: float) -> RegisteredLoss:
-        """Weigh the nodes of a garment that stands on the target by their flat area; `slide` is s."""
+        """Weight the nodes of a garment on the target by their flat area; `slide` is s."""
         count, share = len(garment.nodes), flat_shares(garment)
         normals = vertex_normals(garment.nodes, garment.faces)
         along = np.full(count, slide)
@@ -58,6 +57,6 @@ class RegisteredLoss:
         return self.value(nodes), self.gradient(nodes)
 
     def curvature(self, moves: np.ndarray) -> np.ndarray:
-        """Return J^T W J, shape [p, p], for the moves J of the nodes by p parameters, shape [node_count, 3, p]."""
+        """Return J^T W J, shape [p, p], for the derivative J of the nodes by p parameters, shape [node_count, 3, p]."""
         weighted = np.einsum("vij,vjp->vip", self.weights, moves)
         return np.asarray(np.tensordot(moves, weighted, axes=((0, 1), (0, 1))))

@@ -1,4 +1,4 @@
-"""How unequal the two sides of the seams are (thesis eq. 3.10)."""
+"""Compute the inequality of the two sides of the seams (thesis eq. 3.10)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ class SeamLoss:
     """Compare the lengths of both sides of every seam [m2].
 
         L = sum_s sum_j (|e_j| - r_s |e'_j|)^2 = sum_s (l_s - r_s l'_s)^2 / n_s
-
     Thesis eq. 3.10 over the n_s mesh edges of each seam s; all edges of one side are equally long, and an edge follows
     the chord of its control points (eq. 3.1), which makes the second form exact. r_s is 1, and for a gathered seam a
-    parameter: its ratio in the template, times exp of what the fit finds.
+    parameter: its ratio in the template, times exp of the fitted value.
 
     Attributes:
         starts, ends: Control point at which each side begins and ends, shape [seam_count, 2].
@@ -38,7 +37,7 @@ class SeamLoss:
 
     @classmethod
     def of(cls, garment: Garment, like: Pattern) -> SeamLoss:
-        """Prepare for a meshed pattern; `like` tells the ratios of gathered seams."""
+        """Prepare for a meshed pattern; `like` gives the ratios of gathered seams."""
         pattern = garment.pattern
         starts, ends, _ = seam_sides(pattern)
         points = pattern.points
@@ -47,7 +46,7 @@ class SeamLoss:
         return cls(starts, ends, factors, seam_ratios(like), pattern.gathered, counts)
 
     def best_ratios(self, points: np.ndarray) -> np.ndarray:
-        """Return the logarithms, for `evaluate`, that leave nothing of the gathered seams' loss, [gathered_count]."""
+        """Return the logarithms, for `evaluate`, at which the gathered seams' loss is zero, [gathered_count]."""
         sides = self.factors * np.linalg.norm(points[self.ends] - points[self.starts], axis=-1)
         return np.asarray(np.log(sides[:, 0] / (self.ratios * sides[:, 1]))[self.gathered])
 
