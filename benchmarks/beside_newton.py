@@ -42,7 +42,7 @@ def write(out: Path, template: str, seconds: float) -> None:
     from garmentq.core.reuse.animate.measured import measure_animation
     from garmentq.core.reuse.animate.settings import AnimateSettings
     from garmentq.core.reuse.animate.stage import AnimationScene
-    from garmentq.core.reuse.wear.worn import load_worn_template
+    from worn_template import load_worn_template
 
     worn = load_worn_template(template, get_fabric("cotton_poplin"))
     motion = find_shipped_motion("walk")

@@ -21,10 +21,11 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.dressed import write_dressed
 from garmentq.core.deliver.ply import read_ply
-from garmentq.core.reuse.wear.dressing import DressedGarment, dress_body, is_valid_drape
-from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, WornGarment, load_worn, load_worn_template
+from garmentq.core.reuse.wear.dressing import DressedGarment, dress_body
+from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, WornGarment, load_worn
 from garmentq.core.run.clock import Clock
 from ruler import measure_lack
+from worn_template import is_valid_drape, load_worn_template
 
 BODIES = (
     "builtin:male,height=1.85,weight=85",

@@ -25,8 +25,9 @@ from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.production import Production, write_production
 from garmentq.core.deliver.formats.registry import DIALECTS, FORMATS
 from garmentq.core.garment.templates import list_templates
-from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, load_worn, load_worn_template, save_worn
+from garmentq.core.reuse.wear.worn import WORN_FILE_NAME, load_worn, save_worn
 from garmentq.core.run.errors import GarmentqError
+from worn_template import load_worn_template
 
 
 def make_result(name: str, folder: Path) -> Path:

@@ -19,12 +19,13 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.dressed_report import draw_wearers
 from garmentq.core.garment.pattern import Pattern
-from garmentq.core.reuse.wear.dressing import dress_body, is_valid_drape
+from garmentq.core.reuse.wear.dressing import dress_body
 from garmentq.core.reuse.wear.ease import measure_ease
 from garmentq.core.reuse.wear.kept_ease import EasePrediction
 from garmentq.core.reuse.wear.refit import make_to_measure, refit_pattern
-from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
+from worn_template import is_valid_drape, load_worn_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

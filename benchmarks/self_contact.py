@@ -21,8 +21,8 @@ from garmentq.core.cloth.topology import Topology
 from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.tie import pin_waist
 from garmentq.core.recover.drape.wearer import WearerGeometry
-from garmentq.core.reuse.wear.worn import load_worn_template
 from sheet import SIDES, cpu, quickest, sheet_on_ball
+from worn_template import load_worn_template
 
 STEPS = 10
 

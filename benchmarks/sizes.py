@@ -19,8 +19,7 @@ from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.size_drapes import drape_size
 from garmentq.core.recover.drape.sizing import measure_wearer
-from garmentq.core.reuse.wear.dressing import is_valid_drape
-from garmentq.core.reuse.wear.worn import load_worn_template
+from worn_template import is_valid_drape, load_worn_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

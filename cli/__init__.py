@@ -1,1 +1,1 @@
-"""The command line: a thin face over service and workers."""
+"""The command line, on top of service and workers."""

@@ -18,11 +18,11 @@ from .derived import DerivedOptions, derived_options
     help=f"A .bvh, .npz or .json file (docs/howto/animate.md), or {', '.join(SHIPPED_MOTIONS)}.",
 )
 @click.option("--fps", type=click.FloatRange(1, 240), default=30.0, show_default=True, help="Frames a second.")
-@click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="First second of it.")
-@click.option("--to", "end", type=click.FloatRange(0), help="Last second of it.  [default: its end; 4 s if it loops]")
-@click.option("--damping", type=click.FloatRange(0, 100), help="Drag of the air, 1/s.  [default: 2]")
+@click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="Start time [s].")
+@click.option("--to", "end", type=click.FloatRange(0), help="End time [s].  [default: its end; 4 s if it loops]")
+@click.option("--damping", type=click.FloatRange(0, 100), help="Air drag, 1/s.  [default: 2]")
 @click.option(
-    "--keep-motion", is_flag=True, help="Leave limbs where the motion has them, though they leave the cloth no room."
+    "--keep-motion", is_flag=True, help="Keep the limbs of the motion even if they leave no room for the cloth."
 )
 @derived_options
 @click.pass_context
@@ -39,10 +39,9 @@ def command(
 ) -> None:
     """Move a stored result with its wearer.
 
-    The wearer of a recovery, or of what `garmentq dress` put on another body, goes through a motion, and the cloth with
-    it. Prints the id of the job; with --wait the result: whether every frame converged, lies outside the body and
-    crosses itself nowhere. Files: point caches (PC2, MDD), a GLB and a USD
-    that play, a contact sheet, a preview.
+    The wearer of a recovery, or of a result of `garmentq dress`, performs a motion, and the cloth follows. Prints the
+    id of the job; with --wait the result: whether every frame converged, is outside the body and does not cross itself.
+    Files: point caches (PC2, MDD), a GLB and a USD animation, a contact sheet, a preview.
 
     \b
     Example:

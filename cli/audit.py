@@ -10,12 +10,12 @@ from .options import json_option, known_home_option
 
 
 @click.command("audit")
-@click.option("--limit", type=click.IntRange(1, 100000), default=50, show_default=True, help="Rows shown at most.")
-@click.option("--key", help="Only what this key did, by its id.")
+@click.option("--limit", type=click.IntRange(1, 100000), default=50, show_default=True, help="Largest number of rows.")
+@click.option("--key", help="Only requests of this key, by its id.")
 @known_home_option
 @json_option
 def command(limit: int, key: str | None, home: Path | None, as_json: bool) -> None:
-    """Show who changed, took or deleted what over HTTP.
+    """Show changes, downloads and deletions over HTTP.
 
     \b
     Example:

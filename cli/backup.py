@@ -20,9 +20,9 @@ from .output import writing
 def command(context: click.Context, file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:
     """Save the embedded database and its files into one tar file.
 
-    Jobs may go on meanwhile: the file holds the state of the moment it was begun. Stored files that are missing or
-    damaged are left out and counted, rows of the database that cannot be read are kept as they are and named; the exit
-    status is 11 then.
+    Jobs may continue meanwhile: the file holds the state at its start. Stored files that are missing or damaged are
+    left out and counted; rows of the database that cannot be read are kept unchanged and named. The exit status is 11
+    then.
 
     \b
     Example:
@@ -42,8 +42,8 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
         context.exit(status)
     print_note(f"saved the database and {saved.files} files of {saved.size / 1e6:.1f} MB in {saved.path}")
     if saved.missing or saved.damaged:
-        left = f"{len(saved.missing)} files that the database names are gone, {len(saved.damaged)} are damaged"
-        print_note(f"{left}; the backup is without them, and `garmentq verify --read-data` names their jobs")
+        left = f"{len(saved.missing)} files that the database names are missing, {len(saved.damaged)} are damaged"
+        print_note(f"{left}; the backup does not have them; `garmentq verify --read-data` names their jobs")
     if saved.rows:
-        print_note(f"kept as they are: {describe_damaged_rows(saved.rows)}")
+        print_note(f"kept unchanged: {describe_damaged_rows(saved.rows)}")
     context.exit(status)

@@ -1,4 +1,4 @@
-"""What `submit` takes beside single files: folders of scans, and tables with a row for each scan."""
+"""Inputs of `submit` beside single files: folders of scans, and tables with a row for each scan."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ SINGLE_OPTIONS = (
     "method",
     "preset",
 )
-"""Columns that stand for an option that is given once."""
+"""Columns for an option that is given once."""
 
 REPEATED_OPTIONS = {"keep": "keep", "cloth": "cloth", "template": "template", "garment": "garment", "fabric": "fabric",
             "lock": "lock", "mark": "mark", "tags": "tags"}  # fmt: skip
-"""Columns that stand for an option that may be given several times, with `;` between."""
+"""Columns for an option that may be repeated, separated by `;`."""
 
 PATH_COLUMNS = ("body", "labels")
-"""Columns that hold a file's place, relative to the table's folder."""
+"""Columns with a file's path, relative to the table's folder."""
 
 MAX_TABLE_ROWS = 100_000
-"""Largest number of rows of a table of orders: one is read whole."""
+"""Largest number of rows of a table of orders, which is read completely."""
 
 
 class TableBad(BadInput):
-    """A table has a header with the column `scan`, and columns named as the options of `submit`."""
+    """A table needs a header with the column `scan`; its other columns are named as the options of `submit`."""
 
     code = "submit.table_bad"
 
 
 class FolderEmpty(BadInput):
-    """The folder holds no file that is read as a scan; name another one, or the files themselves."""
+    """The folder has no file that is read as a scan; name another one, or the files themselves."""
 
     code = "submit.folder_empty"
 
@@ -51,10 +51,10 @@ class FolderEmpty(BadInput):
 def find_scans(given: Sequence[Path], options: OrderOptions) -> Iterator[tuple[Path, OrderOptions]]:
     """Yield each scan with its options: files as they are, folders by name, tables (.csv) row by row.
 
-    What a row leaves empty is as it was typed for all.
+    An empty cell stands for the option of the command.
 
     Raises:
-        TableBad, FolderEmpty: where one cannot be used.
+        TableBad, FolderEmpty: if one cannot be used.
     """
     for path in given:
         if path.is_dir():
@@ -77,7 +77,7 @@ def _list_folder(folder: Path) -> list[Path]:
             continue
         found += [path] if path.is_file() else []
     if not found:
-        raise FolderEmpty(f"{folder} holds no scan; name another folder, or the files themselves.")
+        raise FolderEmpty(f"{folder} contains no scan; name another folder, or the files themselves.")
     return found
 
 
@@ -95,7 +95,7 @@ def _read_table(path: Path, options: OrderOptions) -> Iterator[tuple[Path, Order
         raise TableBad(f"{path.name} cannot be read as a table: {type(error).__name__}.") from error
     for number, row in enumerate(rows, 2):
         if not row["scan"] or None in row:
-            raise TableBad(f"{path.name}, line {number}: a row has a scan, and no more cells than the header.")
+            raise TableBad(f"{path.name}, line {number}: a row needs a scan, and no more cells than the header.")
         yield path.parent / row["scan"], _apply(row, options, path.parent)
 
 

@@ -1,4 +1,4 @@
-"""`garmentq bodies`: the wearers that need no file of the user's."""
+"""`garmentq bodies`: the built-in wearers."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ def list_bodies(as_json: bool) -> None:
 @click.option("-o", "--out", required=True, type=NewFile(), help="File, .ply.")
 @json_option
 def export(spec: str, out: Path, as_json: bool) -> None:
-    """Write a body as a mesh with its joints in JSON beside it.
+    """Write a body as a mesh, and its joints as JSON beside it.
 
-    SPEC is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down], or an .npz of SMPL's format.
+    SPEC is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down], or an .npz in SMPL's format.
 
     \b
     Example:
@@ -65,7 +65,7 @@ def export(spec: str, out: Path, as_json: bool) -> None:
     from .terminal import print_json, print_note
 
     if out.suffix.lower() != ".ply":
-        raise click.UsageError(f"'{out.name}' is no .ply; bodies are written as PLY.")
+        raise click.UsageError(f"'{out.name}' does not end in .ply; bodies are written as PLY.")
     body = load_smpl(Path(spec)) if is_smpl(spec) else builtin_body(spec)
     joints = {name: [round(float(x), 6) for x in place] for name, place in zip(JOINTS, body.joints, strict=True)}
     beside = out.with_name(f"{out.stem}_joints.json")

@@ -17,8 +17,8 @@ from .options import json_option, known_home_option
 def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     """Stop a job.
 
-    A queued job ends at once, a running one within a second or two; one that has ended stays as it is.
-    All jobs below it stop with it.
+    A queued job ends at once, a running one within a second or two; an ended job does not change. All jobs below it
+    stop too.
 
     \b
     Example:
@@ -29,4 +29,4 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     from .family import change_families
 
     backend = open_backend(read_settings(home=home))
-    change_families(backend, jobs, backend.cancel, {State.RUNNING: "stops"}, as_json)
+    change_families(backend, jobs, backend.cancel, {State.RUNNING: "is stopping"}, as_json)

@@ -1,4 +1,4 @@
-"""Wait a moment for the first stage of fresh jobs, which reads their files and refuses what cannot be used."""
+"""Wait for the first stage of new jobs, which reads their files and refuses unusable ones."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from ..service.records import Job
 
 CHECK_SECONDS = 3.0
-"""How long `submit` waits for the checks of all its files [s]; a pair of meshes takes 1 s on an idle core."""
+"""Longest wait of `submit` for the checks of all its files [s]; a pair of meshes takes 1 s on an idle core."""
 
 
 def wait_checked(backend: Backend, jobs: Sequence[str], queue: str) -> list[Job]:
-    """Wait until the files of all jobs are checked, but no longer than `CHECK_SECONDS`, nor without a worker.
+    """Wait until the files of all jobs are checked, at most `CHECK_SECONDS`, and not without a worker.
 
     Args:
-        backend: Where the jobs are.
+        backend: The jobs' backend.
         jobs: Their ids.
-        queue: The queue that they are in.
+        queue: Their queue.
 
     Returns:
-        The jobs as they then are.
+        The jobs after the wait.
     """
     deadline = time.monotonic() + CHECK_SECONDS
     while True:
@@ -38,11 +38,11 @@ def wait_checked(backend: Backend, jobs: Sequence[str], queue: str) -> list[Job]
             print_note("no worker is up, so the files are not checked yet; `garmentq up` starts one.")
             return found
         if time.monotonic() > deadline:
-            print_note("not all files are checked yet; `garmentq status` tells what becomes of the jobs.")
+            print_note("not all files are checked yet; `garmentq status` shows the jobs.")
             return found
         time.sleep(backend.poll_seconds)
 
 
 def is_unchecked(job: Job) -> bool:
-    """Return whether nobody has read a job's files so far."""
+    """Return whether a job's files have not been read yet."""
     return job.state in (State.WAITING, State.QUEUED) or (job.state == State.RUNNING and job.stage in ("", STAGE))

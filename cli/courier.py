@@ -1,4 +1,4 @@
-"""`garmentq courier`: what sends to webhooks where workers have no way out."""
+"""`garmentq courier`: sends webhook messages where workers have no outgoing network access."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from .options import home_option
 
 
 @click.command("courier")
-@click.option("--check", "is_check", is_flag=True, help="Only tell whether one runs in this home; status 9: none does.")
+@click.option("--check", "is_check", is_flag=True, help="Only check that one runs in this home; status 9: none does.")
 @home_option
 def command(is_check: bool, home: Path | None) -> None:
-    """Send what is owed to webhooks until told to stop.
+    """Send webhook messages until stopped.
 
-    Workers do so themselves. Where they cannot reach the addresses, set GARMENTQ_SEND_MESSAGES=0 for them, and run this
-    on a host or in a container that can: it needs the database and a way out. Several share the messages.
+    Workers do so themselves. If they cannot reach the addresses, set GARMENTQ_SEND_MESSAGES=0 for them, and run this on
+    a host or in a container that can: it needs the database and outgoing network access. Several share the messages.
 
     \b
     Example:

@@ -11,7 +11,7 @@ from .options import home_option, json_option
 
 @click.group("db")
 def command() -> None:
-    """Bring the database's tables up to date.
+    """Upgrade the database's tables.
 
     \b
     Example:
@@ -23,10 +23,10 @@ def command() -> None:
 @home_option
 @json_option
 def upgrade(home: Path | None, as_json: bool) -> None:
-    """Make the tables or bring them up to date, make the store's folder or bucket, and close the home to other users.
+    """Create or upgrade the tables, create the store's folder or bucket, and make the home private.
 
-    No other command changes tables that are there: one of an older version could not use them afterwards. A deployment
-    runs this once before its workers start. Two at the same time wait for each other.
+    No other command changes existing tables, because an older version could not use them afterwards. A deployment runs
+    this once before its workers start. Two at the same time wait for each other.
 
     \b
     Example:
@@ -49,4 +49,4 @@ def upgrade(home: Path | None, as_json: bool) -> None:
     if as_json:
         print_json({"database": address, "revision": revision})
     else:
-        print_note(f"{address} stands at revision {revision}")
+        print_note(f"{address} is at revision {revision}")

@@ -19,10 +19,10 @@ UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 
 @click.command("delete")
 @click.argument("jobs", nargs=-1, metavar="[JOB...]")
-@click.option("--older-than", metavar="90d", help="All that ended longer ago than so many h, d or w.")
+@click.option("--older-than", metavar="90d", help="All that ended longer ago than this, in h, d or w.")
 @click.option("--person", metavar="NAME", help="Scans and uploads of exactly this name, and everything made of them.")
 @click.option("--dry-run", is_flag=True, help="List what would be deleted, and delete nothing.")
-@click.option("--yes", is_flag=True, help="Do not ask.")
+@click.option("--yes", is_flag=True, help="Do not ask for confirmation.")
 @known_home_option
 @json_option
 def command(
@@ -36,10 +36,10 @@ def command(
 ) -> None:
     """Delete ended jobs with their files.
 
-    All below a job goes with it, and so does every job that reads its result. Files that nobody else names are removed
-    at once. A person's data is found by the exact name of a job or of a scan or upload (`anna`, or `anna.ply`: one
-    ending), and then by the files themselves, whatever they were called elsewhere; backups are not touched. With
-    --dry-run all that would go is listed.
+    All jobs below a job are deleted too, and every job that reads its result. Files that no other job names are deleted
+    at once. A person's data is found by the exact name of a job or of a scan or upload (`anna`, or `anna.ply` with its
+    extension), and then by the content of the files under any other name; backups are not changed. With --dry-run
+    everything that would be deleted is listed.
 
     \b
     Example:
@@ -83,20 +83,20 @@ def command(
     if as_json:
         print_json(asdict(done))
         return
-    later = f"; {done.young} files put a moment ago go with `garmentq gc` in a day" if done.young else ""
+    later = f"; {done.young} new files are deleted by `garmentq gc` in a day" if done.young else ""
     size = f"{done.size / 1e6:.1f} MB"
     print_note(f"deleted {len(done.jobs)} jobs, {done.uploads} uploads, {done.files} files of {size}{later}")
 
 
 def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> None:
-    """Show what would go; as JSON it is not a table beside what standard output holds."""
+    """Show what would be deleted; with JSON output only as a note."""
     from .terminal import print_note, print_table
 
     uploads = person.uploads if person else ()
     if not as_json:
         rows = [[f"job {one.job}", one.name, one.kind, " ".join(one.keys)] for one in jobs]
         rows += [[f"upload {one.sha256[:12]}", one.name, "", one.key] for one in uploads]
-        print_table(["what would go", "name", "kind", "API keys"], rows)
+        print_table(["to delete", "name", "kind", "API keys"], rows)
     keys = sorted({key for one in jobs for key in one.keys} | {one.key for one in uploads if one.key})
     whose = f" of {len(keys)} API keys ({', '.join(keys)})" if keys else ""
     print_note(f"{len(jobs)} jobs and {len(uploads)} uploads{whose}, with their files")

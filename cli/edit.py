@@ -19,8 +19,8 @@ from .derived import DerivedOptions, derived_options
 def command(context: click.Context, job: str, pattern: Path, options: DerivedOptions) -> None:
     """Drape an edited pattern of a stored result.
 
-    The drape begins where the result's garment hangs, on the same wearer and in the same cloth. What cannot be sewn or
-    meshed is refused with panel, edge and seam. The result is a version: it names what it was made from and never
+    The drape starts from the result's garment, on the same wearer and in the same fabric. A pattern that cannot be sewn
+    or meshed is refused with panel, edge and seam. The result is a new version: it names its predecessor and never
     replaces it.
 
     \b

@@ -1,4 +1,4 @@
-"""Exit statuses: what a script learns from a command without reading its words."""
+"""Exit statuses, by which a script reads the outcome of a command."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ SEVERITY = (
     OK, FAILED_CHECK, INCOMPLETE, FAULT, USAGE, NOT_FOUND, BAD_INPUT, FAILED, DEAD, CANCELLED, TIMED_OUT, UNREACHABLE,
     DETACHED,
 )  # fmt: skip
-"""Every status from the mildest on: of several jobs the last one counts. A result that fails a check is milder than any
-job without one."""
+"""Every status, the least severe first: of several jobs the most severe counts. A result that fails a check is less
+severe than any job without one."""
 
 USAGE_CODES = (
     "query.bad",
@@ -41,7 +41,7 @@ USAGE_CODES = (
     "serve.host_bad",
     "output.unwritable",
 )
-"""Errors in what was typed, not in a file."""
+"""Codes of errors in the command line, not in a file."""
 
 
 def error_status(error: GarmentqError) -> int:
@@ -58,7 +58,7 @@ def error_status(error: GarmentqError) -> int:
 
 
 def job_status(job: Job, is_lenient: bool = False) -> int:
-    """Return the exit status of an ended job; where `is_lenient`, a result that fails a check counts as any other."""
+    """Return the exit status of an ended job; if `is_lenient`, a result that fails a check counts as any other."""
     if job.state == State.FAILED:
         return BAD_INPUT if job.bad_input else FAILED
     if job.state == State.SUCCEEDED:
@@ -67,5 +67,5 @@ def job_status(job: Job, is_lenient: bool = False) -> int:
 
 
 def worst(statuses: Iterable[int]) -> int:
-    """Return the gravest of some exit statuses by `SEVERITY`; `OK` where there is none."""
+    """Return the most severe of some exit statuses by `SEVERITY`; `OK` if there is none."""
     return max(statuses, key=SEVERITY.index, default=OK)

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from ..service.backend import Backend
 
 MAX_EXPORT_TABLE_SIZE = 1 << 20
-"""Most bytes of a table of allowances or sizes."""
+"""Largest size of a table of allowances or sizes [bytes]."""
 
 
 @dataclass(frozen=True)
 class ProductionOptions:
-    """Describe what was typed about files that are written on demand; each field is the option of its name."""
+    """Describe the options of exported files; each field is the option of its name."""
 
     dialect: str | None
     allowance: str | None
@@ -37,15 +37,15 @@ class ProductionOptions:
 
 
 def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of files that are written on demand; the command takes one `production: ProductionOptions`."""
+    """Add the options of exported files; the command receives them as one `production: ProductionOptions`."""
     options = [
-        click.option("--dialect", type=click.Choice(DIALECTS), help="Whose DXF is written.  [default: aama]"),
+        click.option("--dialect", type=click.Choice(DIALECTS), help="Dialect of DXF.  [default: aama]"),
         click.option(
             "--allowance",
-            help="Seam allowances [mm]: seam=10,hem=25, a file of those, or none.  [default: usual]",
+            help="Seam allowances [mm]: seam=10,hem=25, a file with these, or none.  [default: usual]",
         ),
         click.option("--paper", help="a4, letter, a3, a0, roll, or roll:WIDTH in mm.  [default: a4]"),
-        click.option("--fold", is_flag=True, help="Draw symmetric pieces as halves on the fold of the cloth."),
+        click.option("--fold", is_flag=True, help="Draw symmetric pieces as halves on the fold."),
         click.option("--texel", type=float, help="Width of a texel of a texture: 0.5, 1 or 2 mm.  [default: 1]"),
         timeout_option,
         workers_option,
@@ -60,7 +60,7 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.command("export")
 @click.argument("job")
 @click.argument("names", nargs=-1)
-@click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write it in another format.")
+@click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write the garment in another format.")
 @production_options
 @click.pass_context
 def command(
@@ -73,7 +73,7 @@ def command(
     """Copy a job's files into a folder, or write its garment in another format.
 
     Without --as: all stored files, or only those named; every copy is checked against its hash. With --as a job of kind
-    `export` writes the files, is waited for, and they are copied. Prints the paths.
+    `export` writes the files; the command waits for it and copies them. Prints the paths.
 
     \b
     Example:
@@ -98,7 +98,7 @@ def command(
 
 
 def read_options(production: ProductionOptions) -> dict[str, Any]:
-    """Return the fields of an export's request that were typed."""
+    """Return the fields of an export's request that were given."""
     given: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper, "texel": production.texel}
     if production.allowance is not None:
         given["allowance"] = read_table(production.allowance)
@@ -108,10 +108,10 @@ def read_options(production: ProductionOptions) -> dict[str, Any]:
 
 
 def read_table(text: str) -> str:
-    """Return the text of a file where one of that name is there, else the text itself.
+    """Return the text of a file if there is one of that name, else the text itself.
 
     Raises:
-        UsageError: where the file is too large or is no text.
+        UsageError: if the file is too large or is not text.
     """
     path = Path(text)
     try:
@@ -149,7 +149,7 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     try:
         report = follow(backend, done.job, Wait(production.timeout, production.as_json, keep_up))[0]
     except WaitTimedOut:
-        print_note(f"job {done.job} goes on; `garmentq export {done.job}` copies its files.")
+        print_note(f"job {done.job} continues; `garmentq export {done.job}` copies its files.")
         return exits.TIMED_OUT
     if report.error:
         print_error(report.error.code, report.error.message)

@@ -1,4 +1,4 @@
-"""Families of jobs: children stand under their parent, and who waits for a job waits for all below it."""
+"""Families of jobs: display of children below their parent, and waiting for all jobs below a job."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .terminal import print_json, print_note
 J = TypeVar("J", bound=Job)
 
 QUEUE_EVENTS = ("queued", "resubmitted", "retried")
-"""Events by which a person put a job into the queue."""
+"""Events by which a user put a job into the queue."""
 
 
 def arrange(jobs: Sequence[J]) -> list[tuple[int, J]]:
-    """Return jobs with their depth, each parent before its children; a job whose parent is not there counts as a root.
+    """Return jobs with their depth, each parent before its children; a job whose parent is missing counts as a root.
 
-    Roots keep their order, children stand in the order in which they were made.
+    Roots keep their order, children are in order of creation.
     """
     known = {job.id for job in jobs}
     below: dict[str | None, list[J]] = {}
@@ -38,7 +38,7 @@ def arrange(jobs: Sequence[J]) -> list[tuple[int, J]]:
 
 
 def indent(depth: int, name: str) -> str:
-    """Return a job's name as a table of a family shows it."""
+    """Return a job's name, indented by its depth in a table."""
     return f"{'  ' * depth}{name}"
 
 
@@ -48,7 +48,7 @@ def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
         return [job]
     found = arrange(backend.find_jobs(JobQuery({"family": job.family}, sort="created", limit=MAX_QUERY_ROWS)))
     place = next((index for index, (_, one) in enumerate(found) if one.id == job.id), None)
-    if place is None:  # more jobs than one question returns
+    if place is None:  # more jobs than one query returns
         return [job]
     end = place + 1
     while end < len(found) and found[end][0] > found[place][0]:
@@ -59,13 +59,13 @@ def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
 def change_families(
     backend: Backend, jobs: Sequence[str], change: Callable[[str], State], words: Mapping[State, str], as_json: bool
 ) -> None:
-    """Change jobs by their ids or beginnings of them, and show each with all below it.
+    """Change jobs given by their ids or beginnings of them, and show each with all below it.
 
     Args:
-        backend: Where the jobs are.
-        jobs: What was typed.
-        change: What is done to each; returns its state after that.
-        words: What is said of a job in a state; by default that it is in it.
+        backend: The jobs' backend.
+        jobs: Ids as they were typed.
+        change: Function that changes a job and returns its state after that.
+        words: Text for a job in a state; by default "is STATE".
         as_json: Print an object for each job instead of a line.
     """
     for job in jobs:
@@ -80,14 +80,14 @@ def change_families(
 
 
 class FamilyEvents:
-    """Poll the events of a job and of all below it, whose jobs are made while one waits.
+    """Poll the events of a job and of all below it, including those created meanwhile.
 
     Attributes:
-        names: Names of the jobs below by id; the job itself has none.
+        names: Names of the jobs below by id; that of the job itself is empty.
     """
 
     def __init__(self, backend: Backend, job: str, is_whole: bool = True) -> None:
-        """Begin with one job; where not `is_whole`, with the events since it was last put into the queue."""
+        """Begin with one job; if not `is_whole`, with the events since it was last queued."""
         self.names: dict[str, str] = {job: ""}
         self._reports: dict[str, JobReport] = {}
         self._backend, self._is_whole = backend, is_whole
@@ -95,7 +95,7 @@ class FamilyEvents:
 
     @property
     def reports(self) -> list[JobReport]:
-        """Return the jobs that have ended, each parent before its children, as they are by now."""
+        """Return the jobs that have ended, each parent before its children, with current states."""
         found = [self._reports[job] for job in self.names if job in self._reports]
         states = {job.id: job.state for job in found}
         return [
@@ -109,10 +109,10 @@ class FamilyEvents:
         return len(self._reports) == len(self.names)
 
     def poll(self) -> list[Event]:
-        """Return what happened since the last poll, in order."""
+        """Return the events since the last poll, in order."""
         events: list[Event] = []
         left = [job for job in self.names if job not in self._reports]
-        for job in left:  # grows by the children of those that have ended
+        for job in left:  # grows by the children of ended jobs
             news = self._backend.poll_events(job, self._seen.get(job, 0))
             events += news.events if self._is_whole or job in self._seen else _latest_run(news.events)
             self._seen[job] = news.events[-1].id if news.events else self._seen.get(job, 0)
@@ -121,7 +121,7 @@ class FamilyEvents:
         return sorted(events, key=lambda event: event.id)
 
     def _end(self, job: str) -> list[str]:
-        """Note that a job has ended, and return its children."""
+        """Record that a job has ended, and return its children."""
         found = self._reports[job] = self._backend.find_job(job)
         children = found.children if found.state == State.SUCCEEDED else []
         self.names |= {child.job: child.name for child in children}
@@ -129,6 +129,6 @@ class FamilyEvents:
 
 
 def _latest_run(events: list[Event]) -> list[Event]:
-    """Return the events since the job was last put into the queue by a person."""
+    """Return the events since a user last queued the job."""
     begins = [index for index, event in enumerate(events) if event.kind in QUEUE_EVENTS]
     return events[begins[-1] :] if begins else events

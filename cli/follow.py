@@ -1,4 +1,4 @@
-"""Wait for jobs and show how far they are, from the events in the database."""
+"""Wait for jobs and show their progress, from the events in the database."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 MAX_EVENT_SILENCE = 5.0
-"""Time without an event after which a job may lack its broker or worker [s]: a working stage reports twice a second."""
+"""Time without an event after which a job may lack its broker or worker [s]: a running stage reports twice a second."""
 
 
 WHOLE = ""
-"""Stands among the stages for the whole job."""
+"""Stands for the whole job among the stages."""
 
 
 class WaitTimedOut(Exception):
-    """The job had not ended when the time was over."""
+    """The job had not ended within the time limit."""
 
 
 @dataclass(frozen=True)
 class Wait:
-    """Choose how a job's end is awaited.
+    """Describe how to wait for a job's end.
 
     Attributes:
-        timeout: Seconds at most, or None.
+        timeout: Longest wait [s], or None.
         as_json: Show nothing meanwhile, so that only data is printed.
-        keep_up: Called every few seconds while nothing happens to the job.
-        is_lenient: A result that fails a check ends with the status of one that passes.
+        keep_up: Called every few seconds while the job has no events.
+        is_lenient: A result that fails a check has the exit status of one that passes.
     """
 
     timeout: float | None = None
@@ -56,7 +56,7 @@ def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
         The job, then all below it, each parent before its children.
 
     Raises:
-        WaitTimedOut: where `wait.timeout` seconds went by first.
+        WaitTimedOut: if `wait.timeout` passed first.
     """
     deadline = None if wait.timeout is None else time.monotonic() + wait.timeout
     family, heard = FamilyEvents(backend, job, is_whole=False), time.monotonic()
@@ -76,7 +76,7 @@ def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
 
 
 class Display(Protocol):
-    """Show what happens to a job and to those below it."""
+    """Show the events of a job and of those below it."""
 
     def show(self, event: Event, name: str) -> None:
         """Show one event; `name` is that of a job below, empty for the job itself."""
@@ -94,14 +94,14 @@ class _Silence:
 
 
 class Lines:
-    """Write one line when a stage begins and one for each thing that happens to a job."""
+    """Write one line when a stage begins and one for each other event."""
 
     def __init__(self) -> None:
-        """Begin with no stage."""
+        """Begin without a stage."""
         self.stages: dict[str, str] = {}
 
     def show(self, event: Event, name: str) -> None:
-        """Write what is new."""
+        """Write the event if it is new."""
         progress = event.progress
         if progress is None:
             print_note(_label(name, _describe_event(event)))
@@ -129,16 +129,16 @@ class Bars:
         self.tasks: dict[tuple[str, str], TaskID] = {}
 
     def __enter__(self) -> Bars:
-        """Begin to draw."""
+        """Start drawing."""
         self.progress.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave the last picture on the screen."""
+        """Stop drawing; the last picture stays on the screen."""
         self.progress.stop()
 
     def show(self, event: Event, name: str) -> None:
-        """Draw what is new."""
+        """Draw the event."""
         progress = event.progress
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
@@ -156,7 +156,7 @@ class Bars:
         self.progress.update(self.tasks[task], completed=progress.fraction, message=keep_printable(progress.message))
 
     def _draw_whole(self, job: str, name: str, share: float, left: float | None) -> None:
-        """Draw how far a job is in all, above its stages."""
+        """Draw the overall progress of a job, above its stages."""
         if (job, WHOLE) not in self.tasks:
             self.tasks[job, WHOLE] = self.progress.add_task(keep_printable(_label(name, "all")), total=1.0, message="")
         message = "" if left is None else f"{show_duration(left)} to go"
@@ -171,7 +171,7 @@ class Bars:
 
 
 def _describe_overall(progress: JobProgress) -> str:
-    """Return how far the whole is, behind the name of a stage that begins."""
+    """Return the overall progress, to follow the name of a stage that begins."""
     if progress.overall is None:
         return ""
     left = "" if progress.left_seconds is None else f", {show_duration(progress.left_seconds)} to go"
@@ -179,7 +179,7 @@ def _describe_overall(progress: JobProgress) -> str:
 
 
 def _describe_event(event: Event) -> str:
-    """Return what happened to a job: the event's kind, and what it says of doubtful files."""
+    """Return the event's kind, and its doubts about files."""
     doubts = " ".join(event.data.get("doubts", []))
     return f"{event.kind}: {doubts}" if doubts else event.kind
 

@@ -1,4 +1,4 @@
-"""Wait for the garments of persons that were taken apart."""
+"""Wait for the garments of segmented persons."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ from .terminal import print_note
 
 
 def wait_garments(backend: Backend, family: Sequence[JobReport], timeout: float | None) -> list[JobReport]:
-    """Return a family once the garments of a person in it have ended.
+    """Return a family after the garments of a person in it have ended.
 
-    It is returned as it is where its first job is no person that was taken apart, where no worker is up, or where the
-    time is over.
+    It is returned at once if its first job is not a segmented person, if no worker runs, or when the time is over.
 
     Args:
-        backend: Where the jobs are.
+        backend: The jobs' backend.
         family: A job, then all below it.
-        timeout: Seconds at most, or None.
+        timeout: Longest wait [s], or None.
     """
     from .follow import Wait, WaitTimedOut, follow
 
@@ -29,7 +28,7 @@ def wait_garments(backend: Backend, family: Sequence[JobReport], timeout: float 
     if not is_apart or all(job.state in ENDED for job in family):
         return list(family)
     if not backend.read_queue().workers:
-        print_note("no worker is up, so nothing is waited for; `garmentq up` starts one.")
+        print_note("no worker is up, so the command does not wait; `garmentq up` starts one.")
         return list(family)
     try:
         return follow(backend, person.id, Wait(timeout, as_json=True))

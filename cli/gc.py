@@ -10,27 +10,27 @@ from . import exits
 from .options import json_option, known_home_option
 
 GARBAGE_GRACE_HOURS = 24.0
-"""Least age of a file that may be removed [h], as in `service.garbage`, which is not imported for `--help`; a test
+"""Least age of a file that may be deleted [h], as in `service.garbage`, which is not imported for `--help`; a test
 compares them."""
 
 
 @click.command("gc")
-@click.option("--delete", "is_delete", is_flag=True, help="Remove them; otherwise they are only counted.")
+@click.option("--delete", "is_delete", is_flag=True, help="Delete them; otherwise they are only counted.")
 @click.option(
     "--grace-hours",
     type=click.FloatRange(min=0.0),
     default=GARBAGE_GRACE_HOURS,
     show_default=True,
-    help="Keep younger files: a running job may be about to use them.",
+    help="Keep younger files [h]: a running job may be about to use them.",
 )
 @known_home_option
 @json_option
 @click.pass_context
 def command(context: click.Context, is_delete: bool, grace_hours: float, home: Path | None, as_json: bool) -> None:
-    """Remove stored files that no job names.
+    """Delete stored files that no job names.
 
-    Such files are left by crashes and by checkpoints that newer ones replaced. Without --delete nothing is changed.
-    Each database must have a store of its own. Where a row of the database is damaged nothing is removed, for it may
+    Such files remain after crashes, and from checkpoints that newer ones replaced. Without --delete nothing is changed.
+    Each database must have a store of its own. If a row of the database is damaged nothing is deleted, because it may
     name any file; the exit status is 11 then.
 
     \b
@@ -56,7 +56,7 @@ def command(context: click.Context, is_delete: bool, grace_hours: float, home: P
         print_json({**counts, "kept_bytes": found.kept_bytes, "damaged_rows": len(found.damaged)})
         context.exit(exits.INCOMPLETE if found.damaged else exits.OK)
     what = f"{len(found.files)} files of {found.size / 1e6:.1f} MB that no job names"
-    print_note(f"removed {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` removes them")
+    print_note(f"deleted {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` deletes them")
     if found.damaged:
-        print_note(f"nothing is removed, for one of these may name a file: {describe_damaged_rows(found.damaged)}")
+        print_note(f"nothing is deleted, because one of these may name a file: {describe_damaged_rows(found.damaged)}")
         context.exit(exits.INCOMPLETE)

@@ -21,12 +21,15 @@ if TYPE_CHECKING:
 @click.command("inspect")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
-    "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found; docs/reference/cli.md]"
+    "--as",
+    "given_as",
+    type=click.Choice(GIVEN_AS),
+    help="What the file is.  [default: detected; docs/reference/cli.md]",
 )
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
 @label_options
-@click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]")
-@click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]")
+@click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]")
+@click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: detected]")
 @json_option
 def command(
     file: Path,
@@ -37,11 +40,11 @@ def command(
     up: str | None,
     as_json: bool,
 ) -> None:
-    """Show how a file is understood, before anything is run.
+    """Show what is detected in a file, before a job is run.
 
-    Whether it is taken for a whole person or for a garment; units, up axis, extent, what was repaired; with a body also
-    its contours, holes and category. Of a dressed person's scan the garment that --labels, --keep or --keep-colour says
-    is cut out, and the body is found below the clothes. `garmentq segment` takes a person apart.
+    Shows whether it is a whole person or a garment, units, up axis, extent and repairs; with a body also its contours,
+    holes and category. From a dressed person's scan the garment given by --labels, --keep or --keep-colour is cut out,
+    and the body is fitted below the clothes. `garmentq segment` segments a person.
 
     \b
     Example:
@@ -70,7 +73,7 @@ def command(
 
 @dataclass(frozen=True)
 class _InspectionOptions:
-    """What was typed: the file, its wearer, what it is said to be, its unit and axis."""
+    """Describe the options: the file, its wearer, what it is, its unit and axis."""
 
     file: Path
     body: Wearer | None
@@ -80,14 +83,14 @@ class _InspectionOptions:
 
 
 def _inspect_file(asked: _InspectionOptions, selection: Selection | None) -> dict[str, Any]:
-    """Return what is understood of a file, with what it is taken for.
+    """Return what is detected in a file.
 
     Raises:
-        BadInput: where it cannot be used.
+        BadInput: if it cannot be used.
     """
-    from ..core.people.inspect import classify_file, explain_missing_body, inspect_person, is_garment_refusal
-    from ..core.people.inspect_garment import inspect_file
     from ..core.run.errors import BadInput
+    from ..service.inspect_garment import inspect_file
+    from ..service.inspect_scan import classify_file, explain_missing_body, inspect_person, is_garment_refusal
     from .terminal import print_note
 
     what = asked.given_as or GARMENT

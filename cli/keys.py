@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.group("keys")
 def command() -> None:
-    """Make, list and revoke API keys.
+    """Create, list and revoke API keys.
 
     \b
     Example:
@@ -27,13 +27,13 @@ def command() -> None:
 @click.argument("name")
 @click.option(
     "--scope", "scopes", multiple=True, default=("read", "submit"), show_default=True,
-    type=click.Choice(["read", "submit", "metrics", "admin"]), help="What the key may do; given once or more.",
+    type=click.Choice(["read", "submit", "metrics", "admin"]), help="Permission of the key; may be repeated.",
 )  # fmt: skip
 @click.option("--quota", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Open jobs at a time.")
 @click.option(
     "--priority", type=click.IntRange(0, 100), default=0, show_default=True, help="Highest priority of its jobs."
 )
-@click.option("--days", type=click.FloatRange(0.001, 36500), help="It expires after so many days.  [default: never]")
+@click.option("--days", type=click.FloatRange(0.001, 36500), help="Days until it expires.  [default: never]")
 @home_option
 @json_option
 def create_command(
@@ -45,7 +45,7 @@ def create_command(
     home: Path | None,
     as_json: bool,
 ) -> None:
-    """Make a key and print its token, which is shown only now.
+    """Create a key and print its token, which is shown only now.
 
     \b
     Example:
@@ -96,7 +96,7 @@ def list_command(home: Path | None, as_json: bool) -> None:
 @home_option
 @json_option
 def revoke_command(key: str, home: Path | None, as_json: bool) -> None:
-    """Take a key back; its jobs stay.
+    """Revoke a key; its jobs stay.
 
     \b
     Example:

@@ -1,4 +1,4 @@
-"""Options of a command that looks at one garment of a dressed person's scan."""
+"""Options of a command on one garment of a dressed person's scan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .options import Decorator, gather
 
 
 def _once(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> str | None:
-    """Take an option once, and say so where it comes twice: the last one would win in silence."""
+    """Accept an option once, and refuse it if it is repeated: otherwise the last one would be used silently."""
     if len(values) > 1:
         raise click.BadParameter("one garment is shown at a time; give --keep once.")
     return values[0] if values else None
@@ -20,7 +20,7 @@ def _once(context: click.Context, parameter: click.Parameter, values: tuple[str,
 
 @dataclass(frozen=True)
 class LabelOptions:
-    """Describe what was typed about the part of a dressed person's scan that is the garment."""
+    """Describe the options about the part of a dressed person's scan that is the garment."""
 
     labels: Path | None
     labels_key: str | None
@@ -31,14 +31,14 @@ class LabelOptions:
 
 
 def label_options(function: Decorator) -> Decorator:
-    """Add what says which part of a dressed person's scan is the garment; the command takes it as one `part`."""
+    """Add the options about which part of a dressed person's scan is the garment; the command receives one `part`."""
     options = [
         click.option(
             "--labels",
             type=click.Path(path_type=Path),
             help="A dressed person's scan: one label per vertex, .npz .npy .json .txt.  [default: in the scan]",
         ),
-        click.option("--labels-key", help="The array's name in that file.  [default: found]"),
+        click.option("--labels-key", help="The array's name in that file.  [default: detected]"),
         click.option(
             "--keep", metavar="LABEL[,LABEL]", multiple=True, callback=_once, help="The garment's labels.  [default: 1]"
         ),

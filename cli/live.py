@@ -1,4 +1,4 @@
-"""Tables on the terminal that follow the queue: jobs and workers, or the progress of a batch."""
+"""Live tables on the terminal: jobs and workers, or the progress of a batch."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 TABLE_REFRESH_INTERVAL = 0.5
-"""Interval at which the tables are drawn anew [s]."""
+"""Interval at which the tables are redrawn [s]."""
 
 BATCH_ROWS = 12
-"""Jobs of a batch that are shown one by one: the running ones."""
+"""Largest number of running jobs of a batch that are listed."""
 
 
 def watch_queue(backend: Backend, job: str | None, limit: int) -> None:
-    """Show jobs and workers until Ctrl-C, or once where the output is no terminal."""
+    """Show jobs and workers until Ctrl-C, or once if the output is not a terminal."""
     from rich.console import Console
     from rich.live import Live
 
@@ -70,12 +70,12 @@ def draw_queue(backend: Backend, rows: Sequence[Job]) -> RenderableType:
 
 
 def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -> list[Job]:
-    """Wait until every job of a batch and all below them have ended, with one view over all of them.
+    """Wait until every job of a batch and all below them have ended, with one view of all of them.
 
     On a terminal one bar and the running jobs; elsewhere a line whenever another job has ended.
 
     Raises:
-        WaitTimedOut: where `timeout` seconds went by first.
+        WaitTimedOut: if `timeout` passed first.
     """
     from rich.console import Console
     from rich.live import Live
@@ -103,7 +103,7 @@ def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -
 
 
 def draw_batch(rows: Sequence[Job]) -> RenderableType:
-    """Draw one bar over a batch, the counts by state, and the running jobs."""
+    """Draw one bar for a batch, the counts by state, and the running jobs."""
     from rich.console import Group
     from rich.progress_bar import ProgressBar
     from rich.text import Text

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 @json_option
 @click.pass_context
 def command(context: click.Context, job: str, follows: bool, home: Path | None, as_json: bool) -> None:
-    """Show what happened to a job.
+    """Show the events of a job.
 
-    And to the jobs below it, which it made: each line of theirs begins with their name.
+    And those of the jobs below it, whose lines begin with their name.
 
     \b
     Example:

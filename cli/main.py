@@ -1,4 +1,4 @@
-"""The command `garmentq`: each sub-command is a module of its own, imported only when it is asked for."""
+"""The command `garmentq`: each sub-command is a module of its own, imported only when it is used."""
 
 from __future__ import annotations
 
@@ -18,41 +18,41 @@ from .output import keep_mask
 from .signals import interrupt_on_stop_signals
 
 COMMANDS = {
-    "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
+    "run": "Recover a garment: submit its scan, run the job here, wait, and show the result.",
     "submit": "Queue one or more scans.",
     "dress": "Dress another body in a stored result, or in all garments of a person.",
-    "refit": "Make a stored result to another body's measures.",
+    "refit": "Fit a stored result to another body's measures.",
     "edit": "Drape an edited pattern of a stored result.",
     "animate": "Move a stored result with its wearer.",
     "status": "Show the jobs, or one of them.",
-    "logs": "Show what happened to a job.",
-    "result": "Show what a job found.",
+    "logs": "Show the events of a job.",
+    "result": "Show a job's result.",
     "export": "Copy a job's files into a folder, or write its garment in another format.",
     "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
     "match": "Compare two patterns panel by panel.",
     "cancel": "Stop a job.",
     "retry": "Queue ended jobs again.",
-    "segment": "Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.",
-    "inspect": "Show how a file is understood, before anything is run.",
+    "segment": "Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.",
+    "inspect": "Show what is detected in a file, before a job is run.",
     "templates": "List, show, import, export and delete template patterns.",
     "bodies": "List the built-in bodies, and write one as a mesh.",
     "materials": "List, show, import, export and delete fabrics.",
-    "worker": "Run a worker until it is told to stop.",
-    "courier": "Send what is owed to webhooks until told to stop.",
-    "serve": "Serve the HTTP API and its pages until told to stop.",
-    "keys": "Make, list and revoke API keys.",
-    "webhooks": "Make, list, delete and test addresses that are told when jobs end.",
-    "audit": "Show who changed, took or deleted what over HTTP.",
+    "worker": "Run a worker until stopped.",
+    "courier": "Send webhook messages until stopped.",
+    "serve": "Serve the HTTP API and its pages until stopped.",
+    "keys": "Create, list and revoke API keys.",
+    "webhooks": "Create, list, delete and test webhooks, which receive messages when jobs end.",
+    "audit": "Show changes, downloads and deletions over HTTP.",
     "up": "Start the embedded broker and worker.",
     "down": "Stop the embedded worker and broker; the jobs stay.",
-    "db": "Bring the database's tables up to date.",
+    "db": "Upgrade the database's tables.",
     "delete": "Delete ended jobs with their files.",
-    "gc": "Remove stored files that no job names.",
+    "gc": "Delete stored files that no job names.",
     "backup": "Save the embedded database and its files into one tar file.",
-    "verify": "Look whether every stored file is there and sound.",
-    "restore": "Bring a backup back into a home.",
-    "doctor": "Check that everything garmentq needs is there.",
+    "verify": "Check that every stored file exists and is undamaged.",
+    "restore": "Restore a backup into a home.",
+    "doctor": "Check that everything garmentq needs is available.",
     "bench": "Recover every target pack in a folder and compare with the truth.",
 }
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
@@ -72,14 +72,14 @@ LOCAL_COMMANDS = (
     "verify",
     "restore",
 )
-"""Commands that work on a home of this machine, and so not where GARMENTQ_URL names a service."""
+"""Commands that work on a home of this machine, and are refused if GARMENTQ_URL names a service."""
 
 
 class LazyGroup(click.Group):
     """List the commands without importing them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names in the order of a user's day."""
+        """Return the names in the order of use."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -92,7 +92,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that was typed; of one that there is not the nearest name is told."""
+        """Find the command that was typed; for an unknown one the error names the closest match."""
         try:
             return super().resolve_command(ctx, args)
         except click.UsageError as error:
@@ -107,7 +107,7 @@ class LazyGroup(click.Group):
 
 
 def _refusing(command: click.Command) -> click.Command:
-    """Return the command with its help, but without what it does."""
+    """Return the command with its help, but with a callback that refuses."""
     refused = copy(command)
 
     def refuse(*_: object, **__: object) -> None:
@@ -133,10 +133,10 @@ def group() -> None:
 
 
 def _refuse_text(words: list[str]) -> None:
-    """Refuse an argument that is no UTF-8, unless it names a file that is there: nothing can keep it, or send it.
+    """Refuse an argument that is not UTF-8, unless it names an existing file: it cannot be stored or sent.
 
     Raises:
-        TextBad: where there is one.
+        TextBad: if there is one.
     """
     for word in words:
         if has_unstorable_text(word) and not os.path.lexists(word.partition("=")[2] if word.startswith("-") else word):
@@ -144,7 +144,7 @@ def _refuse_text(words: list[str]) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; an error of ours ends in one line, never in a traceback."""
+    """Run the command line; an error of ours is printed as one line, without a traceback."""
     interrupt_on_stop_signals()
     try:
         _refuse_text(sys.argv[1:] if arguments is None else arguments)
@@ -164,11 +164,11 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         sys.stderr.close()
         status = exits.OK
-    except OSError as error:  # a path that cannot be read, a full disk: whatever names no code itself
+    except OSError as error:  # an unreadable path, a full disk: errors without a code
         from .output import FileUnusable
         from .terminal import print_error
 
-        print_error(FileUnusable.code, f"{error}; check the path, its rights and the room on its disk.")
+        print_error(FileUnusable.code, f"{error}; check the path, its permissions and the free space on its disk.")
         status = exits.BAD_INPUT
     sys.exit(status if isinstance(status, int) else exits.OK)
 

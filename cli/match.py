@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @click.option(
     "--pairs",
     type=click.Path(path_type=Path),
-    help='Panels that stand for each other: JSON {"of FIRST": "of SECOND", ...}, or CSV with two names a line.',
+    help='Pairs of panels: JSON {"of FIRST": "of SECOND", ...}, or CSV with two names a line.',
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print the pairs as CSV.")
 @home_option
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Path | None, as_json: bool) -> None:
     """Compare two patterns panel by panel.
 
-    Each is a pattern file, a job, or a template's name. Panels are paired by name, then by shape, unless --pairs says
-    so; each pair shows the turning distance (0 for similar shapes), how much larger the first is, and the RMS distance
-    of their outlines.
+    Each is a pattern file, a job, or a template's name. Panels are paired as --pairs says, then by name, then by shape;
+    each pair shows the turning distance (0 for similar shapes), how much larger the first is, and the RMS distance of
+    their outlines.
 
     \b
     Example:
@@ -63,7 +63,7 @@ def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Pat
 
 
 def _find_file(backend: Backend, word: str, folder: Path) -> Path:
-    """Return the pattern file that a word names: a file, else a job's pattern, else a template."""
+    """Return the pattern file for a word: a file, else a job's pattern, else a template."""
     from ..service.jobs import JobUnknown
 
     if Path(word).is_file():

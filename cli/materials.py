@@ -1,4 +1,4 @@
-"""`garmentq materials`: the shipped fabrics, and those that were imported."""
+"""`garmentq materials`: the shipped fabrics, and imported ones."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ PARAMETERS = ("H00", "H01", "H11", "H22", "k", "thickness", "friction")
 
 
 class Library(click.Group):
-    """List where no command is named: `materials` and `materials denim` are `materials list` and so on."""
+    """Run `list` if no command is named: `materials denim` is `materials list denim`."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Put `list` in front of what is no command."""
+        """Insert `list` before arguments that are not a command."""
         if not args or args[0] not in (*self.commands, *ctx.help_option_names):
             args = ["list", *args]
         return super().parse_args(ctx, args)
@@ -46,7 +46,7 @@ def command() -> None:
 def list_command(name: str | None, home: Path | None, as_json: bool) -> None:
     """List the fabrics of the library.
 
-    With a name: all its parameters in SI units, and where each of them comes from.
+    With a name: all its parameters in SI units, and the source of each.
 
     \b
     Example:
@@ -67,7 +67,7 @@ def list_command(name: str | None, home: Path | None, as_json: bool) -> None:
         [[f.name, f.title, f.density * 1000, *(getattr(f, n) for n in PARAMETERS)] for f in fabrics],
     )
     if name:
-        print_table(["parameter", "where its value comes from"], list(fabrics[0].sources))
+        print_table(["parameter", "source"], list(fabrics[0].sources))
 
 
 @command.command("import")
@@ -77,8 +77,8 @@ def list_command(name: str | None, home: Path | None, as_json: bool) -> None:
 def import_command(file: Path, home: Path | None, as_json: bool) -> None:
     """Import the fabrics of a JSON or CSV file.
 
-    Each number has a unit and a source. One that was imported before under a name is replaced; jobs that were asked
-    for with it keep its numbers.
+    Each number has a unit and a source. An imported fabric of the same name is replaced; jobs that use it keep its
+    numbers.
 
     \b
     Example:
@@ -120,7 +120,7 @@ def export_command(names: tuple[str, ...], out: Path, home: Path | None) -> None
 def delete_command(name: str, home: Path | None) -> None:
     """Delete an imported fabric.
 
-    Jobs that were asked for with it keep its numbers; a shipped fabric stays.
+    Jobs that use it keep its numbers; a shipped fabric cannot be deleted.
 
     \b
     Example:

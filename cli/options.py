@@ -19,7 +19,7 @@ from .output import NewFolder, keep_private
 Decorator = Callable[..., Any]
 
 AXES = ("y", "z", "-y", "-z")
-"""Axes of files that may point up; the last two of persons only."""
+"""Axes of files that may point up; the last two only for persons."""
 
 home_option = click.option(
     "--home",
@@ -31,13 +31,13 @@ known_home_option = click.option(
     "--home",
     callback=keep_private,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="Folder of the database, the store and the logs; it must be there.  [default: ~/.local/share/garmentq]",
+    help="Folder of the database, the store and the logs; it must exist.  [default: ~/.local/share/garmentq]",
 )
-"""For commands that only look at what there is: a mistyped home is no empty one."""
+"""For commands that only read: a mistyped home must not count as an empty one."""
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line.")
 verbose_option = click.option("--verbose", is_flag=True, help="Show every metric, check, warning and file.")
 workers_option = click.option(
-    "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
+    "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker is started.  [default: cores]"
 )
 out_option = click.option("--out", "-o", type=NewFolder(), default=Path("."), help="Folder.  [default: here]")
 timeout_option = click.option(
@@ -45,13 +45,13 @@ timeout_option = click.option(
 )
 allow_host_option = click.option(
     "--allow-host", multiple=True, metavar="NAME", envvar="GARMENTQ_API_ALLOW_HOST",
-    help="Name by which a proxy on this machine calls the API; may be given more than once.",
+    help="Host name under which a proxy on this machine calls the API; may be repeated.",
 )  # fmt: skip
-lenient_option = click.option("--lenient", is_flag=True, help="Exit with 0 even where a result fails a check.")
+lenient_option = click.option("--lenient", is_flag=True, help="Exit with 0 even if a result fails a check.")
 
 
 def gather(record: type, options: Sequence[Decorator], name: str = "options") -> Decorator:
-    """Return a decorator that adds options to a command, which takes them as one record with a field for each."""
+    """Return a decorator that adds options to a command, which receives them as one record with a field for each."""
 
     def decorate(function: Decorator) -> Decorator:
         @wraps(function)
@@ -69,7 +69,7 @@ def gather(record: type, options: Sequence[Decorator], name: str = "options") ->
 
 @dataclass(frozen=True)
 class WaitOptions:
-    """Describe what was typed about waiting for jobs; each field is the option of its name."""
+    """Describe the options about waiting for jobs; each field is the option of its name."""
 
     timeout: float | None
     lenient: bool
@@ -79,7 +79,7 @@ wait_options = gather(WaitOptions, [timeout_option, lenient_option], "waiting")
 
 
 def method_options() -> list[Decorator]:
-    """Return the options that choose how anything is recovered."""
+    """Return the options about the recovery method."""
     default = RecoverySettings()
     return [
         click.option(
@@ -101,7 +101,7 @@ def method_options() -> list[Decorator]:
 
 @dataclass(frozen=True)
 class OrderOptions:
-    """Describe what was typed about how a garment is recovered; each field is the option of its name.
+    """Describe the options of a recovery; each field is the option of its name.
 
     `template`, `garment`, `fabric` and `lock` may have a part in front, as in `upper:denim`.
     """
@@ -135,18 +135,18 @@ class OrderOptions:
 
 
 def order_options(function: Decorator) -> Decorator:
-    """Add everything that says how a garment is recovered; the command takes it as one `options: OrderOptions`."""
+    """Add the options of a recovery; the command receives them as one `options: OrderOptions`."""
     default = RecoverySettings()
     options = [
         click.option(
             "--as",
             "given_as",
             type=click.Choice(GIVEN_AS),
-            help="What the file is (docs/reference/cli.md).  [default: found]",
+            help="What the file is (docs/reference/cli.md).  [default: detected]",
         ),
-        click.option("--wearing", metavar="PART[,PART]", help="Exactly what a person wears.  [default: found]"),
+        click.option("--wearing", metavar="PART[,PART]", help="Exactly what a person wears.  [default: detected]"),
         click.option(
-            "--mark", multiple=True, metavar="PART=X,Y,Z", help="What of a person is at a place, in the file's units."
+            "--mark", multiple=True, metavar="PART=X,Y,Z", help="Part of a person at a point, in the file's units."
         ),
         click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70."),
         click.option(
@@ -154,13 +154,13 @@ def order_options(function: Decorator) -> Decorator:
             type=click.Path(path_type=Path),
             help="A dressed person's scan: one label per vertex, .npz .npy .json .txt.  [default: in the scan]",
         ),
-        click.option("--labels-key", help="The array's name in that file.  [default: found]"),
+        click.option("--labels-key", help="The array's name in that file.  [default: detected]"),
         click.option("--keep", multiple=True, metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
         click.option(
             "--cloth",
             multiple=True,
             metavar="LABEL[,LABEL]",
-            help="Labels of other clothes, which are not skin either.  [default: what other --keep name]",
+            help="Labels of other clothes, which are not skin either.  [default: those of other --keep]",
         ),
         click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
         click.option(
@@ -180,7 +180,7 @@ def order_options(function: Decorator) -> Decorator:
             "--garment",
             multiple=True,
             metavar="[PART:]NAME",
-            help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ...",
+            help="Category, overriding the detected one: tshirt, tank, dress, trousers, skirt, ...",
         ),
         click.option(
             "--fabric",
@@ -192,19 +192,19 @@ def order_options(function: Decorator) -> Decorator:
             "--lock",
             multiple=True,
             metavar="[PART:]fabric|panel:NAME|point:PANEL/INDEX",
-            help="Parameter that the fit keeps fixed; may be given several times.",
+            help="Parameter that the fit keeps fixed; may be repeated.",
         ),
         click.option("--free", type=click.Choice(["symmetry"]), help="Allow left and right to differ."),
         click.option(
             "--part",
             multiple=True,
             metavar="[PART:]NAME=CHOICE",
-            help="Part of the cut, overruling what the scan shows: neckline=v; see `templates list --parts`.",
+            help="Part of the cut, overriding the detected one: neckline=v; see `templates list --parts`.",
         ),
         click.option("--keep-cut", is_flag=True, help="Add no dart to the base pattern's panels, and close none."),
         *method_options(),
-        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
-        click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
+        click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: detected]"),
         click.option(
             "--vertices",
             type=click.IntRange(500, 20000),
@@ -213,9 +213,9 @@ def order_options(function: Decorator) -> Decorator:
             help="Vertices of the garment mesh.",
         ),
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of measured samples."),
-        click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
+        click.option("--force", is_flag=True, help="Create a new job even if an equal one exists."),
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
-        click.option("--tag", "tags", multiple=True, help="Tag that they are found by; may be given several times."),
+        click.option("--tag", "tags", multiple=True, help="Tag by which they are found; may be repeated."),
     ]
     command: Decorator = gather(OrderOptions, options)(function)
     return command

@@ -1,4 +1,4 @@
-"""From typed options to orders."""
+"""Conversion of command-line options to orders."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ..service.terms import JobTerms
 from .options import OrderOptions
 
 WORDS = tuple(part.word for part in GARMENTS)
-"""The garments of a person, as they stand in front of a choice."""
+"""The garments of a person, as they precede a choice."""
 
 
 def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
-    """Check the files and names that were typed, before anything is queued.
+    """Check the files and names in the options, before anything is queued.
 
     Args:
-        backend: Where the job will be, and imported templates are.
+        backend: The job's backend, which has the imported templates.
         scan: The garment's file.
-        options: What was typed; of several `--keep` the first.
+        options: The options; of several `--keep` the first is used.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
@@ -47,36 +47,36 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
 
 
 def find_file(template: str | None) -> Path | None:
-    """Return the pattern file that was typed, or None where it is a template's name."""
+    """Return the pattern file, or None if the text is a template's name."""
     return Path(template) if template is not None and Path(template).is_file() else None
 
 
 def split_part(text: str) -> tuple[str, str]:
-    """Return the part in front of what was typed, or nothing, and the rest: `upper:denim`."""
+    """Return the part in front of a value, or an empty text, and the rest: `upper:denim`."""
     word, _, rest = text.partition(":")
     return (word, rest) if rest and word in WORDS else ("", text)
 
 
 def split_choice(name: str, typed: Sequence[str]) -> tuple[str | None, dict[str, str]]:
-    """Return what an option says without a part, and what it says of each part.
+    """Return the value of an option without a part, and its values by part.
 
     Raises:
-        SettingsBad: where it says two things of the same.
+        SettingsBad: if it is given twice for the same part.
     """
     found: dict[str, str] = {}
     for text in typed:
         part, value = split_part(text)
         if part in found:
-            raise SettingsBad(f"--{name} comes twice{f' for {part}' if part else ''}; give it once, or once a part.")
+            raise SettingsBad(f"--{name} is given twice{f' for {part}' if part else ''}; give it once, or once a part.")
         found[part] = value
     return found.pop("", None), found
 
 
 def make_choices(options: OrderOptions, templates: Mapping[str, str]) -> dict[str, PartOrder]:
-    """Return what was typed of single garments, by their words.
+    """Return the options for single garments, by their words.
 
     Args:
-        options: What was typed.
+        options: The options.
         templates: Pattern file or template's name of each part that has one.
     """
     garments, fabrics = (split_choice(name, getattr(options, name))[1] for name in ("garment", "fabric"))
@@ -93,7 +93,7 @@ def make_choices(options: OrderOptions, templates: Mapping[str, str]) -> dict[st
 
 
 def split_lists(typed: Sequence[str]) -> dict[str, str]:
-    """Return what an option that may come several times says of each part, of all under no word, by commas."""
+    """Return the values of a repeated option by part, joined by commas; those for all garments have an empty part."""
     found: dict[str, list[str]] = {}
     for text in typed:
         part, value = split_part(text)
@@ -102,25 +102,25 @@ def split_lists(typed: Sequence[str]) -> dict[str, str]:
 
 
 def describe_choice(order: Order) -> str:
-    """Return what a scan is taken for, in words for people."""
+    """Return how a scan is interpreted, as text for users."""
     if is_person(order):
-        said = "" if order.given_as else "; --as garment says otherwise"
-        return f"taken for a whole person, whose garments are found{said}"
+        said = "" if order.given_as else "; --as garment overrides this"
+        return f"treated as a whole person, whose garments are detected{said}"
     chosen = order.settings
     if chosen.keep is not None or chosen.keep_colour is not None:
-        return "taken for a person of whom one garment is recovered"
+        return "treated as a person of whom one garment is recovered"
     if order.given_as:
-        return "taken for a garment"
+        return "treated as a garment"
     if order.labels is not None:
-        return "taken for a person with a label file; where it has names, all garments in it are recovered"
-    return "taken for a garment on its body, unless head, hands or feet are seen in it; --as person says otherwise"
+        return "treated as a person with a label file; if it has names, all garments in it are recovered"
+    return "treated as a garment on its body, unless it shows head, hands or feet; --as person overrides this"
 
 
 def make_settings(options: OrderOptions) -> RecoverySettings:
-    """Return the settings that were typed, but the template.
+    """Return the settings in the options, without the template.
 
     Raises:
-        SettingsBad: where a value is outside its list or range, or comes twice.
+        SettingsBad: if a value is outside its list or range, or is given twice.
     """
     return RecoverySettings(
         method=options.method,
@@ -144,7 +144,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
 
 
 def split_garments(options: OrderOptions) -> Iterator[OrderOptions]:
-    """Yield the options of each garment of a scan: one for each `--keep`, the others being clothes too."""
+    """Yield the options of each garment of a scan: one for each `--keep`, with the other labels as cloth."""
     if not options.keep:
         yield options
     for keep in options.keep:

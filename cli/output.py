@@ -1,6 +1,6 @@
-"""What a command writes: its home for its user alone, and what the user asked for with the rights of the user's files.
+"""Permissions of what a command writes: its home is private, exported files have the user's own permissions.
 
-A path that cannot be made or written to ends in one line with a code, and before anything long is begun.
+A path that cannot be created or written ends in one line with a code, before a long computation begins.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from ..core.run.errors import BadInput
 from ..service.private import PRIVATE_UMASK
 
 OWN_MASK = "garmentq.own_mask"
-"""Where a command's context holds the mask of the user's own files."""
+"""Key of a command's context for the umask of the user's own files."""
 
 
 class OutputUnwritable(BadInput):
-    """What was asked for cannot be written there; name another file or folder."""
+    """The output cannot be written there; name another file or folder."""
 
     code = "output.unwritable"
 
 
 class FileUnusable(BadInput):
-    """A file cannot be read or written; check its path, its rights and the room on its disk."""
+    """A file cannot be read or written; check its path, its permissions and the free space on its disk."""
 
     code = "file.unusable"
 
 
 def keep_private(context: click.Context, _: click.Parameter, home: Path | None) -> Path | None:
-    """Make everything that the command writes its user's alone, for it works on a home; but for what `writing` writes.
+    """Set a private umask for a command that works on a home; `writing` uses the user's own umask.
 
     Returns:
-        The option's value as it is.
+        The option's value unchanged.
     """
     context.meta.setdefault(OWN_MASK, os.umask(PRIVATE_UMASK))
     return home
@@ -44,7 +44,7 @@ def keep_private(context: click.Context, _: click.Parameter, home: Path | None) 
 
 @contextmanager
 def keep_mask() -> Iterator[None]:
-    """Return to the mask that it had before the block."""
+    """Restore the umask after the block."""
     before = os.umask(PRIVATE_UMASK)
     os.umask(before)
     try:
@@ -55,14 +55,14 @@ def keep_mask() -> Iterator[None]:
 
 @contextmanager
 def writing(path: Path, is_private: bool = False) -> Iterator[None]:
-    """Write what the user asked for in the block.
+    """Write the user's output within the block.
 
     Args:
-        path: The file or folder that was named.
-        is_private: It is for its user alone: a backup, and what lies in the home.
+        path: The named file or folder.
+        is_private: Make it readable only by its user: a backup, and files in the home.
 
     Raises:
-        OutputUnwritable: where that fails.
+        OutputUnwritable: if that fails.
     """
     context = click.get_current_context(silent=True)
     own = None if context is None or is_private else context.meta.get(OWN_MASK)
@@ -79,7 +79,7 @@ def writing(path: Path, is_private: bool = False) -> Iterator[None]:
 
 
 class NewFile(click.Path):
-    """Take the path of a file to be written, in a folder that is there."""
+    """Accept the path of a file to be written, in an existing folder."""
 
     def __init__(self) -> None:
         """Refuse folders."""
@@ -89,7 +89,7 @@ class NewFile(click.Path):
         """Return the path.
 
         Raises:
-            OutputUnwritable: where no file can be written there.
+            OutputUnwritable: if no file can be written there.
         """
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         try:
@@ -103,7 +103,7 @@ class NewFile(click.Path):
 
 
 class NewFolder(click.Path):
-    """Take the path of a folder for files, which is made where it is missing."""
+    """Accept the path of a folder for files, which is created if it is missing."""
 
     def __init__(self) -> None:
         """Refuse files."""
@@ -113,7 +113,7 @@ class NewFolder(click.Path):
         """Return the path.
 
         Raises:
-            OutputUnwritable: where no folder can be made there, or no file in it.
+            OutputUnwritable: if no folder can be created there, or no file in it.
         """
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         made: list[Path] = []
@@ -127,7 +127,7 @@ class NewFolder(click.Path):
         except OSError as error:
             raise _refuse(path, error) from error
         finally:
-            for folder in reversed(made):  # only tried: the command may end without a file
+            for folder in reversed(made):  # only a test: the command may end without a file
                 with suppress(OSError):
                     folder.rmdir()
         return path

@@ -1,4 +1,4 @@
-"""The lines that a user sees of a person who was taken apart."""
+"""The lines of a summary about a segmented person."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 from ..service.records import JobReport
 
 UNSURE_OPENING_COUNT = 2
-"""Openings that are named: those that a user should look at first."""
+"""Number of openings that are named: those with the least confidence."""
 
 
 def describe_person(job: JobReport) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a person as title and text: what was scanned, who wears what, and how sure that is."""
+    """Yield the lines about a person as title and text: scan, body, outfit, garments and their confidence."""
     found = job.details
     yield "scan", f"{job.name}; {_describe_scan(found.get('checked') or {})}"
     fit = job.metrics.get("body.fit_rms_mm")
-    yield "body", f"{job.body or 'not known'}" + ("" if fit is None else f"; {fit:.1f} mm RMS from the skin seen")
+    yield "body", f"{job.body or 'not known'}" + ("" if fit is None else f"; {fit:.1f} mm RMS from the visible skin")
     yield "wears", describe_outfits(found.get("outfits") or [])
     garments = found.get("garments") or []
     yield "garments", "; ".join(_describe_garment(garment) for garment in garments) or "none"
@@ -27,7 +27,7 @@ def describe_person(job: JobReport) -> Iterator[tuple[str, str]]:
 
 
 def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
-    """Return the best reading of what is worn, and the second, with their probabilities among all readings."""
+    """Return the best reading of the outfit, and the second, with their probabilities among all readings."""
     if not outfits:
         return "not known"
     best = max(outfit["score"] for outfit in outfits)
@@ -40,13 +40,13 @@ def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
 
 
 def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
-    """Return which openings nothing in the scan shows, and of the others the least sure ones."""
+    """Return the inferred openings, and of the shown ones those with the least confidence."""
     found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
     inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
     seen = sorted((c["confidence"], f"{part} {c['name']}") for part, c in found if not c["is_inferred"])
     texts = [f"{name} {sure:.2f}" for sure, name in seen[:UNSURE_OPENING_COUNT]]
-    unseen = f"; nothing shows {', '.join(inferred)}" if inferred else ""
-    least = f"{len(seen)} seen" + (f", the least sure {', '.join(texts)}" if texts else "")
+    unseen = f"; inferred: {', '.join(inferred)}" if inferred else ""
+    least = f"{len(seen)} shown" + (f", least confidence: {', '.join(texts)}" if texts else "")
     return least + unseen
 
 

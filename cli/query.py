@@ -15,7 +15,7 @@ OPTION_FIELDS = ("garment", "state", "fabric", "name", "kind", "family", "tag")
 
 @dataclass(frozen=True)
 class QueryOptions:
-    """Describe what was typed about the jobs that are looked for; each field is the option of its name."""
+    """Describe the options of a query; each field is the option of its name."""
 
     garment: str | None
     state: str | None
@@ -39,14 +39,12 @@ query_options = gather(
         click.option("--kind", help="Kind of job, such as recover."),
         click.option("--family", help="Id of the root job of a family."),
         click.option("--tag", help="Tag that was given at submission."),
-        click.option(
-            "--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be given several times."
-        ),
+        click.option("--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be repeated."),
         click.option(
             "--sort", default="-created", show_default=True, help="Field or metric; '-' before it: largest first."
         ),
         click.option(
-            "--limit", type=click.IntRange(1, 10000), default=50, show_default=True, help="Jobs shown at most."
+            "--limit", type=click.IntRange(1, 10000), default=50, show_default=True, help="Largest number of jobs."
         ),
     ],
 )

@@ -14,12 +14,12 @@ from .dress import WearerOptions, split_wearer, wearer_options
 @derived_options
 @click.pass_context
 def command(context: click.Context, job: str, wearer: WearerOptions, options: DerivedOptions) -> None:
-    """Make a stored result to another body's measures.
+    """Fit a stored result to another body's measures.
 
-    The control points move by what the draft of the pattern's template changes from the wearer to the other body, and
-    by what girths that no draft knows need to keep their ease. The seams are made equal, and the body is dressed in it.
-    What of the ease is not kept within 5 mm is told; so it is where the pattern has no draft and was scaled by the
-    measures' ratios.
+    The control points move by the difference of the template's drafts for the wearer and for the other body, and
+    further where girths without a draft would lose their ease. The seams are made equal, and the body is dressed in the
+    pattern. A warning names where the ease is not kept within 5 mm, or that the pattern has no draft and was scaled by
+    the measures' ratios.
 
     \b
     Example:

@@ -11,14 +11,14 @@ from .options import home_option, json_option
 
 @click.command("restore")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--overwrite", is_flag=True, help="Replace the jobs that the home has now.")
+@click.option("--overwrite", is_flag=True, help="Replace the home's present jobs.")
 @home_option
 @json_option
 def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:
-    """Bring a backup back into a home.
+    """Restore a backup into a home.
 
-    Every file is checked against its hash. Refused where the home has jobs, and while its worker runs. Jobs that ran
-    when the backup was made are queued again by the next worker.
+    Every file is checked against its hash. Refused if the home has jobs, and while its worker runs. The next worker
+    requeues jobs that ran when the backup was made.
 
     \b
     Example:

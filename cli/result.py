@@ -20,11 +20,11 @@ from .options import WaitOptions, json_option, known_home_option, verbose_option
 def command(
     context: click.Context, job: str, waiting: WaitOptions, home: Path | None, verbose: bool, as_json: bool
 ) -> None:
-    """Show what a job found.
+    """Show a job's result.
 
-    And what the jobs below it found, each by itself. Of a person that was taken apart it waits for the garments. The
-    exit status is the worst of theirs: 0 succeeded, 10 succeeded but a check failed, 4 bad input, 5 failed, 6 dead,
-    7 cancelled; 3 where one has no result yet.
+    And the result of each job below it. For a segmented person it waits for the garments. The exit status is the worst
+    of theirs: 0 succeeded, 10 succeeded but a check failed, 4 bad input, 5 failed, 6 dead, 7 cancelled; 3 if one has no
+    result yet.
 
     \b
     Example:

@@ -14,15 +14,15 @@ ENDS = (State.FAILED.value, State.DEAD.value, State.CANCELLED.value)
 
 @click.command("retry")
 @click.argument("jobs", nargs=-1, metavar="[JOB...]")
-@click.option("--state", type=click.Choice(ENDS), help="All jobs that ended so, instead of single ones.")
-@click.option("--error", metavar="CODE", help="Of those only the ones that ended with this code.")
+@click.option("--state", type=click.Choice(ENDS), help="All jobs in this state, instead of single ones.")
+@click.option("--error", metavar="CODE", help="With --state: only those with this error code.")
 @known_home_option
 @json_option
 def command(jobs: tuple[str, ...], state: str | None, error: str | None, home: Path | None, as_json: bool) -> None:
     """Queue ended jobs again.
 
-    Each has all its attempts once more, and goes on from its last checkpoint. Of a family only what did not succeed is
-    run again.
+    Each has all its attempts again, and continues from its last checkpoint. Of a family only unsuccessful jobs are run
+    again.
 
     \b
     Example:
@@ -45,5 +45,5 @@ def command(jobs: tuple[str, ...], state: str | None, error: str | None, home: P
             JobQuery({}, [f"{name} = '{value}'" for name, value in given.items()], limit=MAX_QUERY_ROWS)
         )
         jobs = tuple(job.id for job in found)
-        print_note(f"{len(jobs)} jobs ended so")
+        print_note(f"{len(jobs)} jobs match")
     change_families(backend, jobs, backend.retry, {}, as_json)

@@ -1,4 +1,4 @@
-"""`garmentq run`: the whole road in one command."""
+"""`garmentq run`: submission, worker and result in one command."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .follow import Wait
 
 MAX_FOLDER_NAME_LENGTH = 60
-"""Letters of a folder's name: file systems take 255 bytes, and a letter has up to four."""
+"""Largest number of letters of a folder's name: file systems allow 255 bytes, and a letter has up to four."""
 
 
 @click.command("run")
@@ -51,12 +51,12 @@ def command(
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Recover a garment: submit it, work on it here, wait, and show the result.
+    """Recover a garment: submit its scan, run the job here, wait, and show the result.
 
-    The job goes through the queue; a broker and a worker are started if none runs, and stop by themselves after a
-    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting. A raw scan of a dressed person needs
-    nothing else: each garment that is worn is a job below it, with its files in a folder of the garment's name. Each
-    --keep is a garment, and a job, of its own; its files are in a folder of the label's name.
+    The job is queued; a broker and a worker are started if none runs, and stop by themselves after a while without work
+    (`garmentq down` stops them now). Ctrl-C only stops waiting. A raw scan of a dressed person needs no further
+    options: each worn garment is a job below it, with its files in a folder of the garment's name. Each --keep is a
+    garment, and a job, of its own; its files are in a folder of the label's name.
 
     \b
     Example:
@@ -84,7 +84,7 @@ def command(
             print_note(f"started the {name}")
 
     def keep_up() -> None:
-        """Start again what died, but not what a person stopped."""
+        """Restart what died, but not what a user stopped."""
         if not backend.is_remote and was_stopped(settings):
             raise StoppedByUser()
         start()
@@ -104,28 +104,28 @@ def command(
         if out is not None and len(parts) > 1:
             folder = out / folder_name(part.keep[0])
         statuses.append(wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose, out is None))
-        if statuses[-1] == exits.DETACHED:  # one Ctrl-C is for all of them
+        if statuses[-1] == exits.DETACHED:  # one Ctrl-C ends all waits
             break
     click.get_current_context().exit(exits.worst(statuses))
 
 
 def folder_name(label: str) -> str:
-    """Return the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
+    """Return the folder name for a garment's label: other characters than letters, digits, - and _ are replaced."""
     return "".join(c if c.isalnum() or c in "-_" else "_" for c in label[:MAX_FOLDER_NAME_LENGTH]) or "_"
 
 
 def wait_and_show(
     backend: Backend, job: str, folder: Path, wait: Wait, verbose: bool = False, in_home: bool = False
 ) -> int:
-    """Wait for a job and all below it, bring their files out, and show what they found.
+    """Wait for a job and all below it, copy their files, and show their results.
 
     Args:
-        backend: Where the job is.
+        backend: The job's backend.
         job: Its id.
-        folder: Folder for its files; those of a job below it go into a folder of that one's name.
-        wait: How its end is awaited; with `as_json` one object is printed instead of tables.
+        folder: Folder for its files; those of a job below it are written into a folder of that job's name.
+        wait: How to wait for its end; with `as_json` one object is printed instead of tables.
         verbose: Print every number instead of the summary.
-        in_home: The folder is one of the home, for its user alone.
+        in_home: The folder is in the home and private.
 
     Returns:
         Exit status, the worst of the family.
@@ -140,15 +140,15 @@ def wait_and_show(
     try:
         family = follow(backend, job, wait)
     except WaitTimedOut:
-        print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+        print_note(f"job {job} continues; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
-        print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
+        print_note(f"job {job} continues; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
         return exits.DETACHED
     folders = name_folders(family, folder)
     for found in family:
         files: list[Path] = []
-        # not every kind of job has files, and what failed has them seldom
+        # not every kind of job has files, and failed jobs seldom have
         with suppress(ResultMissing), writing(folder, in_home):
             files = backend.export_files(found.id, folders[found.id])
         if wait.as_json:
@@ -164,7 +164,7 @@ def wait_and_show(
 
 
 def name_folders(family: Sequence[JobReport], folder: Path) -> dict[str, Path]:
-    """Return the folder of each job of a family: that of a job below lies in its parent's and has its name."""
+    """Return the folder of each job of a family: that of a job below is in its parent's and has its name."""
     folders: dict[str, Path] = {}
     for job in family:
         if job.parent not in folders:

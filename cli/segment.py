@@ -15,7 +15,7 @@ from .output import NewFolder, writing
 
 @dataclass(frozen=True)
 class HintOptions:
-    """Describe what was typed about a person's scan that would otherwise be found; each field is the option."""
+    """Describe the options that override what is detected in a person's scan; each field is the option of its name."""
 
     labels: Path | None
     wearing: str | None
@@ -26,18 +26,16 @@ class HintOptions:
 
 
 def hint_options(function: Decorator) -> Decorator:
-    """Add what may be said of a person's scan; the command takes it as one `options: HintOptions`."""
+    """Add the options that override what is detected in a scan; the command receives one `options: HintOptions`."""
     options = [
         click.option(
             "--labels", type=click.Path(path_type=Path), help="A labels file with names, as this command writes it."
         ),
         click.option("--wearing", metavar="PART[,PART]", help="Exactly what is worn: upper, lower, one-piece, outer."),
-        click.option(
-            "--mark", multiple=True, metavar="PART=X,Y,Z", help="What is at a place, in the file's coordinates."
-        ),
-        click.option("--body", help="The wearer's file in the scan's place, or builtin:...  [default: found]"),
-        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
-        click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
+        click.option("--mark", multiple=True, metavar="PART=X,Y,Z", help="Part at a point, in the file's coordinates."),
+        click.option("--body", help="The wearer's file in the scan's pose, or builtin:...  [default: fitted]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
+        click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: detected]"),
     ]
     command: Decorator = gather(HintOptions, options)(function)
     return command
@@ -49,10 +47,10 @@ def hint_options(function: Decorator) -> Decorator:
 @hint_options
 @json_option
 def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
-    """Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.
+    """Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.
 
-    Writes labels.npz, segmented.ply, scan.ply, body.ply and picture.png. Where it is too unsure to recover anything it
-    writes them too, and ends with status 4 and a code. Corrected labels come back with --labels.
+    Writes labels.npz, segmented.ply, scan.ply, body.ply and picture.png. If the confidence is too low to recover
+    anything it writes them too, and ends with status 4 and a code. Corrected labels are given by --labels.
 
     \b
     Example:
@@ -60,12 +58,12 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
       garmentq segment person.ply --out parts --wearing one-piece
     """
     from ..core.deliver.export.person import write_person
-    from ..core.people.describe import describe_person
     from ..core.people.given import PersonFiles, read_person_input
     from ..core.people.hints import Hints, parse_mark, parse_wearing
     from ..core.people.pipeline import register_given_body
     from ..core.people.separate import label_person
     from ..core.run.hooks import SILENT_HOOKS
+    from ..service.describe_person import describe_person
     from .terminal import print_json, print_note, print_table
 
     wearing = None if options.wearing is None else parse_wearing(options.wearing)
@@ -90,7 +88,7 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
             [garment.part.word, garment.category, f"{garment.confidence:.2f}", ", ".join(names)]
             for garment, names in zip(separation.garments, inferred, strict=True)
         ]
-        print_table(["garment", "category", "confidence", "openings that nothing shows"], rows)
+        print_table(["garment", "category", "confidence", "inferred openings"], rows)
         for line in (*found["warnings"], *(f"wrote {path}" for path in files)):
             print_note(line)
     if separation.problem is not None:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 @click.command("serve")
-@click.option("--host", default="127.0.0.1", show_default=True, envvar="GARMENTQ_API_HOST", help="Where to listen.")
+@click.option(
+    "--host", default="127.0.0.1", show_default=True, envvar="GARMENTQ_API_HOST", help="Address to listen on."
+)
 @click.option(
     "--port", type=click.IntRange(1, 65535), default=8080, show_default=True, envvar="GARMENTQ_API_PORT", help="Port."
 )
@@ -23,17 +25,17 @@ if TYPE_CHECKING:
 @click.option("--max-upload-mb", type=click.IntRange(1, 512), help="Largest upload [MiB].  [default: 512]")
 @click.option(
     "--await-key", is_flag=True,
-    help="On an address that others reach, start before there is a key: everybody is refused until one is made.",
+    help="Start on a public address before a key exists: every request is refused until one is created.",
 )  # fmt: skip
 @home_option
 def command(
     host: str, port: int, allow_host: tuple[str, ...], max_upload_mb: int | None, await_key: bool, home: Path | None
 ) -> None:
-    """Serve the HTTP API and its pages until told to stop.
+    """Serve the HTTP API and its pages until stopped.
 
-    The link that it prints signs your browser in. The description of every route is at /docs. Without keys only this
-    machine may ask; what others reach, by --host or by a proxy with --allow-host, needs a key first (`garmentq keys
-    create`). Workers run apart: `garmentq worker`, or `garmentq up`.
+    The printed link signs your browser in. The description of every route is at /docs. Without keys only this machine
+    may use it; a service that others reach, by --host or by a proxy with --allow-host, needs a key first (`garmentq
+    keys create`). Workers run separately: `garmentq worker`, or `garmentq up`.
 
     \b
     Example:
@@ -56,7 +58,7 @@ def command(
 
 
 def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = True) -> None:
-    """Describe where the API is, who may ask, and what keeps its jobs from running; alone it has no proxy before it."""
+    """Print the API's address, its authentication, and missing workers; `is_alone`: without a proxy in front of it."""
     from ..service.api.guard import is_loopback
     from ..service.database import open_database
     from ..service.keys import LOCAL_CALLER, has_keys
@@ -75,8 +77,8 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
     print_note(f"the API of {of} is at http://{host}:{port}, its description at /docs")
     print_note(f"its pages: http://{host}:{port}/signin{link}{' (once, within 10 minutes)' if link else ''}")
     if is_keyless:
-        print_note(f"there are no keys: programs of this user show the token in {settings.home / 'api.token'}")
+        print_note(f"there are no keys: programs of this user send the token in {settings.home / 'api.token'}")
     if is_lonely:
         print_note(
-            "no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both alive"
+            "no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both running"
         )

@@ -1,4 +1,4 @@
-"""What a signal does to a command: all that tell it to stop are as Ctrl-C, so that whatever it must undo is undone."""
+"""Signals in a command: every stop signal acts like Ctrl-C, so that the command cleans up."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..service.signals import STOP_SIGNALS, handle_signals
 
 
 def interrupt_on_stop_signals() -> None:
-    """Turn SIGTERM and SIGHUP into KeyboardInterrupt, as Python does with SIGINT; what is ignored stays so (nohup)."""
+    """Convert SIGTERM and SIGHUP into KeyboardInterrupt, as Python does with SIGINT; ignored ones stay ignored."""
     if threading.current_thread() is not threading.main_thread():
         return
     for number in STOP_SIGNALS:
@@ -19,5 +19,5 @@ def interrupt_on_stop_signals() -> None:
 
 
 def ignore_stop_signals() -> AbstractContextManager[None]:
-    """Return a block in which no further signal cuts short what is undone; each part of it ends by itself."""
+    """Return a context in which further stop signals do not interrupt the clean-up; each part of it ends by itself."""
     return handle_signals(STOP_SIGNALS, signal.SIG_IGN)

@@ -15,13 +15,15 @@ from .export import ProductionOptions, production_options, read_options, read_ta
 
 @click.command("sizes")
 @click.argument("job")
-@click.option("--step", type=float, default=4.0, show_default=True, help="Between sizes, in bust, waist and hip [cm].")
+@click.option(
+    "--step", type=float, default=4.0, show_default=True, help="Step between sizes, in bust, waist and hip [cm]."
+)
 @click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
-@click.option("--drape", is_flag=True, help="Drape each size on a body by its measures, too; 10 to 30 s of CPU a size.")
+@click.option("--drape", is_flag=True, help="Also drape each size on a body of its measures; 10 to 30 s of CPU a size.")
 @click.option(
     "--table",
     type=click.Path(exists=True, dir_okay=False),
-    help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.",
+    help="A table of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.",
 )
 @production_options
 @click.pass_context
@@ -37,8 +39,9 @@ def command(
     """Grade a result's pattern to other sizes.
 
     Writes a pattern for each size, a nest of all sizes as PDF and DXF, and the base size with its grade rules. Every
-    control point moves by what the base pattern's draft changes; a pattern without a draft is scaled, and says so. With
-    --drape also each size on a body of the wearer's figure with its girths, in A pose, with verdicts in sizes.json.
+    control point moves by the change of the base pattern's draft; a pattern without a draft is scaled, with a warning.
+    With --drape also each size on a body of the wearer's figure with its girths, in A pose, with verdicts in
+    sizes.json.
 
     \b
     Example:
@@ -59,10 +62,10 @@ def command(
 
 
 def read_sizes(text: str) -> list[dict[str, Any]]:
-    """Return the lines of a table of sizes; what they say is checked with the request.
+    """Return the rows of a table of sizes; their values are checked with the request.
 
     Raises:
-        UsageError: where it is neither a JSON list of objects nor CSV with a head.
+        UsageError: if it is neither a JSON list of objects nor CSV with a header.
     """
     try:
         if text.lstrip().startswith("["):
@@ -78,4 +81,6 @@ def read_sizes(text: str) -> list[dict[str, Any]]:
             raise ValueError
         return [{key: value if key == "name" else float(value) for key, value in line.items()} for line in rows]
     except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
-        raise click.UsageError("a table of sizes has the head name,bust,waist,hip,height and a line a size.") from error
+        raise click.UsageError(
+            "a table of sizes needs the header name,bust,waist,hip,height and one line a size."
+        ) from error

@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 @click.command("status")
 @click.argument("job", required=False)
-@click.option("--limit", type=click.IntRange(1, 10000), default=20, show_default=True, help="Jobs shown at most.")
+@click.option("--limit", type=click.IntRange(1, 10000), default=20, show_default=True, help="Largest number of jobs.")
 @click.option("--watch", is_flag=True, help="Show jobs and workers until Ctrl-C.")
 @known_home_option
 @json_option
 def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json: bool) -> None:
     """Show the jobs, or one of them.
 
-    A job that another one made stands under that one; one job is shown with all below it. How far a job is in all, and
-    the time to go, follow from what the stages of earlier jobs of its kind and method took.
+    A job that another one made is shown below that one; a single job is shown with all below it. The overall progress
+    and the remaining time are estimated from the stages of earlier jobs of the same kind and method.
 
     \b
     Example:
@@ -57,7 +57,7 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
         ],
     )
     if not found:
-        print_note("no jobs yet; `garmentq submit SCAN` makes one.")
+        print_note("no jobs yet; `garmentq submit SCAN` creates one.")
     for one in found if job else ():
         if one.error:
             print_error(one.error.code, one.error.message)
@@ -66,5 +66,5 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
 
 
 def show_state(job: Job) -> str:
-    """Return a job's state, and what it rests for where it does."""
+    """Return a job's state, and the outage for which it is paused, if any."""
     return job.state if job.delay is None else f"{job.state} ({job.delay.code})"

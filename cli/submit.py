@@ -41,11 +41,13 @@ def command(
     """Queue one or more scans.
 
     A folder stands for the scans in it; a table (.csv) has a row for each scan, with the columns scan, body, labels,
-    name, tags and others that are called as the options, and paths relative to the table's folder.
+    name, tags and others named as the options, and paths relative to the table's folder.
+
     Prints the id of each job; the same scan with the same settings is the same job. The worker checks the files first;
-    what it refuses within 3 s is named on standard error, the others go on, and the exit status is 4. `garmentq up`
-    starts a worker.
-    A raw scan of a dressed person needs nothing else: its job makes one more for each garment that is worn. Each --keep
+    a file that is refused within 3 s is named on standard error, the others continue, and the exit status is 4.
+    `garmentq up` starts a worker.
+
+    A raw scan of a dressed person needs no further options: its job makes one more for each worn garment. Each --keep
     is a garment, and a job, of its own.
 
     \b
@@ -97,12 +99,12 @@ def command(
 
 
 def name_file(file: str, message: str) -> str:
-    """Return a refusal that says whose it is: of many files at once each must be found again."""
+    """Return a refusal that names its file, so that it can be found among many."""
     return message if Path(file).name in message else f"{file}: {message}"
 
 
 def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
-    """Return the jobs whose files are refused within a moment, and the exit status; the jobs are queued in any case."""
+    """Return the jobs whose files are refused within a few seconds, and the exit status; the jobs stay queued."""
     from ..core.run.errors import GarmentqError
     from .checked import wait_checked
     from .terminal import print_error, print_note
@@ -113,7 +115,7 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
         print_error(error.code, error.message)
         return {}, exits.error_status(error)
     except KeyboardInterrupt:
-        print_note("the jobs go on; `garmentq status` tells how far they are.")
+        print_note("the jobs continue; `garmentq status` shows their progress.")
         return {}, exits.DETACHED
     refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
     for job in refused.values():
@@ -123,7 +125,7 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
 
 
 def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:
-    """Follow the whole batch in one view, and give the worst exit status."""
+    """Follow the whole batch in one view, and return the worst exit status."""
     from ..service.health import find_troubles
     from .follow import WaitTimedOut
     from .live import follow_batch
@@ -135,10 +137,10 @@ def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:
         rows = follow_batch(backend, jobs, waiting.timeout)
     except WaitTimedOut:
         for job in jobs:
-            print_note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+            print_note(f"job {job} continues; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
-        print_note("the jobs go on; `garmentq status` tells how far they are.")
+        print_note("the jobs continue; `garmentq status` shows their progress.")
         return exits.DETACHED
     for row in rows:
         print_note(f"job {row.id} {row.state}")

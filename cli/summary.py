@@ -1,4 +1,4 @@
-"""Show what a job found: ten lines a garment, or every number of it."""
+"""Show a job's result: ten lines a garment, or all its numbers."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ FIRST_METRICS = (
     "hausdorff_mm", "normal_cosine", "body_penetration_mm", "seam_mismatch_mm", "flipped_faces",
     "self_intersecting_faces",
 )  # fmt: skip
-"""Metrics that a user looks at first; the others follow by name."""
+"""Metrics that are listed first; the others follow by name."""
 
 FIRST_FILES = ("report.html", "pattern.svg", "detail.ply", "labels.npz")
-"""Result files a user opens first: pictures and verdicts, the pattern at true scale, the mesh on the scan;
-of a person the labels, which can be corrected."""
+"""Result files to open first: pictures and verdicts, the pattern at true scale, the mesh on the scan; of a person the
+labels, which can be corrected."""
 
 PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-draped pattern"))
-"""Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
+"""Prefixes of the metrics of the delivered meshes, and the meshes' names in the summary."""
 
 REST_NOTES = {1.0: ", at rest", 0.0: ", not at rest"}
-"""What the summary says of a drape by its metric `at_rest`; nothing of meshes that are none, and of older results."""
+"""Text of the summary for a drape's metric `at_rest`; none for meshes that are not drapes, and for older results."""
 
 
 def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -> None:
@@ -43,7 +43,7 @@ def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -
 
 
 def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a summary as title and text: what was found, how good it is, and what to open next."""
+    """Yield the lines of a summary as title and text: the result, its quality, and the files to open next."""
     if job.kind == PERSON:
         yield from describe_person(job)
     else:
@@ -70,7 +70,7 @@ def _describe_garment(job: JobReport) -> Iterator[tuple[str, str]]:
 
 
 def _describe_details(job: JobReport) -> Iterator[tuple[str, str]]:
-    """Yield what a job found that is no recovery: its own details, and the jobs that it made."""
+    """Yield the details of a job that is not a recovery, and the jobs that it made."""
     yield "name", job.name
     for name, value in job.details.items():
         yield name, format_cell(value)
@@ -79,7 +79,7 @@ def _describe_details(job: JobReport) -> Iterator[tuple[str, str]]:
 
 
 def print_tables(job: JobReport, files: Sequence[Path]) -> None:
-    """Print everything a job found as tables, then where its files are."""
+    """Print a job's whole result as tables, then the paths of its files."""
     print_table(
         ["job", "scan", "verdict", "garment", "template", "fabric", "body", "CPU s", "peak MB", "ended"],
         [
@@ -105,7 +105,7 @@ def print_tables(job: JobReport, files: Sequence[Path]) -> None:
 
 
 def flatten(found: Sequence[JobReport]) -> tuple[list[str], list[list[object]]]:
-    """Return described jobs as columns and rows: one column for each metric that any of them has."""
+    """Return jobs as columns and rows: one column for each metric that any of them has."""
     first = (
         "job", "name", "state", "verdict", "garment", "template", "fabric", "body", "attempts", "created", "finished"
     )  # fmt: skip
@@ -121,10 +121,10 @@ def _describe_count(metrics: Mapping[str, float | None], name: str) -> str:
 
 
 def _describe_bending(metrics: Mapping[str, float | None]) -> str:
-    """Return what is known of the bending stiffness: its value with one standard deviation, or why there is none."""
+    """Return the bending stiffness with one standard deviation, or why there is none."""
     stiffness, std = metrics.get("fabric.k"), metrics.get("fabric.k.std")
     if "fabric.k.identifiable" not in metrics:
-        return "its stiffness was taken as given"
+        return "its stiffness was not fitted"
     if not metrics["fabric.k.identifiable"] or stiffness is None or std is None:
         return "its bending stiffness is not identifiable from this scan"
     return f"bending stiffness {stiffness:.2g} N m, within a factor of {math.exp(std):.1f}"
@@ -147,7 +147,7 @@ def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
 
 
 def _describe_gates(gates: Sequence[Gate]) -> str:
-    """Return how many checks passed, and the message of the worst of the others."""
+    """Return how many checks passed, and the message of the worst other one."""
     if not gates:
         return "none"
     order = {"fail": 0, "doubtful": 1}

@@ -1,4 +1,4 @@
-"""`garmentq templates`: the shipped base patterns, and those that were imported."""
+"""`garmentq templates`: the shipped base patterns, and imported ones."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def command() -> None:
 
 
 @command.command("list")
-@click.option("--parts", is_flag=True, help="List the parts that a cut is made of, with the choices of each.")
+@click.option("--parts", is_flag=True, help="List the parts of a cut, with the choices of each.")
 @home_option
 @json_option
 def list_command(parts: bool, home: Path | None, as_json: bool) -> None:
     """List the templates, or the parts by which their cut can be changed.
 
-    A name may ask for other parts behind a plus sign, wherever a template is named.
+    A name may have other parts after a plus sign, wherever a template is named.
 
     \b
     Example:
@@ -114,7 +114,7 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
 @click.argument("name")
 @home_option
 def delete_command(name: str, home: Path | None) -> None:
-    """Delete an imported template; jobs that were asked for with it keep its file.
+    """Delete an imported template; jobs that use it keep its file.
 
     \b
     Example:

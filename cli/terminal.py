@@ -1,4 +1,4 @@
-"""What the commands print: data on standard output, everything else on standard error."""
+"""Output of the commands: data on standard output, everything else on standard error."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def print_json(value: Any) -> None:
 
 
 def print_note(text: str) -> None:
-    """Print a note to the user on standard error; names in it bring no control characters along."""
+    """Print a note on standard error, without control characters."""
     click.echo(keep_printable(text), err=True)
 
 
 def print_error(code: str, message: str) -> None:
-    """Print an error's one line, whatever a name in it holds."""
+    """Print an error as one line, without control characters."""
     click.echo(keep_printable(f"error {code}: {message}"), err=True)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str | None = None) -> None:
-    """Print a table; numbers right, nothing cut off, plain text where the output is no terminal."""
+    """Print a table; numbers right-aligned, nothing truncated, plain text if the output is not a terminal."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -52,7 +52,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
 
 
 def print_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Print a table as CSV (RFC 4180); a text that a spreadsheet would run as a formula gets an apostrophe."""
+    """Print a table as CSV (RFC 4180); a text that a spreadsheet would run as a formula gets an apostrophe in front."""
     out = io.StringIO()
     writer = csv.writer(out)
     writer.writerow([_escape_formula(name) for name in columns])
@@ -61,11 +61,11 @@ def print_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
 
 
 FORMULA = ("=", "+", "-", "@", "|", "\uff1d", "\uff0b", "\uff0d", "\uff20")
-"""How a cell begins that a spreadsheet runs; the last four are the full-width forms of the first."""
+"""Beginnings of a cell that a spreadsheet runs; the last four are the full-width forms of the first."""
 
 
 def _escape_formula(cell: object) -> object:
-    """Return a cell that no spreadsheet takes for a formula; numbers stay as they are."""
+    """Return a cell that no spreadsheet runs as a formula; numbers are not changed."""
     if not isinstance(cell, str):
         return cell
     text = keep_printable(cell)
@@ -73,7 +73,7 @@ def _escape_formula(cell: object) -> object:
 
 
 def format_cell(cell: object) -> str:
-    """Return a cell as text: 4 significant digits, `-` for nothing, no control characters."""
+    """Return a cell as text: 4 significant digits, `-` for an empty one, no control characters."""
     if cell is None or cell == "":
         return "-"
     if isinstance(cell, float):
@@ -82,7 +82,7 @@ def format_cell(cell: object) -> str:
 
 
 def show_duration(seconds: float | None) -> str:
-    """Return a time to go as minutes and seconds, hours before them where there are any."""
+    """Return a remaining time as minutes and seconds, with hours if there are any."""
     if seconds is None or not math.isfinite(seconds):
         return "-"
     minutes, rest = divmod(max(0, round(seconds)), 60)
@@ -91,7 +91,7 @@ def show_duration(seconds: float | None) -> str:
 
 
 def show_left(job: Job) -> str:
-    """Return the time to go of a running job, as far as it is known."""
+    """Return the remaining time of a running job, if it is known."""
     return show_duration(None if job.expected_end is None else job.expected_end - time.time())
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @click.command("up")
 @workers_option
-@click.option("--serve", "is_serving", is_flag=True, help="Serve the HTTP API too, and keep all of it alive.")
+@click.option("--serve", "is_serving", is_flag=True, help="Also serve the HTTP API, and restart what dies.")
 @click.option("--host", default="127.0.0.1", show_default=True, envvar="GARMENTQ_API_HOST", help="With --serve.")
 @click.option(
     "--port", type=click.IntRange(1, 65535), default=8080, show_default=True, envvar="GARMENTQ_API_PORT",
@@ -33,8 +33,8 @@ def command(
 ) -> None:  # fmt: skip
     """Start the embedded broker and worker.
 
-    They stop after a while without work. With --serve they stay, and start again where they die, until this command is
-    told to stop (Ctrl-C, SIGTERM, SIGHUP); then they stop with it.
+    They stop after a while without work. With --serve they keep running, and are restarted if they die, until this
+    command is stopped (Ctrl-C, SIGTERM, SIGHUP); then they stop too.
 
     \b
     Example:
@@ -51,7 +51,7 @@ def command(
 
 
 def _start(settings: ServiceSettings, workers: int | None, as_json: bool) -> None:
-    """Start what does not run, and say what that was."""
+    """Start what does not run, and print what was started."""
     from ..service.database import open_database
     from ..workers.embedded import ensure_services
     from .terminal import print_json, print_note
@@ -61,13 +61,13 @@ def _start(settings: ServiceSettings, workers: int | None, as_json: bool) -> Non
     if as_json:
         print_json({"started": started, "home": str(settings.home)})
     else:
-        print_note(f"started the {' and the '.join(started)}" if started else "everything runs already")
+        print_note(f"started the {' and the '.join(started)}" if started else "everything is running already")
 
 
 def _serve(
     settings: ServiceSettings, workers: int | None, address: tuple[str, int], hosts: tuple[str, ...], as_json: bool
 ) -> None:
-    """Start everything, keep it alive, and stop it when told to, in whatever state of its start it is."""
+    """Start everything, restart what dies, and stop all of it on a stop signal, at whatever point of the start."""
     from ..service.api.server import serve
     from ..workers.embedded import keep_services_up, stop_services
     from .serve import announce
@@ -79,7 +79,7 @@ def _serve(
         announce(settings, *address, is_alone=not hosts)
         serve(settings, *address, hosts=hosts)
     except KeyboardInterrupt:
-        pass  # it was told to stop before the API was up
+        pass  # stopped before the API was ready
     finally:
         with ignore_stop_signals():
             kept.close()

@@ -11,15 +11,17 @@ from .options import json_option, known_home_option
 
 
 @click.command("verify")
-@click.option("--read-data", is_flag=True, help="Read every file and compare its hash; otherwise look only for it.")
+@click.option(
+    "--read-data", is_flag=True, help="Read every file and compare its hash; otherwise check only that it exists."
+)
 @known_home_option
 @json_option
 @click.pass_context
 def command(context: click.Context, read_data: bool, home: Path | None, as_json: bool) -> None:
-    """Look whether every stored file is there and sound.
+    """Check that every stored file exists and is undamaged.
 
-    Names each file that is missing or damaged, with the jobs, templates and uploads that it belongs to, and each row of
-    the database that cannot be read. Exit status 11 where there is one. Nothing is changed.
+    Names each missing or damaged file, with the jobs, templates and uploads that it belongs to, and each row of the
+    database that cannot be read. The exit status is 11 if there is one. Nothing is changed.
 
     \b
     Example:
@@ -52,7 +54,7 @@ def command(context: click.Context, read_data: bool, home: Path | None, as_json:
     if found.faults:
         rows = [[one.owner, one.name, fault.fault, fault.sha256[:12]] for fault in found.faults for one in fault.named]
         print_table(["belongs to", "file", "", "hash"], rows)
-    what = f"{found.files} files of {found.size / 1e6:.1f} MB {'were read' if read_data else 'are named'}"
+    what = f"{found.files} files of {found.size / 1e6:.1f} MB {'were read' if read_data else 'were looked up'}"
     wrong = f"{len(found.faults)} missing or damaged; restore them from a backup, or run their jobs with --force"
-    print_note(f"{what}: {wrong if found.faults else 'all there' + (' and sound' if read_data else '')}")
+    print_note(f"{what}: {wrong if found.faults else 'all exist' + (' and are undamaged' if read_data else '')}")
     context.exit(status)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @click.group("webhooks")
 def command() -> None:
-    """Make, list, delete and test addresses that are told when jobs end.
+    """Create, list, delete and test webhooks, which receive messages when jobs end.
 
     \b
     Example:
@@ -28,14 +28,15 @@ def command() -> None:
 @click.argument("url")
 @click.option(
     "--on", "states", multiple=True, type=click.Choice(["succeeded", "failed", "dead", "cancelled"]),
-    help="An ending that it is told of; given once or more.  [default: all]",
+    help="End state that it receives messages about; may be repeated.  [default: all]",
 )  # fmt: skip
 @home_option
 @json_option
 def create_command(url: str, states: tuple[str, ...], home: Path | None, as_json: bool) -> None:
-    """Send an address a message about jobs that end from now on, and print its secret.
+    """Create a webhook for jobs that end from now on, and print its secret.
 
-    The secret signs the messages; it is shown only now. Over HTTP it is told of the key's own jobs, on a home of all.
+    The secret signs the messages; it is shown only now. Over HTTP it receives messages about the key's own jobs, on a
+    home about all jobs.
 
     \b
     Example:
@@ -56,7 +57,7 @@ def create_command(url: str, states: tuple[str, ...], home: Path | None, as_json
 @home_option
 @json_option
 def list_command(home: Path | None, as_json: bool) -> None:
-    """List the webhooks, what came of the latest message, and how many are still to be sent.
+    """List the webhooks, the outcome of the latest message, and the number of unsent messages.
 
     \b
     Example:
@@ -70,7 +71,7 @@ def list_command(home: Path | None, as_json: bool) -> None:
             print_json(one.as_json())
         return
     print_table(
-        ["webhook", "key", "url", "on", "latest", "status", "error", "owed"],
+        ["webhook", "key", "url", "on", "latest", "status", "error", "unsent"],
         [
             [one.id, one.key, one.url, ", ".join(one.states), show_time(one.served), one.status, one.error, one.owed]
             for one in found
@@ -82,7 +83,7 @@ def list_command(home: Path | None, as_json: bool) -> None:
 @click.argument("webhook")
 @home_option
 def delete_command(webhook: str, home: Path | None) -> None:
-    """Delete a webhook with all that is still to be sent to it.
+    """Delete a webhook and its unsent messages.
 
     \b
     Example:
@@ -100,7 +101,7 @@ def delete_command(webhook: str, home: Path | None) -> None:
 @json_option
 @click.pass_context
 def test_command(context: click.Context, webhook: str, home: Path | None, as_json: bool) -> None:
-    """Send a message of the type `test` now, and say what came of it; exit status 5 where it was not taken.
+    """Send a message of the type `test` now, and print the outcome; exit status 5 if it was not accepted.
 
     \b
     Example:
@@ -114,7 +115,7 @@ def test_command(context: click.Context, webhook: str, home: Path | None, as_jso
     if as_json:
         print_json(asdict(receipt))
     else:
-        print_note(f"answered {receipt.status}" if receipt.error is None else f"not taken: {receipt.error}")
+        print_note(f"answered {receipt.status}" if receipt.error is None else f"not accepted: {receipt.error}")
     context.exit(exits.OK if receipt.error is None else exits.FAILED)
 
 

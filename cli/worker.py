@@ -1,4 +1,4 @@
-"""`garmentq worker`: what a production host runs."""
+"""`garmentq worker`: a worker in the foreground, for production."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .options import home_option
 @home_option
 @click.pass_context
 def command(context: click.Context, workers: int | None, embedded: bool, queues: str, home: Path | None) -> None:
-    """Run a worker until it is told to stop.
+    """Run a worker until stopped.
 
-    SIGTERM, SIGHUP or Ctrl-C puts its jobs back into the queue, where they go on from their last checkpoint. Any number
+    SIGTERM, SIGHUP or Ctrl-C returns its jobs to the queue, where they continue from their last checkpoint. Any number
     of workers on any number of hosts may share a database, a broker and a store.
 
     \b
@@ -43,14 +43,14 @@ def command(context: click.Context, workers: int | None, embedded: bool, queues:
     if set(served) - set(QUEUES):
         raise click.BadParameter(f"'{queues}'; give a list of {', '.join(QUEUES)}.", param_hint="--queues")
     status, lock = exits.OK, None
-    with suppress(KeyboardInterrupt):  # it was told to stop before it worked
+    with suppress(KeyboardInterrupt):  # stopped before it worked
         start_broker(settings)
         lock = hold_worker_lock(settings) if embedded else None
         if embedded and lock is None:
             print_note("another embedded worker runs in this home")
             context.exit(exits.OK)
         if lock is not None:
-            os.chdir(settings.home)  # a process in the background must not hold the folder it was started in
+            os.chdir(settings.home)  # a background process must not block the folder it was started in
         status = run_worker(settings, workers or count_cores(), lock, served)
     if lock is not None and settings.idle_seconds and is_idle(open_database(settings), settings.idle_seconds):
         stop_broker(settings)

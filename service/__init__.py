@@ -1,1 +1,1 @@
-"""What must last: settings, database models, the job state machine and the artifact store."""
+"""Persistent state of the service: settings, database models, the job state machine and the artifact store."""

@@ -1,4 +1,4 @@
-"""The log of what keys changed, took and deleted: one row for each such request, kept in the database."""
+"""The audit log: one row in the database for each request of a key that changed, downloaded or deleted something."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .models import AuditRow
 
 @dataclass(frozen=True)
 class Access:
-    """Describe one request that changed or took something: when [s since 1970], whose key, what, from where."""
+    """Describe one recorded request: time [s since 1970], key, action, subject, client address, request id."""
 
     at: float
     key: str
@@ -23,20 +23,20 @@ class Access:
 
 
 KEPT_DAYS = 400
-"""How long rows are kept [d]: a year and a little, as most rules on the protection of personal data ask."""
+"""How long rows are kept [d]: just over a year, as most rules on the protection of personal data require."""
 
 DOWNLOADS = ("/artifacts/", "/result.zip")
-"""Parts of the paths by which results leave the service; every request that changes something is recorded as well."""
+"""Parts of the paths by which results are downloaded; every request that changes something is recorded as well."""
 
 PERSONS = "/v1/persons/"
-"""Beginning of the paths that end in a person's name, which must not outlive the person's data here."""
+"""Beginning of the paths that end in a person's name; the log must not keep that name."""
 
 READ_ONLY_ENDINGS = ("/states", "/patterns/check", "/patterns/edit")
-"""Ends of the paths that are asked by POST and change nothing."""
+"""Ends of the paths of POST requests that change nothing."""
 
 
 def is_recorded(method: str, path: str, status: int) -> bool:
-    """Return whether a request is one that the log keeps: it changed something, or took a file."""
+    """Return whether the log keeps a request: it changed something, or downloaded a file."""
     if status >= 400 or path.endswith(READ_ONLY_ENDINGS):
         return False
     return method in ("POST", "PUT", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
@@ -46,10 +46,10 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
     """Add one row.
 
     Args:
-        database: Where it is kept.
+        database: The log's database.
         key: Id of the API key; empty: the local user.
         action: Method and status.
-        subject: The path; of a person's the log keeps no name.
+        subject: The path; a person's name in it is not kept.
         came: Address of the client, and the request's id.
     """
     subject = f"{PERSONS}{{name}}" if subject.startswith(PERSONS) else subject
@@ -60,7 +60,7 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
 
 @skip_damaged_rows
 def list_accesses(database: Database, limit: int = 100, key: str | None = None) -> list[Access]:
-    """Return the newest rows, newest first; with `key` those of one API key."""
+    """Return the newest rows, newest first; with `key` only those of one API key."""
     asked = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
     with database.read() as session:
         rows = session.scalars(asked if key is None else asked.where(AuditRow.key == key)).all()
@@ -68,6 +68,6 @@ def list_accesses(database: Database, limit: int = 100, key: str | None = None) 
 
 
 def forget_accesses(database: Database) -> int:
-    """Remove what is older than `KEPT_DAYS`; return how many rows."""
+    """Delete rows older than `KEPT_DAYS`; return how many."""
     with database.write() as session:
         return change_rows(session, delete(AuditRow).where(AuditRow.at < clock() - KEPT_DAYS * 86400.0))

@@ -1,6 +1,6 @@
-"""The questions that commands and programs ask: of a home on this machine, or by HTTP of a service elsewhere.
+"""The backend of commands and programs: a home on this machine, or a service by HTTP.
 
-Both implementations return the same records and raise errors of the same codes; one test asks them the same.
+Both implementations return the same records and raise errors of the same codes; one test checks both alike.
 """
 
 from __future__ import annotations
@@ -28,44 +28,44 @@ if TYPE_CHECKING:
 
 
 class LocalOnly(BadInput):
-    """This command works on a home of this machine; unset GARMENTQ_URL, or run it where the service runs."""
+    """This command works only on a home of this machine; unset GARMENTQ_URL, or run it where the service runs."""
 
     code = "command.local_only"
 
 
 class Backend(Protocol):
-    """Answer what a user may ask of a service.
+    """Declare the operations that a user may request of a service.
 
     Attributes:
-        is_remote: True where another machine may be asked: nothing is started here for its jobs.
-        poll_seconds: How often it is asked for news [s].
+        is_remote: True if the service may be on another machine: then no worker is started here for its jobs.
+        poll_seconds: Interval at which news are polled [s].
     """
 
     is_remote: bool
     poll_seconds: float
 
     def find_job(self, job: str) -> JobReport:
-        """Return a job by its id, or by a beginning of it that fits no other.
+        """Return a job by its id, or by a beginning of the id that no other job has.
 
         Raises:
-            JobUnknown: where there is none, or more than one.
+            JobUnknown: if no job, or more than one, matches.
         """
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
-        """Return how far the jobs of some ids are, in the order of the ids; with `below` then all jobs below them.
+        """Return the progress of some jobs, in the order of the ids; with `below`, then of all jobs below them.
 
         Raises:
-            JobUnknown: where one is not known.
+            JobUnknown: if one is not known.
         """
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the jobs that run, then the newest others, each newest first."""
+        """Return the running jobs, then the newest others, each newest first."""
 
     def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query.
 
         Raises:
-            QueryBad: where a condition cannot be read, or names what there is not.
+            QueryBad: if a condition cannot be parsed, or names an unknown field.
         """
 
     def poll_events(self, job: str, after: int = 0) -> News:
@@ -82,26 +82,26 @@ class Backend(Protocol):
         """
 
     def submit(self, order: Order) -> SubmissionResult:
-        """Keep or send an order's files, and queue the job."""
+        """Store or send an order's files, and queue the job."""
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
-        """Keep or send an order's files, and queue the job that works on a stored result.
+        """Store or send an order's files, and queue the job that works on a stored result.
 
         Raises:
             GarmentqError: with the code of what cannot be used.
         """
 
     def list_versions(self, job: str) -> list[Version]:
-        """Return all versions of the result that a job is one of: the first, and every edit, oldest first."""
+        """Return all versions of the result that a job belongs to: the first and every edit, oldest first."""
 
     def cancel(self, job: str) -> State:
-        """Ask a job to stop, and return its state after that."""
+        """Request that a job stops, and return its state after that."""
 
     def retry(self, job: str) -> State:
-        """Queue a job that ended without success once more, and return its state after that.
+        """Queue a job again that ended without success, and return its state after that.
 
         Raises:
-            JobNotEnded, JobSucceeded: where there is nothing to try again.
+            JobNotEnded, JobSucceeded: if it cannot be retried.
         """
 
     def list_artifacts(self, job: str) -> list[Artifact]:
@@ -111,7 +111,7 @@ class Backend(Protocol):
         """Copy a job's result files (all, or those named) into a folder, each checked against its hash.
 
         Raises:
-            ResultMissing: where the job has no result, or no file of a name.
+            ResultMissing: if the job has no result, or no file of a name.
         """
 
     def list_templates(self) -> list[Template]:
@@ -121,21 +121,21 @@ class Backend(Protocol):
         """Return a template's pattern file.
 
         Raises:
-            TemplateUnknown: where there is none of that name.
+            TemplateUnknown: if there is none of that name.
         """
 
     def import_template(self, name: str, path: Path) -> ImportedTemplate:
-        """Check a pattern file and keep it as a template.
+        """Check a pattern file and store it as a template.
 
         Raises:
-            TemplateNameBad: where the name is none, or a shipped template's.
+            TemplateNameBad: if the name is invalid, or a shipped template's.
         """
 
     def delete_template(self, name: str) -> None:
-        """Delete an imported template; jobs that were asked for with it keep its file.
+        """Delete an imported template; jobs that use it keep its file.
 
         Raises:
-            TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
+            TemplateUnknown, TemplateShipped: if there is none of that name, or it is a shipped one.
         """
 
     def list_materials(self) -> list[Fabric]:
@@ -145,31 +145,31 @@ class Backend(Protocol):
         """Return one fabric.
 
         Raises:
-            FabricUnknown: where there is none of that name.
+            FabricUnknown: if there is none of that name.
         """
 
     def import_materials(self, path: Path) -> list[Fabric]:
-        """Check a file of fabrics and keep them; one imported before under a name is replaced.
+        """Check a file of fabrics and store them; imported fabrics of the same names are replaced.
 
         Raises:
-            FabricFileBad, FabricUnitBad: where the file cannot be read.
-            FabricShipped: where one has a shipped fabric's name.
+            FabricFileBad, FabricUnitBad: if the file cannot be read.
+            FabricShipped: if one has a shipped fabric's name.
             BadInput: as `check_fabric` says.
         """
 
     def delete_material(self, name: str) -> None:
-        """Delete an imported fabric; jobs that were asked for with it keep its numbers.
+        """Delete an imported fabric; jobs that use it keep its numbers.
 
         Raises:
-            FabricUnknown, FabricShipped: where there is none of that name, or it is a shipped one.
+            FabricUnknown, FabricShipped: if there is none of that name, or it is a shipped one.
         """
 
     def create_key(
         self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
     ) -> tuple[Key, str]:
-        """Make an API key; its token is returned here and never again.
+        """Create an API key and return it with its token, which is returned only here.
 
-        Its jobs may have a `priority` up to that, and it expires after some `days`.
+        Its jobs may have a priority up to `priority`, and it expires after `days`.
         """
 
     def list_keys(self) -> list[Key]:
@@ -179,32 +179,32 @@ class Backend(Protocol):
         """Revoke an API key; its jobs stay.
 
         Raises:
-            KeyUnknown: where there is none of that id.
+            KeyUnknown: if there is none of that id.
         """
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
-        """Keep an address that is told when jobs end, all or those of some states; its secret is returned only here.
+        """Create a webhook for all end states, or some; return it with its secret, which is returned only here.
 
         Raises:
-            WebhookBad, AddressForbidden: where the address cannot be used.
-            WebhooksFull: where there are as many as there may be.
+            WebhookBad, AddressForbidden: if the address cannot be used.
+            WebhooksFull: if the largest number of webhooks is reached.
         """
 
     def list_webhooks(self) -> list[Webhook]:
         """Return the webhooks, oldest first."""
 
     def delete_webhook(self, webhook: str) -> None:
-        """Delete a webhook with all that is owed to it.
+        """Delete a webhook and its unsent messages.
 
         Raises:
-            WebhookUnknown: where there is none of that id.
+            WebhookUnknown: if there is none of that id.
         """
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Let a message of the type `test` be sent as all others are, and return what came of it.
+        """Send a message of the type `test` as all others are sent, and return the outcome.
 
         Raises:
-            WebhookUnknown: where there is none of that id.
+            WebhookUnknown: if there is none of that id.
         """
 
     def close(self) -> None:
@@ -212,9 +212,9 @@ class Backend(Protocol):
 
 
 def open_backend(settings: ServiceSettings) -> Backend:
-    """Return the backend of a home, or of the service that GARMENTQ_URL names (with the key of GARMENTQ_API_KEY).
+    """Return the backend of a home, or of the service at GARMENTQ_URL (with the key of GARMENTQ_API_KEY).
 
-    Nothing is opened before the first question: that raises `DatabaseUnreachable` or `ServiceUnreachable` if it must.
+    No connection is opened before the first call, which may raise `DatabaseUnreachable` or `ServiceUnreachable`.
     """
     url = os.environ.get("GARMENTQ_URL", "")
     if url:

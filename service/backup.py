@@ -1,4 +1,4 @@
-"""Save and bring back an embedded home: one tar file with a snapshot of the database and every file that it names."""
+"""Save and restore an embedded home: one tar file with a snapshot of the database and every file that it names."""
 
 from __future__ import annotations
 
@@ -33,28 +33,28 @@ ABOUT = "about.json"
 
 
 class BackupRefused(BadInput):
-    """This cannot be saved or brought back here; the message says why and what to do."""
+    """This home cannot be saved or restored here; the message says why and what to do."""
 
     code = "backup.refused"
 
 
 class BackupDamaged(BadInput):
-    """The backup is no complete backup of garmentq; use another one."""
+    """The file is not a complete backup of garmentq; use another one."""
 
     code = "backup.damaged"
 
 
 @dataclass(frozen=True)
 class BackupContents:
-    """Describe what a backup holds.
+    """Describe the contents of a backup.
 
     Attributes:
         path: The tar file, or the home that was restored.
-        files: Stored files in it.
-        size: Their bytes.
-        missing: Files that the database names and the store has lost; the backup is sound without them.
-        damaged: Files whose bytes changed in the store; they are left out as if they were missing.
-        rows: Rows of the database that cannot be read; they are kept as they are, with the files that are left in them.
+        files: Number of stored files in it.
+        size: Their size [bytes].
+        missing: Files that the database names and the store has lost; the backup is valid without them.
+        damaged: Files whose bytes changed in the store; they are left out like missing ones.
+        rows: Rows of the database that cannot be read; they are kept unchanged, with the files that they still name.
     """
 
     path: Path
@@ -66,17 +66,17 @@ class BackupContents:
 
 
 def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> BackupContents:
-    """Write a backup while everything goes on.
+    """Write a backup while the services run.
 
     The database is copied first, by SQLite's own backup, which is a snapshot; then the files that the snapshot names.
-    Files are never changed, and removed only by `gc` a day after nobody names them, so they are all still there.
+    Files never change, and `gc` deletes one only a day after the last reference to it, so all of them still exist.
 
     Raises:
-        BackupRefused: where the home has no embedded database, or the file exists.
+        BackupRefused: if the home has no embedded database, or the file exists.
     """
     source = _find_database(settings)
     if not source.is_file():
-        raise BackupRefused(f"there is no database {source}; nothing to save.")
+        raise BackupRefused(f"there is no database {source}; there is nothing to save.")
     if destination.exists() and not is_overwrite:
         raise BackupRefused(f"{destination} exists; name another file, or add --overwrite.")
     make_private(destination.parent)
@@ -94,14 +94,14 @@ def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool
 
 
 def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool = False) -> BackupContents:
-    """Bring a backup back into a home: files first, each checked against its hash, then the database in one step.
+    """Restore a backup into a home: files first, each checked against its hash, then the database in one step.
 
-    Jobs that ran when the backup was made are taken back by the next worker, as after a crash.
+    The next worker requeues the jobs that ran when the backup was made, as after a crash.
 
     Raises:
-        BackupRefused: where the home has a database already and `is_overwrite` is not said, or a worker or the API has
-            it open: they would go on with the file that was replaced.
-        BackupDamaged: where a file is missing, changed, or is none of a backup's; the database is not touched then.
+        BackupRefused: if the home has a database and `is_overwrite` is False, or a worker or the API has it open: they
+            would continue with the replaced file.
+        BackupDamaged: if a file is missing, changed, or does not belong in a backup; the database is then not changed.
     """
     target = _find_database(settings)
     if target.exists() and not is_overwrite:
@@ -123,7 +123,7 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
 
 @contextmanager
 def _hold_home_exclusively(settings: ServiceSettings) -> Iterator[None]:
-    """Keep workers and the API of this machine out for the block."""
+    """Lock the home for the block, so that no worker and no API of this machine opens it."""
     lock = lock_home(settings)
     if lock is None:
         raise BackupRefused("a worker or the API has this home open; `garmentq down`, and stop `garmentq serve`.")
@@ -159,19 +159,19 @@ def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destinati
         about = json.dumps({"garmentq": __version__, "files": count, "missing": missing + damaged}).encode()
         member = tarfile.TarInfo(ABOUT)
         member.size = len(about)
-        tar.addfile(member, io.BytesIO(about))  # last: a backup that was cut off has none
+        tar.addfile(member, io.BytesIO(about))  # last: an incomplete backup has none
     return BackupContents(destination, count, size, tuple(missing), tuple(damaged), rows)
 
 
 def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tuple[set[str], int]:
-    """Take a backup apart; names only say which stored file a member claims to be, nothing is extracted by name."""
+    """Read the members of a backup; a name only says which stored file a member is, and is never used as a path."""
     kept: set[str] = set()
     size = 0
     is_complete = False
     for member in archive:
         stream = archive.extractfile(member) if member.isreg() else None
         if stream is None:
-            raise BackupDamaged(f"'{member.name[:80]}' is no plain file; this is no backup of garmentq.")
+            raise BackupDamaged(f"'{member.name[:80]}' is not a plain file; this is not a backup of garmentq.")
         if member.name == DATABASE:
             with snapshot.open("wb") as out:
                 while block := stream.read(1 << 20):
@@ -179,13 +179,13 @@ def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tup
         elif member.name.startswith(BLOBS):
             stored = store.put_stream(stream)  # type: ignore[arg-type]
             if BLOBS + stored.sha256 != member.name:
-                raise BackupDamaged(f"'{member.name[:80]}' is not what it was when it was saved.")
+                raise BackupDamaged(f"'{member.name[:80]}' has changed since it was saved; use another backup.")
             kept.add(stored.sha256)
             size += stored.size
         elif member.name == ABOUT:
             is_complete = True
         else:
-            raise BackupDamaged(f"'{member.name[:80]}' does not belong into a backup of garmentq.")
+            raise BackupDamaged(f"'{member.name[:80]}' does not belong in a backup of garmentq.")
     if not is_complete or not snapshot.exists():
         raise BackupDamaged("the backup ends too early; use another one.")
     return kept, size
@@ -220,7 +220,7 @@ def _open_tar(source: Path) -> Iterator[tarfile.TarFile]:
     except FileNotFoundError:
         raise BackupDamaged(f"there is no file '{source}'.") from None
     except (tarfile.TarError, IsADirectoryError, EOFError) as error:
-        raise BackupDamaged(f"'{source}' is no backup of garmentq: {error}.") from error
+        raise BackupDamaged(f"'{source}' is not a backup of garmentq: {error}.") from error
 
 
 def _find_database(settings: ServiceSettings) -> Path:

@@ -1,4 +1,4 @@
-"""Base patterns and fabrics as they leave the service, the same from a home and from a service's JSON answer."""
+"""Records of base patterns and fabrics, read from a home or from a service's JSON response."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Template:
-    """Name a base pattern: `source` is `shipped` or `imported`."""
+    """Describe a base pattern: `source` is `shipped` or `imported`."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -23,13 +23,13 @@ class Template:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(*(str(found[item.name]) for item in fields(cls)))
 
 
 @dataclass(frozen=True)
 class ImportedTemplate:
-    """Report what was understood of an imported pattern."""
+    """Describe an imported pattern."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -39,17 +39,17 @@ class ImportedTemplate:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(str(found["name"]), int(found["panels"]), int(found["seams"]), str(found["category"]))
 
 
 def show_fabric(fabric: Fabric) -> dict[str, Any]:
-    """Return a fabric as JSON values: every parameter in SI units, and where each comes from."""
+    """Return a fabric as JSON values: every parameter in SI units, and the source of each."""
     return {**asdict(fabric), "sources": dict(fabric.sources)}
 
 
 def read_fabric(found: Json) -> Fabric:
-    """Read a service's answer."""
+    """Read a service's response."""
     from ..core.cloth.fabric import Fabric
 
     known = {item.name: found[item.name] for item in fields(Fabric)}

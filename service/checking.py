@@ -1,6 +1,6 @@
-"""The first stage of every job: its files are read and checked in a limited process, which hands over plain arrays.
+"""The first stage of every job: its files are read and checked in a limited process, which returns plain arrays.
 
-The process that holds the database's address and the store's keys never parses what a user handed in.
+The process that has the database's address and the store's keys never parses a user's file.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ STAGE = "check"
 """The stage's name in progress and events."""
 
 DOUBTS = "doubts"
-"""Name under which a check says what is doubtful of the files, one sentence each; told at once, in an event."""
+"""Key under which a check reports doubts about the files, one sentence each; they are shown at once, in an event."""
 
 
 def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: IsStopped) -> dict[str, Any]:
     """Check the files of a job in a limited process.
 
     Args:
-        checker: Dotted path of a function as `check_recovery` is, `package.module:function`.
+        checker: Dotted path of a function like `check_recovery`, `package.module:function`.
         request: The job's request, as it is stored.
-        files: Holds each file of the request, as FIELD/NAME.
-        is_stopped: Asked now and then; True ends the process.
+        files: Folder with each file of the request, as FIELD/NAME.
+        is_stopped: Called now and then; True ends the process.
 
     Returns:
-        What was understood of the files, and what that cost, as JSON values.
+        Description of the files, CPU time and memory, as JSON values.
 
     Raises:
-        BadInput: where a file cannot be used; the code says why.
-        Cancelled: where `is_stopped` said so.
+        BadInput: if a file cannot be used; the code says why.
+        Cancelled: if `is_stopped` returned True.
     """
     given = {"request": request, "files": str(files.absolute())}
     answer = call_limited(checker, given, Bounds(), is_stopped, files.parent)
@@ -45,19 +45,20 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
 
     Args:
         request: The job's request, as it is stored.
-        files: Folder that holds each file of the request, as FIELD/NAME.
+        files: Folder with each file of the request, as FIELD/NAME.
 
     Returns:
-        What was understood, as JSON values.
+        Description of the files, as JSON values.
 
     Raises:
-        BadInput: where a file cannot be used.
+        BadInput: if a file cannot be used.
     """
-    from ..core.garment.reading import describe_reading, save_reading
+    from ..core.garment.reading import save_reading
     from ..core.people.labels import has_names
     from ..core.recover.inputs import read_request
     from ..core.scan.limits import Limits
     from ..core.scan.refusal import NoFaces
+    from .inspect_reading import describe_reading
     from .kinds import read_request as parse_request
     from .kinds.recover_request import READING, RecoverRequest
 
@@ -69,7 +70,7 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
     try:
         reading = read_request(wanted, Limits(is_confined=True))
     except NoFaces:
-        if asked.is_open and wanted.labels is None:  # a garment is a surface; a cloud with a body is the whole person
+        if asked.is_open and wanted.labels is None:  # a garment is a surface; a point cloud with a body is a person
             return _mark_as_person(folder)
         raise
     save_reading(reading, folder / READING)
@@ -77,7 +78,7 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
 
 
 def _mark_as_person(folder: Path) -> dict[str, Any]:
-    """Note that the files are a person's."""
+    """Record that the files are a person's."""
     from .kinds.recover_request import AS_PERSON
 
     (folder / AS_PERSON).touch()
@@ -89,17 +90,17 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
 
     Args:
         request: The job's request, as it is stored.
-        files: Folder that holds each file of the request, as `find_files` places it.
+        files: Folder with each file of the request, as `find_files` places it.
 
     Returns:
-        What was understood, as JSON values.
+        Description of the files, as JSON values.
 
     Raises:
-        BadInput: where a file cannot be used.
+        BadInput: if a file cannot be used.
     """
     from ..core.people.given import PersonFiles, describe_person_input, read_person_input, save_person_input
-    from ..core.people.inspect import explain_missing_body, is_garment_refusal
     from ..core.scan.limits import Limits
+    from .inspect_scan import explain_missing_body, is_garment_refusal
     from .kinds import FileRef
     from .kinds import read_request as parse_request
     from .kinds.person_request import PERSON_INPUT_FILE, PersonRequest
@@ -128,14 +129,14 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     """Read the file of a body in a limited process, and write it as arrays.
 
     Args:
-        request: The job's request, as it is stored, with the fields `body`, and perhaps `units` and `up`.
-        files: Folder that holds each file of the request, as FIELD/NAME.
+        request: The job's request, as it is stored, with the field `body`, and perhaps `units` and `up`.
+        files: Folder with each file of the request, as FIELD/NAME.
 
     Returns:
-        What was understood, as JSON values.
+        Description of the file, as JSON values.
 
     Raises:
-        BadInput: where it cannot be used.
+        BadInput: if it cannot be used.
     """
     from ..core.reuse.wear.bodies import describe_body_file, read_body_file
     from ..core.run.records import write_record
@@ -154,13 +155,13 @@ def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
 
     Args:
         request: The job's request, as it is stored, with the field `motion`.
-        files: Folder that holds each file of the request, as FIELD/NAME.
+        files: Folder with each file of the request, as FIELD/NAME.
 
     Returns:
-        What was understood, as JSON values.
+        Description of the file, as JSON values.
 
     Raises:
-        BadInput: where it cannot be used.
+        BadInput: if it cannot be used.
     """
     from ..core.body.motion.read import load_motion
     from ..core.run.records import write_record
@@ -185,16 +186,17 @@ def check_edit(request: dict[str, Any], files: str) -> dict[str, Any]:
 
     Args:
         request: The job's request, as it is stored, with the field `pattern`.
-        files: Folder that holds each file of the request, as FIELD/NAME.
+        files: Folder with each file of the request, as FIELD/NAME.
 
     Returns:
-        What was understood, as JSON values.
+        Description of the file, as JSON values.
 
     Raises:
-        BadInput: where it cannot be used.
+        BadInput: if it cannot be used.
     """
     from ..core.garment.garmentcode import load_pattern
-    from ..core.garment.reading import describe_pattern, save_given_pattern
+    from ..core.garment.reading import save_given_pattern
+    from .inspect_reading import describe_pattern
     from .kinds.edit_request import PATTERN
 
     folder = Path(files)

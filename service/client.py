@@ -1,4 +1,4 @@
-"""A program's client of the HTTP API: what `RemoteBackend` asks for commands, and all else that there is a route for.
+"""A program's client of the HTTP API: the operations of `RemoteBackend`, and all other routes.
 
 with Client("http://127.0.0.1:8080", key="gq_...") as service:
     found = service.match("3685ecfd4f81", "tshirt", pairs={"front": "front"})
@@ -23,7 +23,7 @@ from .submission import SubmissionResult
 
 
 class Client(RemoteBackend):
-    """Ask a service for all that it has a route for. Every refusal is a `GarmentqError` with the service's code."""
+    """Call every route of a service. Every refusal is a `GarmentqError` with the service's code."""
 
     def match(
         self,
@@ -38,7 +38,7 @@ class Client(RemoteBackend):
         Args:
             first, second: Jobs, templates, or uploaded patterns by their hash.
             pairs: Names of the second's panels by the first's, where they are known.
-            only_given: Compare those alone, and pair no others.
+            only_given: Compare only these pairs.
             outlines: Also return every panel's outline [m].
         """
         params: dict[str, Any] = {"first": first, "second": second}
@@ -47,31 +47,31 @@ class Client(RemoteBackend):
         return self._ask_object("GET", "/v1/match", params=params)
 
     def inspect_scan(self, sha256: str, quick: bool = False, **said: str) -> dict[str, Any]:
-        """Return what is understood of an uploaded scan, before a job is asked for.
+        """Return what is detected in an uploaded scan, before a job is created.
 
         Args:
             sha256: Its hash, as `upload("scans", path)` returns it.
-            quick: Read the file alone, and do not look for its wearer.
-            said: What an order would say: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
+            quick: Read only the file, and do not fit the wearer.
+            said: Options of an order: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
         """
         params = {name.rstrip("_"): value for name, value in said.items()} | {"quick": quick}
         return self._ask_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)
 
     def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what is wrong with a pattern's document, lengths, seams and symmetry (docs/reference/http.md)."""
+        """Return findings, lengths, seams and symmetry of a pattern's document (docs/reference/http.md)."""
         return self._ask_object("POST", "/v1/patterns/check", json=dict(document))
 
     def edit_pattern(self, document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-        """Return a document after operations, as `pattern`, beside what `check_pattern` returns of it."""
+        """Return a document after operations, as `pattern`, beside the result of `check_pattern`."""
         wanted = {"pattern": dict(document), "operations": [dict(one) for one in operations]}
         return self._ask_object("POST", "/v1/patterns/edit", json=wanted)
 
     def read_wearer(self, job: str) -> dict[str, Any]:
-        """Return the wearer as a job saw it: source, joints [m] by name, parameters."""
+        """Return the wearer that a job estimated: source, joints [m] by name, parameters."""
         return self._ask_object("GET", f"/v1/bodies/of/{quote(job, safe='')}")
 
     def read_export(self, job: str, name: str) -> bytes:
-        """Return a file that the newest export of a job's result has under a name."""
+        """Return a file by name from the newest export of a job's result."""
         return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/exports/{quote(name, safe='')}").content
 
     def read_archive(self, job: str) -> bytes:
@@ -79,7 +79,7 @@ class Client(RemoteBackend):
         return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/result.zip").content
 
     def mend_labels(self, job: str, points: Path) -> SubmissionResult:
-        """Take a person's scan apart anew with mended labels; the job stays, and a new one is queued.
+        """Label a person's scan again with corrected labels; the job stays, and a new one is queued.
 
         Args:
             job: A job of kind `person` with files.
@@ -90,26 +90,26 @@ class Client(RemoteBackend):
         return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
 
     def delete_job(self, job: str) -> Deleted:
-        """Delete an ended job with all below it and all that reads its results."""
+        """Delete an ended job, all jobs below it and all jobs that read its results."""
         return Deleted(**self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1))
 
     def find_person(self, name: str) -> Person:
-        """Return what is kept of a person, whose jobs, scans or uploads have exactly this name."""
+        """Return the data of a person, whose jobs, scans or uploads have exactly this name."""
         found = self._ask_object("GET", f"/v1/persons/{quote(name, safe='')}")
         return read(lambda: Person.from_json(found))
 
     def delete_person(self, name: str, dry_run: bool = False) -> PersonDeleted:
-        """Delete the scans and uploads of exactly this name, and all made of them; a dry run tells what would go."""
+        """Delete the scans and uploads of exactly this name, and all made of them; a dry run only lists them."""
         params = {"dry_run": True} if dry_run else {}
         found = self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1, params=params)
         return read(lambda: PersonDeleted(**{**found, "found": Person.from_json(found["found"])}))
 
     def forget_upload(self, kind: str, sha256: str) -> Deleted:
-        """Forget an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep what they name."""
+        """Delete an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep their files."""
         return Deleted(**self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1))
 
     def read_metrics(self) -> str:
-        """Return the service's own numbers in the text form of Prometheus."""
+        """Return the service's metrics in the text format of Prometheus."""
         return self._send("GET", "/metrics").text
 
     def read_api(self) -> dict[str, Any]:
@@ -120,9 +120,9 @@ class Client(RemoteBackend):
         """Return a JSON object.
 
         Raises:
-            ServiceUnreachable: where the answer is something else.
+            ServiceUnreachable: if the response is something else.
         """
         found = self._ask(method, url, **options)
         if not isinstance(found, dict):
-            raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.")
+            raise ServiceUnreachable("the server is not a garmentq service: its response cannot be read.")
         return found

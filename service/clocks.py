@@ -1,4 +1,4 @@
-"""The database's clock may be set: rows that lie in its future are set right, and a leap costs no job an attempt."""
+"""Handling of a database clock that was set: future times are clamped to now, and a jump costs no job an attempt."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from .models import JobRow, LockRow, OutageRow, WorkerRow
 from .states import OPEN
 
 AHEAD_SECONDS = 2.0
-"""How far a row may lie ahead of the clock that wrote it [s]: it cannot at all, but for the rounding of a second."""
+"""Tolerance by which a row's time may be ahead of the clock that wrote it [s]; only rounding to a second can cause
+that."""
 
 
 @skip_damaged_rows
 def clamp_future_times(database: Database) -> int:
-    """Move what was written before the clock was set back to now; a lease begins anew, whoever holds it.
+    """Clamp times that were written before the clock was set back to now; a lease starts anew for its owner.
 
     Without that nothing would expire until the clock has caught up.
 
     Returns:
-        How many jobs were moved.
+        How many jobs were changed.
     """
     late = clock() + AHEAD_SECONDS
     ahead = JobRow.state.in_(OPEN) & (JobRow.touched > late)
@@ -36,7 +37,7 @@ def clamp_future_times(database: Database) -> int:
                 row.lease_until = clock() + max(0.0, row.lease_until - row.touched)
             row.touched = clock()
         session.execute(update(OutageRow).where(OutageRow.seen > late).values(seen=clock(), since=clock()))
-        session.execute(delete(WorkerRow).where(WorkerRow.seen > late))  # who lives says so again within seconds
+        session.execute(delete(WorkerRow).where(WorkerRow.seen > late))  # live workers send a heartbeat within seconds
         return len(rows)
 
 
@@ -47,9 +48,14 @@ def read_clock(database: Database) -> float:
 
 
 def find_silence(database: Database, duty: str, seconds: float) -> float | None:
-    """Return how long nobody has done a duty [s], or None where nobody holds it; `seconds` is how long it is held.
+    """Return the time since a leader last renewed its lease [s], or None if there is no leader.
 
-    Nobody holds what was taken before the clock was set back.
+    A lease that was taken before the clock was set back does not count.
+
+    Args:
+        database: The leases' database.
+        duty: Name of the lease.
+        seconds: Duration of the lease [s].
     """
     with database.read() as session:
         found = session.scalar(select(clock() - LockRow.until).where(LockRow.name == duty))
@@ -59,24 +65,24 @@ def find_silence(database: Database, duty: str, seconds: float) -> float | None:
 
 
 class ClockJumpGuard:
-    """Return whether leases may be believed: not until one lease after the database was away, or its clock leapt ahead.
+    """Detect whether expired leases are reliable: not until one lease after an outage or a forward jump of the clock.
 
-    Their owners could not renew them, or had no chance to yet.
+    Until then their owners could not renew them.
     """
 
     def __init__(self, lease_seconds: float) -> None:
-        """Begin with trust: whoever starts has seen no leap."""
+        """Begin with reliable leases: no jump has been seen yet."""
         self._lease = lease_seconds
         self._last: tuple[float, float] | None = None
         self._doubtful_until = 0.0
 
     def note_outage(self) -> None:
-        """Note that the database could not be asked."""
+        """Record that the database was unavailable."""
         self._doubtful_until = time.monotonic() + self._lease
         self._last = None
 
     def note(self, now: float) -> None:
-        """Note the database's time [s since 1970]."""
+        """Record the database's time [s since 1970]."""
         steady = time.monotonic()
         if self._last is not None and (now - self._last[0]) - (steady - self._last[1]) > self._lease / 2.0:
             self._doubtful_until = steady + self._lease
@@ -84,5 +90,5 @@ class ClockJumpGuard:
 
     @property
     def is_steady(self) -> bool:
-        """Return whether an expired lease is one that its owner let expire."""
+        """Return whether the owner of an expired lease was able to renew it."""
         return time.monotonic() >= self._doubtful_until

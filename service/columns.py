@@ -1,7 +1,7 @@
-"""Types of the tables' columns that check what they read: a value that no program of ours wrote is never handed on.
+"""Column types that check the values they read: a value that no program of ours wrote is never returned.
 
-SQLite keeps any value in any column, and flipped bits, a careless UPDATE or a torn copy of the file leave some there.
-PostgreSQL checks for itself all but a state's name and the form of a JSON value.
+SQLite keeps any value in any column; bit errors, a wrong UPDATE or a torn copy of the file leave invalid ones.
+PostgreSQL itself checks all but the names of states and the form of JSON values.
 """
 
 from __future__ import annotations
@@ -23,28 +23,28 @@ from ..core.run.errors import GarmentqError
 SQLITE = "sqlite"
 
 SERIAL = BigInteger().with_variant(Integer(), SQLITE)
-"""A growing key; SQLite grows only its own INTEGER."""
+"""An auto-incremented key; SQLite increments only its own INTEGER."""
 
 FORMS: dict[type, str] = {dict: "object", list: "array"}
-"""How SQL calls the forms of JSON values."""
+"""SQL's names of the forms of JSON values."""
 
 PLAIN = "*[^ -~]*"
-"""Pattern (GLOB) of a text that holds a letter outside of printable ASCII: only such a one may be no UTF-8."""
+"""Pattern (GLOB) of a text with a character outside printable ASCII: only such a text may be invalid UTF-8."""
 
 
 class RowDamaged(GarmentqError):
-    """A row of the database cannot be read; `garmentq verify` names it: mend it, or restore a backup."""
+    """A row of the database cannot be read; `garmentq verify` names it: repair it, or restore a backup."""
 
     code = "service.row_damaged"
 
     def __init__(self, message: str = "", table: str = "") -> None:
-        """Name the table, where it is known."""
+        """Name the table, if it is known."""
         super().__init__(message)
         self.table = table
 
 
 class json_or_null(FunctionElement[Any]):
-    """Return a column of JSON values, NULL where it holds none: one damaged row would end SQLite's whole question."""
+    """Return a column of JSON values, NULL for an invalid one: SQLite would abort the whole query at such a row."""
 
     inherit_cache = True
     name = "json_or_null"
@@ -68,13 +68,13 @@ class Checked(TypeDecorator[Any]):
     impl = String
     cache_ok = True
     storage = "text"
-    """Name that SQLite's `typeof` gives to a sound value."""
+    """Name that SQLite's `typeof` returns for a valid value."""
     raw: tuple[type, ...] = (object,)
-    """Types of what the driver hands out, where its conversion takes anything."""
+    """Types of the driver's values, where its conversion accepts any type."""
     coerce_to_is_types = (type(None), bool)
 
     def __init__(self, kept: TypeEngine[Any], read: tuple[type, ...]) -> None:
-        """Keep values as a type of the database's; Python reads them as one of some types."""
+        """Store values as a type of the database; Python reads them as one of some types."""
         super().__init__()
         self.read = read
         self.impl = kept  # type: ignore[assignment]
@@ -91,22 +91,22 @@ class Checked(TypeDecorator[Any]):
         return self.impl_instance.coerce_compared_value(op, value)
 
     def result_processor(self, dialect: Dialect, coltype: object) -> Callable[[Any], Any]:
-        """Return what reads a value.
+        """Return the function that reads a value.
 
         Raises (when a value is read):
-            RowDamaged: where it cannot be one of this column.
+            RowDamaged: if it is not valid in this column.
         """
         convert = self.impl_instance.result_processor(dialect, coltype)
         (table, column), known, raw, is_optional = self.place, self.read, self.raw, self.is_optional
 
         def read(value: Any) -> Any:
-            if value is None:  # of an outer join, say
+            if value is None:  # for example of an outer join
                 return None
             try:
                 found = value if convert is None else convert(value)
             except (LookupError, ValueError, TypeError, RecursionError) as error:
                 raise RowDamaged(f"{table}.{column}: {type(error).__name__}", table) from error
-            if found is None and is_optional:  # JSON's null, as an earlier version kept it
+            if found is None and is_optional:  # JSON's null, as an earlier version stored it
                 return None
             if isinstance(found, known) and isinstance(value, raw):
                 return found
@@ -115,26 +115,26 @@ class Checked(TypeDecorator[Any]):
         return read
 
     def is_kept(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        """Return the SQL condition that SQLite holds a value, itself an SQL expression, in its column's type."""
         return f"typeof({value}) = '{self.storage}'"
 
     def is_allowed(self, value: str) -> str:
-        """Return the SQL condition of a value that is not only of the right type, which PostgreSQL has seen to."""
+        """Return the SQL condition of what PostgreSQL does not check of a value by its type."""
         return "true"
 
 
 class Words(Checked):
-    """Read a text of at most so many letters; 0: of any length."""
+    """Read a text of at most some length [letters]; 0: of any length."""
 
     cache_ok = True
 
     def __init__(self, length: int = 0) -> None:
-        """Keep as VARCHAR, or as TEXT."""
+        """Store as VARCHAR, or as TEXT."""
         super().__init__(String(length) if length else Text(), (str,))
         self.length = length
 
     def is_kept(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        """Return the SQL condition that SQLite holds a value, itself an SQL expression, in its column's type."""
         return f"{super().is_kept(value)} AND {is_utf8(value)}"
 
 
@@ -145,7 +145,7 @@ class Real(Checked):
     storage = "real"
 
     def __init__(self) -> None:
-        """Keep as DOUBLE."""
+        """Store as DOUBLE."""
         super().__init__(Double(), (float, int, Decimal))
 
 
@@ -156,7 +156,7 @@ class Whole(Checked):
     storage = "integer"
 
     def __init__(self, is_big: bool = False) -> None:
-        """Keep as INTEGER, or as BIGINT."""
+        """Store as INTEGER, or as BIGINT."""
         super().__init__(BigInteger() if is_big else Integer(), (int, Decimal))  # a sum comes as a Decimal
         self.is_big = is_big
 
@@ -169,7 +169,7 @@ class Flag(Checked):
     raw = (int, bool)
 
     def __init__(self) -> None:
-        """Keep as BOOLEAN."""
+        """Store as BOOLEAN."""
         super().__init__(Boolean(), (bool,))
 
 
@@ -179,18 +179,18 @@ class Name(Checked):
     cache_ok = True
 
     def __init__(self, names: type[StrEnum], length: int) -> None:
-        """Keep as VARCHAR of a length."""
+        """Store as VARCHAR of a length."""
         values = [one.value for one in names]
         kept = Enum(names, native_enum=False, length=length, values_callable=lambda _: values)
         super().__init__(kept, (names,))
         self.names, self.length = names, length
 
     def is_kept(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        """Return the SQL condition that SQLite holds a value, itself an SQL expression, in its column's type."""
         return f"{super().is_kept(value)} AND {self.is_allowed(value)}"
 
     def is_allowed(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that is one of the names."""
+        """Return the SQL condition that a value, itself an SQL expression, is one of the names."""
         return f"{value} IN ({', '.join(repr(one.value) for one in self.names)})"
 
 
@@ -200,21 +200,21 @@ class Values(Checked):
     cache_ok = True
 
     def __init__(self, form: type) -> None:
-        """Keep as JSON; `form` is dict or list."""
+        """Store as JSON; `form` is dict or list."""
         super().__init__(JSON(none_as_null=True), (form,))
         self.form = form
 
     def is_kept(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        """Return the SQL condition that SQLite holds a value, itself an SQL expression, in its column's type."""
         form = f"CASE WHEN json_valid({value}) THEN json_type({value}) ELSE garmentq_form(CAST({value} AS BLOB)) END"
         return f"{super().is_kept(value)} AND {is_utf8(value)} AND coalesce({form}, '') IN {self._list_forms()}"
 
     def is_allowed(self, value: str) -> str:
-        """Return the SQL condition of a value, itself SQL, that has the form."""
+        """Return the SQL condition that a value, itself an SQL expression, has the form."""
         return f"json_typeof({value}) IN {self._list_forms()}"
 
     def _list_forms(self) -> str:
-        """Return how SQL calls the form; an optional one was kept as JSON's null by an earlier version."""
+        """Return SQL's names of the form; an earlier version stored an optional value as JSON's null."""
         form = FORMS[self.form]
         return f"('{form}', 'null')" if self.is_optional else f"('{form}')"
 
@@ -241,19 +241,19 @@ def _compile_sound(element: is_sound, compiler: Any, **options: Any) -> str:
 
 
 def is_utf8(value: str) -> str:
-    """Return the condition (SQLite) of a text, itself SQL, that can be read as one."""
+    """Return the SQLite condition that a text, itself an SQL expression, is valid UTF-8."""
     return f"CASE WHEN {value} GLOB '{PLAIN}' THEN garmentq_is_utf8(CAST({value} AS BLOB)) ELSE 1 END"
 
 
 def bind_column_types(table: Any) -> None:
-    """Tell the type of each column of a table where it stands."""
+    """Bind the type of each column to its table and column, for error messages."""
     for column in table.columns:
         if isinstance(column.type, Checked):
             column.type = column.type.at(column)
 
 
 def add_functions(connection: Any) -> None:
-    """Give a driver's connection to SQLite the functions that the conditions call."""
+    """Register on a SQLite connection the functions that the conditions call."""
     connection.create_function("garmentq_is_utf8", 1, _is_utf8, deterministic=True)
     connection.create_function("garmentq_form", 1, _find_form, deterministic=True)
 
@@ -267,7 +267,7 @@ def _is_utf8(value: bytes) -> bool:
 
 
 def _find_form(value: bytes | None) -> str | None:
-    """Return the form of a JSON text as Python reads it, which takes the NaN that SQLite refuses; None: no JSON."""
+    """Return the form of a JSON text as Python parses it, which accepts the NaN that SQLite refuses; None: not JSON."""
     try:
         found = None if value is None else json.loads(value)
     except (ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""One connection to a service: asking again where that is safe, waiting where it is told to, errors by their codes."""
+"""One HTTP connection to a service: safe retries, waits that the service requests, errors by their codes."""
 
 from __future__ import annotations
 
@@ -16,66 +16,66 @@ from .settings import hide_password
 from .store import STORE_BLOCK_SIZE
 
 SERVICE_HTTP_TIMEOUT = httpx.Timeout(150.0, connect=5.0)
-"""Time limits of an answer and of a connection [s]. The service answers within 120 s or says that it cannot; a
+"""Time limits of a response and of a connection [s]. The service answers within 120 s or reports a timeout; a
 connection takes milliseconds."""
 
 RETRYABLE_CODES = (
     "key.too_many_requests", "key.uploads_open", "key.downloads_open", "key.limited_open", "service.limited_full",
 )  # fmt: skip
-"""Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
+"""Refusals that end by themselves within seconds: the client waits as long as Retry-After says, and retries."""
 
 PATIENCE_SECONDS = 60.0
-"""How long it waits in all for one request [s]."""
+"""Longest total wait for one request [s]."""
 
 MAX_REQUEST_TRIES = 3
-"""Largest number of times that a request is sent where the connection breaks; every one of them is safe to repeat."""
+"""Largest number of times that a request is sent if the connection breaks; every retried request is safe to repeat."""
 
 
 class ServiceUnreachable(GarmentqError):
-    """The service does not answer; check GARMENTQ_URL, or start it by `garmentq serve`."""
+    """The service does not respond; check GARMENTQ_URL, or start it by `garmentq serve`."""
 
     code = "service.unreachable"
 
 
 class Connection:
-    """Ask a service by HTTP. Every refusal is a `GarmentqError` with the service's code."""
+    """Send requests to a service by HTTP. Every refusal is a `GarmentqError` with the service's code."""
 
     def __init__(self, url: str, key: str) -> None:
-        """Prepare a connection; nothing is sent before the first question.
+        """Prepare a connection; nothing is sent before the first request.
 
         Args:
             url: Address of the service, `http://host:port`.
             key: Token of an API key, or empty.
 
         Raises:
-            ServiceUnreachable: where the address is none.
+            ServiceUnreachable: if the address is invalid.
         """
         headers = {"authorization": f"Bearer {key}"} if key else {}
         try:
             self._http = httpx.Client(base_url=url.rstrip("/"), headers=headers, timeout=SERVICE_HTTP_TIMEOUT)
         except (httpx.InvalidURL, ValueError) as error:
-            raise ServiceUnreachable(f"GARMENTQ_URL is no address: {error}.") from error
-        weakref.finalize(self, self._http.close)  # a command that ends by an error leaves no socket open
+            raise ServiceUnreachable(f"GARMENTQ_URL is not an address: {error}.") from error
+        weakref.finalize(self, self._http.close)  # closes the socket after an error too
 
     @property
     def address(self) -> str:
-        """Return the address of the service as it may be shown."""
+        """Return the address of the service without its password."""
         return hide_password(str(self._http.base_url))
 
     def close(self) -> None:
-        """Close it."""
+        """Close the connection."""
         self._http.close()
 
     def ask(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> Any:
-        """Return the JSON value of an answer."""
+        """Return the JSON value of a response."""
         answer = self.send(method, url, tries, **options)
         try:
             return answer.json()
         except ValueError:
-            raise ServiceUnreachable(f"what answers at {self.address} is no garmentq service.") from None
+            raise ServiceUnreachable(f"the server at {self.address} is not a garmentq service.") from None
 
     def send(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> httpx.Response:
-        """Return an answer; wait where the service says that the key asks too often."""
+        """Return a response; wait and retry if the service says that the key sends too many requests."""
         deadline = time.monotonic() + PATIENCE_SECONDS
         while True:
             answer = self._send_now(method, url, tries, **options)
@@ -88,7 +88,7 @@ class Connection:
 
     @contextmanager
     def stream(self, url: str, headers: dict[str, str] | None = None) -> Iterator[httpx.Response]:
-        """Open an answer that is read bit by bit; `httpx.TransportError` where it breaks off."""
+        """Open a response that is read block by block; raise `httpx.TransportError` if it breaks off."""
         with self._http.stream("GET", url, headers=headers) as answer:
             if answer.status_code >= 400:
                 answer.read()
@@ -97,19 +97,19 @@ class Connection:
 
     @contextmanager
     def reach(self) -> Iterator[None]:
-        """Turn a broken connection within the block into `ServiceUnreachable`."""
+        """Convert a broken connection within the block into `ServiceUnreachable`."""
         try:
             yield
         except (httpx.TransportError, httpx.InvalidURL) as error:
             raise ServiceUnreachable(
-                f"the service at {self.address} does not answer ({type(error).__name__}); "
+                f"the service at {self.address} does not respond ({type(error).__name__}); "
                 "check GARMENTQ_URL, or start it by `garmentq serve`."
             ) from error
 
     def _send_now(
         self, method: str, url: str, tries: int, content: bytes | Path | None = None, **options: Any
     ) -> httpx.Response:
-        """Ask at once; a file is streamed, and a broken connection is tried again, `tries` times in all."""
+        """Send a request at once; stream a file, and retry a broken connection, `tries` attempts in all."""
         with self.reach():
             while True:
                 try:
@@ -128,18 +128,18 @@ class Connection:
 
 
 def _read_retry_after(answer: httpx.Response) -> float:
-    """Read how long to wait [s]; a second where the service does not tell."""
+    """Read how long to wait [s]; one second if the service does not say."""
     text = answer.headers.get("retry-after", "")
     return float(text) if text.isascii() and text.isdigit() else 1.0
 
 
 def _make_error(answer: httpx.Response) -> GarmentqError:
-    """Return the error that the service met, of the class that its status tells, under the service's own code."""
+    """Return the service's error, of the class that its status determines, with the service's code."""
     try:
         found = answer.json()
         code, message = str(found["code"]), str(found["detail"])
     except (ValueError, KeyError, TypeError):
-        return ServiceUnreachable(f"what answers at {answer.url.host} is no garmentq service ({answer.status_code}).")
+        return ServiceUnreachable(f"the server at {answer.url.host} is not a garmentq service ({answer.status_code}).")
     kinds: dict[int, type[GarmentqError]] = {404: NotFound, 400: BadInput, 408: BadInput, 409: BadInput}
     kinds |= {413: BadInput, 415: BadInput, 422: BadInput}
     error = kinds.get(answer.status_code, GarmentqError)(message)

@@ -1,4 +1,4 @@
-"""Rows that cannot be read: find them, name them, and leave them out of a question."""
+"""Damaged rows: find them, name them, and exclude them from queries."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .columns import SQLITE, is_sound, is_utf8
 from .model_base import Base
 
 MAX_NAMED_ROWS = 5
-"""Damaged rows that one line of text names; `garmentq verify` lists them all."""
+"""Number of damaged rows that one message names; `garmentq verify` lists them all."""
 
 FILE_REFERENCE_COLUMNS = ("sha256", "scan", "request")
 """Columns that name stored files; see `garbage.find_references`."""
@@ -25,19 +25,19 @@ FILE_REFERENCE_COLUMNS = ("sha256", "scan", "request")
 
 @dataclass(frozen=True)
 class DamagedRow:
-    """Name a row that cannot be read: its table, its key, and the columns whose values cannot be."""
+    """Describe a row that cannot be read: its table, its key, and the columns with invalid values."""
 
     table: str
     key: str
     columns: tuple[str, ...]
 
     def __str__(self) -> str:
-        """Return it for people."""
+        """Return it as text for a message."""
         return f"{self.table} '{self.key}' ({', '.join(self.columns)})"
 
 
 class SoundSession(Session):
-    """Read as if damaged rows were not there; what is written is as in any other session."""
+    """Read without the damaged rows; writes are as in any other session."""
 
 
 @event.listens_for(SoundSession, "do_orm_execute")
@@ -68,7 +68,7 @@ def find_damaged(session: Session, tables: Sequence[str] = ()) -> list[DamagedRo
 
 
 def read_damaged_references(session: Session) -> Iterator[bytes]:
-    """Return the bytes of what may name a stored file in the damaged rows."""
+    """Yield the bytes of the columns that may name stored files, of the damaged rows."""
     dialect = session.get_bind().dialect.name
     for table in Base.metadata.sorted_tables:
         texts = [
@@ -83,18 +83,18 @@ def read_damaged_references(session: Session) -> Iterator[bytes]:
 
 
 def describe_damaged_rows(rows: Sequence[DamagedRow]) -> str:
-    """Return what is damaged and what to do, in one sentence."""
+    """Return what is damaged and what to do, as text for a message."""
     named = ", ".join(str(row) for row in rows[:MAX_NAMED_ROWS])
     more = f" and {len(rows) - MAX_NAMED_ROWS} more" if len(rows) > MAX_NAMED_ROWS else ""
     counted = f"{len(rows)} damaged row{'' if len(rows) == 1 else 's'} in the database"
     return (
-        f"{counted}: {named}{more}; `garmentq verify` lists all. Mend or delete them by SQL, or take a backup from "
-        "before (`garmentq restore BACKUP.tar` into another --home)."
+        f"{counted}: {named}{more}; `garmentq verify` lists all. Repair or delete them by SQL, or restore an earlier "
+        "backup (`garmentq restore BACKUP.tar` into another --home)."
     )
 
 
 class readable(FunctionElement[str]):
-    """Return a value as a text that can be read, whatever is in it."""
+    """Return a value as a text that can be read, whatever it contains."""
 
     inherit_cache = True
     name = "readable"

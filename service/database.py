@@ -1,4 +1,4 @@
-"""The database: how to reach it, its clock, and its two kinds of transaction."""
+"""The database: connections, its clock, and its two kinds of transaction."""
 
 from __future__ import annotations
 
@@ -49,34 +49,34 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 WRITE = "garmentq_write"
-"""Name of the execution option that marks a transaction as one that writes."""
+"""Name of the execution option that marks a writing transaction."""
 
 DATABASE_CONNECT_TIMEOUT = 10
-"""Time limit for PostgreSQL to accept a connection [s]; a server in another town takes a fraction of a second."""
+"""Time limit for PostgreSQL to accept a connection [s]; a distant server takes a fraction of a second."""
 
 BUSY_SECONDS = 30
-"""How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
+"""Longest wait of SQLite for another writer [s]; a write takes milliseconds, so this outlasts any queue."""
 
 DECODE_ERROR_TEXT = "Could not decode to UTF-8"
-"""What the driver says of a text that is none."""
+"""The driver's message for a text that is not UTF-8."""
 
 DAMAGE_ERROR_TEXTS = (
     "malformed", "file is not a database", "unsupported file format", "no such table", "no such column",
 )  # fmt: skip
-"""What SQLite says of a file whose bytes changed; the tables of another version are told before any question."""
+"""SQLite's messages for a file whose bytes changed; tables of another version are detected before any query."""
 
 DAMAGED_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT)
-"""How it classes them, whatever it says."""
+"""SQLite's error codes for the same, whatever the message."""
 
 DOUBT_SECONDS = 60.0
-"""How long damaged rows that were met once are left out without another try [s]: each is a look through a table."""
+"""Time for which rows found damaged are excluded without another attempt [s]: each attempt may scan a table."""
 
 WAL_SECONDS = 0.05
-"""Pause between two tries to enter the write-ahead log [s]: a connection opens or closes in less."""
+"""Pause between two attempts to enter the write-ahead log [s]: a connection opens or closes in less."""
 
 
 class DatabaseUnreachable(Unavailable):
-    """The database cannot be reached; check GARMENTQ_DATABASE_URL or the rights on the home folder."""
+    """The database cannot be reached; check GARMENTQ_DATABASE_URL or the permissions of the home folder."""
 
     code = "service.database_unreachable"
 
@@ -100,13 +100,13 @@ class DatabaseTooOld(GarmentqError):
 
 
 class DriverMissing(GarmentqError):
-    """The package that speaks to this database is missing; pip install 'garmentq[postgres]'."""
+    """The driver for this database is missing; pip install 'garmentq[postgres]'."""
 
     code = "service.driver_missing"
 
 
 class clock(FunctionElement[float]):
-    """Return the database's own time [s since 1970], so that no worker's clock matters."""
+    """Return the database's own time [s since 1970], so that the clocks of workers have no effect."""
 
     type = Float()
     inherit_cache = True
@@ -124,19 +124,19 @@ def _clock_postgresql(element: clock, compiler: Any, **options: Any) -> str:
 
 
 class Database:
-    """Hand out transactions. One object per process: never carry it over a fork.
+    """Provide transactions. One object per process: do not use it in a forked child.
 
-    A transaction that comes to a value which its column cannot hold ends with `RowDamaged`, which names table and key.
+    A transaction that reads an invalid value ends with `RowDamaged`, which names table and key.
 
     Attributes:
         url: SQLAlchemy address.
         engine: The connections.
-        sound: The same database as if its damaged rows were not there; `skip_damaged_rows` asks it.
-        doubtful_until: Until when `sound` is asked at once [s, monotonic].
+        sound: The same database without its damaged rows; used by `skip_damaged_rows`.
+        doubtful_until: Time until which `sound` is used at once [s, monotonic].
     """
 
     def __init__(self, url: str, pooled: bool = True) -> None:
-        """Prepare an engine; nothing is opened before the first transaction.
+        """Prepare an engine; no connection is opened before the first transaction.
 
         Args:
             url: SQLAlchemy address.
@@ -179,7 +179,7 @@ class Database:
 
     @property
     def is_sqlite(self) -> bool:
-        """Return whether this is the embedded kind of database."""
+        """Return whether this is an embedded database."""
         return self.engine.dialect.name == "sqlite"
 
     def dispose(self) -> None:
@@ -188,7 +188,7 @@ class Database:
 
 
 def skip_damaged_rows(ask: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
-    """Make a question to a database, or a change of it, go on past damaged rows; the log names them."""
+    """Return a function on a database that excludes damaged rows instead of raising; the log names them."""
 
     @wraps(ask)
     def go_on(database: Database, *args: P.args, **kwargs: P.kwargs) -> T:
@@ -204,26 +204,26 @@ def skip_damaged_rows(ask: Callable[Concatenate[Database, P], T]) -> Callable[Co
 
 
 def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: bool = False) -> Database:
-    """Open the database of a home; where it is empty its tables are made.
+    """Open the database of a home; create its tables if it is empty.
 
     Args:
-        settings: Which home.
+        settings: Settings of the home.
         pooled: As for `Database`.
-        is_upgraded: Bring an old one up to date. That is said by `garmentq db upgrade` alone: the workers and commands
-            of an older version cannot use the database afterwards.
+        is_upgraded: Upgrade an old database. Only `garmentq db upgrade` does so: workers and commands of an older
+            version cannot use the database afterwards.
 
     Raises:
-        DatabaseUnreachable: where it cannot be opened.
-        DatabaseTooOld, DatabaseTooNew: where an older or a newer version made it.
+        DatabaseUnreachable: if it cannot be opened.
+        DatabaseTooOld, DatabaseTooNew: if an older or a newer version created it.
     """
     try:
         make_private(settings.home)
-        if not settings.database_url:  # SQLite would make it with the rights that the user's files have
-            # Never one that is there: to close it would drop the locks that this process holds on it (POSIX).
+        if not settings.database_url:  # SQLite would create it with the user's default permissions
+            # Not an existing file: closing it would drop the locks of this process on it (POSIX).
             with suppress(FileExistsError):
                 os.close(os.open(settings.home / "garmentq.db", os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600))
     except OSError as error:
-        raise DatabaseUnreachable(f"the home folder {settings.home} cannot be made: {error.strerror}.") from error
+        raise DatabaseUnreachable(f"the home folder {settings.home} cannot be created: {error.strerror}.") from error
     database = Database(settings.database, pooled)
     from ..migrations import HEAD
 
@@ -242,10 +242,10 @@ def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: b
 
 
 def check_integrity(database: Database) -> None:
-    """Look through an SQLite file for pages that cannot be; a server looks after its own.
+    """Check an SQLite file for invalid pages; a database server checks its own.
 
     Raises:
-        DatabaseDamaged: where there are some.
+        DatabaseDamaged: if there are some.
     """
     if database.is_sqlite:
         with database.read() as session:
@@ -255,28 +255,28 @@ def check_integrity(database: Database) -> None:
 
 
 def take_advisory_lock(session: Session, key: str) -> None:
-    """Block other transactions with the same key from here until this one ends.
+    """Block other transactions with the same key until this one ends.
 
-    For "insert it unless it is there": PostgreSQL lets two transactions look at the same time, and the second insert
-    then fails. SQLite has one writer at a time, so there is nothing to do.
+    For "insert unless it exists": PostgreSQL lets two transactions read at the same time, and the second insert then
+    fails. SQLite has one writer at a time, so nothing is done.
     """
     if session.connection().dialect.name == "postgresql":
         session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
 
 
 def starts_with(column: Any, text: str) -> ColumnElement[bool]:
-    """Return the condition of a value that begins with a text; unlike LIKE it knows no signs and, on SQLite, case."""
+    """Return the condition that a value begins with a text, without LIKE's wildcards and SQLite's case folding."""
     return func.substr(column, 1, len(text)) == text
 
 
 def change_rows(session: Session, statement: Update | Delete) -> int:
-    """Run an UPDATE or DELETE, and return how many rows it touched; rows that the session holds are not refreshed."""
+    """Run an UPDATE or DELETE, and return how many rows it changed; rows loaded in the session are not refreshed."""
     changed = session.execute(statement.execution_options(synchronize_session=False))
     return cast(CursorResult[Any], changed).rowcount
 
 
 def read_revision(connection: Connection) -> str | None:
-    """Return the migration that the database stands at, or None for an empty one."""
+    """Return the database's current migration, or None for an empty one."""
     if not inspect(connection).has_table("alembic_version"):
         return None
     return connection.execute(text("select version_num from alembic_version")).scalar()
@@ -306,10 +306,10 @@ def _make_engine(url: str, pooled: bool) -> Engine:
         parsed = make_url(url)
     except ArgumentError:
         raise ServiceSettingBad(
-            "GARMENTQ_DATABASE_URL is no address; write postgresql://USER:PASSWORD@HOST/DB."
+            "GARMENTQ_DATABASE_URL is not an address; write postgresql://USER:PASSWORD@HOST/DB."
         ) from None
     if "@" in (parsed.host or ""):
-        raise ServiceSettingBad("the password in GARMENTQ_DATABASE_URL holds an '@'; write %40 for it.")
+        raise ServiceSettingBad("the password in GARMENTQ_DATABASE_URL contains an '@'; write %40 for it.")
     options: dict[str, Any] = {} if pooled else {"poolclass": NullPool}
     if parsed.drivername in ("postgres", "postgresql", "postgresql+psycopg"):
         try:
@@ -333,10 +333,10 @@ def _make_engine(url: str, pooled: bool) -> Engine:
 
 
 def _refuse_text(connection: Any, cursor: Any, statement: str, values: Any, context: Any, is_many: bool) -> None:
-    """Refuse what PostgreSQL refuses of a text by an error of its own, and SQLite in part; alike on both.
+    """Refuse text that PostgreSQL cannot store, alike on both databases.
 
     Raises:
-        TextBad: where there is such a text among the values of a statement.
+        TextBad: if the values of a statement contain such a text.
     """
     if has_unstorable_text(values):
         raise TextBad()
@@ -350,9 +350,9 @@ def _prepare_sqlite(connection: Any, record: Any) -> None:
 
 
 def _enter_wal(connection: Any) -> None:
-    """Turn the write-ahead log on; where another process opens or leaves the log just then, wait for it.
+    """Turn the write-ahead log on; wait while another process opens or closes the log.
 
-    SQLite refuses that at once as locked, instead of waiting as it does for a writer.
+    SQLite reports that at once as locked, instead of waiting as it does for a writer.
     """
     deadline = time.monotonic() + BUSY_SECONDS
     while True:
@@ -372,25 +372,25 @@ def _begin_sqlite(connection: Connection) -> None:
 
 @contextmanager
 def translate_driver_errors(url: str) -> Iterator[None]:
-    """Turn what a driver raises within the block into our errors.
+    """Convert a driver's errors within the block into our errors.
 
     Raises:
-        DatabaseUnreachable, DatabaseDamaged: where the database does not answer, or its file is none any more.
+        DatabaseUnreachable, DatabaseDamaged: if the database does not respond, or its file is invalid.
     """
     try:
         yield
-    except UnicodeDecodeError as error:  # the driver quotes a table's definition that is no text any more
-        raise _make_damage_error(url, "a table's definition is no text") from error
+    except UnicodeDecodeError as error:  # the driver quotes a table's damaged definition
+        raise _make_damage_error(url, "a table's definition is not text") from error
     except (DatabaseError, sqlite3.DatabaseError) as error:
         reason = (str(getattr(error, "orig", error)).strip().splitlines() or [""])[0]
         if DECODE_ERROR_TEXT in reason:
             raise RowDamaged(reason) from error
-        code = getattr(getattr(error, "orig", error), "sqlite_errorcode", 0) & 0xFF  # without SQLite's further classes
+        code = getattr(getattr(error, "orig", error), "sqlite_errorcode", 0) & 0xFF  # without SQLite's extended code
         if code in DAMAGED_CODES or any(words in reason for words in DAMAGE_ERROR_TEXTS):
             raise _make_damage_error(url, reason) from error
         if not isinstance(error, OperationalError | sqlite3.OperationalError):
             raise
-        raise DatabaseUnreachable(f"the database {hide_password(url)} does not answer: {reason}.") from error
+        raise DatabaseUnreachable(f"the database {hide_password(url)} does not respond: {reason}.") from error
 
 
 def _make_damage_error(url: str, reason: str) -> DatabaseDamaged:

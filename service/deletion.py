@@ -1,4 +1,4 @@
-"""Delete jobs and uploads with all that was made of them: rows, uploads, and the files that nobody else names."""
+"""Delete jobs and uploads with all that was made of them: rows, uploads, and the files that no other row names."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .store import ArtifactMissing, Store
 log = logging.getLogger(__name__)
 
 YOUNG_SECONDS = 60.0
-"""A file put so lately may be about to be named by another order [s]; `gc` removes it a day later."""
+"""Age below which a file may be about to be named by another order [s]; `gc` deletes it a day later."""
 
 
 class JobShared(BadInput):
@@ -33,14 +33,14 @@ class JobShared(BadInput):
 
 @dataclass(frozen=True)
 class Deleted:
-    """Describe what is gone.
+    """Describe what was deleted.
 
     Attributes:
         jobs: Ids of the jobs.
-        uploads: Uploads that may not be used any more.
-        files: Stored files that are gone.
-        size: Their bytes.
-        young: Files that `gc` removes later, since they were put a moment ago, or a damaged row may name them.
+        uploads: Uploads that can no longer be used.
+        files: Deleted stored files.
+        size: Their size [bytes].
+        young: Files that `gc` deletes later, because they are new, or a damaged row may name them.
     """
 
     jobs: tuple[str, ...] = ()
@@ -51,7 +51,7 @@ class Deleted:
 
 
 def find_old_families(database: Database, seconds: float) -> list[str]:
-    """Return the roots of the families that ended longer ago than some seconds, the oldest first."""
+    """Return the roots of the families that ended longer ago than some seconds, oldest first."""
     member = JobRow.__table__.alias()
     fresh = or_(member.c.state.not_in(ENDED), member.c.finished > clock() - seconds)
     is_old = ~exists().where(member.c.family == JobRow.family, fresh)
@@ -61,23 +61,23 @@ def find_old_families(database: Database, seconds: float) -> list[str]:
 
 
 def find_dependent_jobs(database: Database, jobs: Sequence[str]) -> list[str]:
-    """Return all that goes with some jobs: these, all that reads a result of theirs, and all below each."""
+    """Return some jobs with all that is deleted with them: all that read their results, and all below each."""
     roots = _add_readers(database, jobs)
     return [*roots, *(row.id for row in find_below(database, roots))]
 
 
 def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str = "") -> Deleted:
-    """Delete ended jobs with all below them and all that reads their results, then the files that nobody names.
+    """Delete ended jobs, all jobs below them, all that read their results, then the files that no row names any more.
 
     Args:
-        database: Where the jobs are.
-        store: Where their files are.
+        database: The jobs' database.
+        store: The store of their files.
         jobs: Ids of the jobs.
-        key: The API key that asks; empty: the operator.
+        key: The caller's API key; empty: the operator.
 
     Raises:
-        JobNotEnded: where one of them, or what was made of it, has not ended; then nothing is deleted.
-        JobShared: where another key owns one of them too.
+        JobNotEnded: if one of them, or a job made from it, has not ended; then nothing is deleted.
+        JobShared: if another key owns one of them too.
     """
     begun = time()
     left = _add_readers(database, jobs)
@@ -87,14 +87,14 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
     gone: list[str] = []
     try:
         _delete_all(database, left, gone)
-    finally:  # one may have been queued again meanwhile: what is gone leaves nothing behind
+    finally:  # a job may have been requeued meanwhile: clean up after the deleted ones
         _forget_scans(database, files)
         done = remove_files(database, store, files, Deleted(tuple(gone)), begun)
     return done
 
 
 def _delete_all(database: Database, left: list[str], gone: list[str]) -> None:
-    """Delete families, readers of results before those; the ids of what is deleted are added to `gone`."""
+    """Delete families, readers of results first; append the ids of deleted jobs to `gone`."""
     while left:
         waiting: list[str] = []
         for job in left:
@@ -108,14 +108,14 @@ def _delete_all(database: Database, left: list[str], gone: list[str]) -> None:
 
 
 def delete_upload(database: Database, store: Store, sha256: str, key: str = "") -> Deleted:
-    """Forget that a key uploaded a file, and remove the file where no job names it."""
+    """Delete a key's upload of a file, and the file if no job names it."""
     begun = time()
     count = forget_upload(database, sha256, key)
     return remove_files(database, store, {sha256}, Deleted(uploads=count), begun)
 
 
 def _add_readers(database: Database, jobs: Sequence[str]) -> list[str]:
-    """Return jobs and the roots of all that read a result of theirs or of one below them, the readers first."""
+    """Return the roots of all jobs that read results of some jobs or of those below them, then the jobs themselves."""
     found, level = list(dict.fromkeys(jobs)), list(jobs)
     while level:
         below = [*level, *(row.id for row in find_below(database, level))]
@@ -148,7 +148,7 @@ def _check_owners(database: Database, jobs: Sequence[str], key: str) -> None:
 
 
 def _check_ended(database: Database, jobs: Sequence[str]) -> None:
-    """Refuse before anything is deleted where one of some jobs or of those below them has not ended."""
+    """Refuse, before anything is deleted, if a job or one below it has not ended."""
     ids = [*jobs, *(row.id for row in find_below(database, jobs))]
     with database.read() as session:
         open_job = session.scalar(select(JobRow.id).where(JobRow.id.in_(ids), JobRow.state.not_in(ENDED)).limit(1))
@@ -163,7 +163,7 @@ def _forget_scans(database: Database, files: Iterable[str]) -> None:
 
 
 def forget_upload(database: Database, sha256: str, key: str) -> int:
-    """Forget that a key (empty: any) uploaded a file; return how many rows that were."""
+    """Delete the rows of a key's (empty: any key's) uploads of a file; return how many."""
     with database.write() as session:
         wanted = UploadRow.sha256 == sha256
         rows = session.scalars(select(UploadRow).where(wanted & (UploadRow.key == key) if key else wanted)).all()
@@ -175,11 +175,11 @@ def forget_upload(database: Database, sha256: str, key: str) -> int:
 
 
 def remove_files(database: Database, store: Store, files: set[str], done: Deleted, begun: float) -> Deleted:
-    """Remove those of some files that no row names any more; none where a row is damaged, which may name one."""
+    """Delete those of some files that no row names; none if a row is damaged, because it may name one."""
     named, damaged = find_all_references(database)
     count = size = young = 0
     if damaged:
-        log.warning("no file is removed: %s", describe_damaged_rows(damaged))
+        log.warning("no file is deleted: %s", describe_damaged_rows(damaged))
         return Deleted(done.jobs, done.uploads, young=len(files - named))
     for key in sorted(files - named):
         try:

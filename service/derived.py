@@ -1,4 +1,4 @@
-"""Derived jobs: what works on a stored result instead of a scan, such as `dress`; from an order to a queued job."""
+"""Derived jobs, which work on a stored result instead of a scan, such as `dress`: from an order to a queued job."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
 
 
 class InputWrong(BadInput):
-    """The job is of a kind whose result cannot be used for this; name a recovery, or what was derived from one."""
+    """The job's kind has no result that can be used here; name a recovery, or a job derived from one."""
 
     code = "job.input_kind"
 
 
 @dataclass(frozen=True)
 class DerivedOrder:
-    """Ask for a job that works on a stored result.
+    """Describe an order of a job that works on a stored result.
 
     Attributes:
-        kind: Name of the kind, `dress`; of a person's job that dresses a body in all of its garments.
+        kind: Name of the kind, `dress`; for a person's job it dresses a body in all of its garments.
         result: Id of the job whose result it works on, or on this machine a beginning of it.
         over: Id of the job whose garment the result is worn over, or a beginning of it; empty: it is worn alone.
-        options: Fields of the kind's request that are no files, as JSON values.
+        options: Fields of the kind's request other than files, as JSON values.
         files: Files of the request by field: on this machine, or stored ones.
         terms: How the job is queued.
     """
@@ -54,16 +54,16 @@ class DerivedOrder:
 
 
 def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStopped = never_stopped) -> SubmissionResult:
-    """Keep an order's files, check what it asks for, and queue the job.
+    """Store an order's files, check its request, and queue the job.
 
     Raises:
-        RequestBad: where the kind works on no result, or its request does not fit.
-        JobUnknown: where the result's job is none that the key may see.
-        InputWrong: where its result is of a kind that cannot be used.
-        InputNotEnded: where it has no result.
-        PatternUnsound: where an edited pattern cannot be draped.
-        ResultOld: where it was stored by a version that kept no garment to be worn again.
-        LabelBad: where name or tags cannot be used.
+        RequestBad: if the kind works on no result, or its request is invalid.
+        JobUnknown: if the key may not see the result's job, or there is none.
+        InputWrong: if its result is of a kind that cannot be used.
+        InputNotEnded: if it has no result.
+        PatternUnsound: if an edited pattern cannot be draped.
+        ResultOld: if it was stored by a version that kept no garment to be worn again.
+        LabelBad: if name or tags cannot be used.
     """
     kind = _choose_kind(services, order)
     if len(kind.reads) != 1:
@@ -77,7 +77,7 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
     files = {name: _keep(services, file) for name, file in order.files.items()}
     asked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
     request = pack_request(asked)
-    if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
+    if {place for place, _ in find_files(request)} - files.keys():  # a known hash is not an upload
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     rows = [_find_own(services, order, named) for _, _, named in reads]
     row = rows[0]
@@ -99,7 +99,7 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
 
 
 def _choose_kind(services: Services, order: DerivedOrder) -> Kind:
-    """Return the kind that is asked for, or what takes its place where a person's job is named that the key may see."""
+    """Return the requested kind, or the one that replaces it if the result is that of a person's job."""
     kind = find_kind(services.settings, order.kind)
     if not kind.persons:
         return kind
@@ -108,10 +108,10 @@ def _choose_kind(services: Services, order: DerivedOrder) -> Kind:
 
 
 def _find_own(services: Services, order: DerivedOrder, named: str) -> JobRow:
-    """Return a job that an order names; one that its key does not own is to it as unknown as none.
+    """Return a job that an order names; a job that the order's key does not own counts as unknown.
 
     Raises:
-        JobUnknown: where there is none.
+        JobUnknown: if there is none.
     """
     row = find_job(services.database, named)
     with services.database.read() as session:
@@ -121,10 +121,10 @@ def _find_own(services: Services, order: DerivedOrder, named: str) -> JobRow:
 
 
 def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:
-    """Refuse a stored result that lacks a file that is read of it; one that has no files has not ended.
+    """Refuse a stored result that lacks a file that is read; a result without files is of a job that has not ended.
 
     Raises:
-        ResultOld: where it does.
+        ResultOld: if it lacks one.
     """
     known = set(session.scalars(select(ArtifactRow.name).where(ArtifactRow.job == job, ArtifactRow.kind == RESULT)))
     if known and not known.issuperset(names):
@@ -137,23 +137,23 @@ def _find_fabric(services: Services, options: Mapping[str, Any]) -> dict[str, An
     """Return options with the imported fabric that they name, as JSON values.
 
     Raises:
-        FabricUnknown: where there is none of that name.
-        RequestBad: where it is no name.
+        FabricUnknown: if there is none of that name.
+        RequestBad: if it is not a name.
     """
     name = options.get("fabric")
     if name is None:
         return dict(options)
     if not isinstance(name, str):
-        raise RequestBad("a fabric is named; `garmentq materials` lists them, and imports others.")
+        raise RequestBad("give a fabric by its name; `garmentq materials` lists and imports them.")
     found = resolve_fabric(services.database, name)
     return {**options, "fabric": pack_request(found) if isinstance(found, Fabric) else found}
 
 
 def _keep(services: Services, file: Path | FileRef) -> dict[str, str]:
-    """Return a file's key and cleaned name as JSON values, kept in the store.
+    """Store a file, and return its key and cleaned name as JSON values.
 
     Raises:
-        FileMissing: where it is not there.
+        FileMissing: if it does not exist.
     """
     if isinstance(file, Path):
         from ..core.scan.refusal import FileMissing

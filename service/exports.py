@@ -1,4 +1,4 @@
-"""Files of exports, found by the job that was exported."""
+"""Files of exports, found by the exported job."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .states import State
 
 
 def find_export(database: Database, job: str, name: str, key: str = "") -> Artifact:
-    """Return a file of the newest successful export of a job that has one of the name; with a key one of its own.
+    """Return a file by name from the newest successful export of a job that has it; with a key, only from its exports.
 
     Raises:
-        ResultMissing: where there is none.
+        ResultMissing: if there is none.
     """
     wanted = (
         select(ArtifactRow)
@@ -32,7 +32,7 @@ def find_export(database: Database, job: str, name: str, key: str = "") -> Artif
         row = session.scalars(wanted).first()
     if row is None:
         raise ResultMissing(
-            f"no export of job {job} has a file '{name[:80]}'; ask for one: POST /v1/jobs with kind export, or "
+            f"no export of job {job} has a file '{name[:80]}'; start one: POST /v1/jobs with kind export, or "
             f"`garmentq export {job} --as FORMAT`."
         )
     return Artifact.from_row(row)

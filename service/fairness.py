@@ -1,7 +1,7 @@
-"""Which queued job is next: the most urgent; of equally urgent ones that of the payer who waited longest; its oldest.
+"""Choice of the next queued job: highest priority, then the payer served longest ago, then that payer's oldest job.
 
-A payer is the API key that a job counts for, or empty: who hands in a thousand jobs does not stand before everybody
-else. Each step reads the first entries of the index `ix_jobs_urgency`, however long the queue is.
+A payer is the API key that a job counts for, or empty: a thousand jobs of one payer do not delay all others. Each step
+reads the first entries of the index `ix_jobs_urgency`, so the cost does not grow with the queue.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from .states import State
 
 
 def is_due() -> ColumnElement[bool]:
-    """Return the condition of a job that does not rest; a rest longer than any is of a clock that was set back."""
+    """Return the condition of a job whose pause is over; an overlong pause is of a clock that was set back."""
     return or_(
         JobRow.not_before.is_(None), JobRow.not_before <= clock(), JobRow.not_before > clock() + MAX_OUTAGE_PAUSE
     )
 
 
 def choose_job(session: Session, wakeup: str) -> str | None:
-    """Return the id of the job that is next in the queue of a woken job, locked; None where that queue is empty."""
+    """Return the id of the next job in the queue of a woken job, locked; None if that queue is empty."""
     queue = session.scalar(select(JobRow.queue).where(JobRow.id == wakeup))
     waits = (JobRow.state == State.QUEUED) & (JobRow.queue == queue) & JobRow.cancel.is_(False) & is_due()
     urgency = session.scalar(select(JobRow.priority).where(waits).order_by(JobRow.priority.desc()).limit(1))
@@ -40,7 +40,7 @@ def choose_job(session: Session, wakeup: str) -> str | None:
 
 
 def _rank_payers(session: Session, waits: ColumnElement[bool]) -> list[str]:
-    """Return who has jobs that wait, the one served longest ago first; one look into the index for each."""
+    """Return the payers that have waiting jobs, the one served longest ago first; one index lookup for each."""
     first = select(func.min(JobRow.payer).label("payer")).where(waits).cte("waiting", recursive=True)
     before = aliased(first)
     after = select(func.min(JobRow.payer)).where(waits, JobRow.payer > before.c.payer).scalar_subquery()
@@ -58,4 +58,4 @@ def _note_served(session: Session, payer: str) -> None:
             session.add(PayerRow(payer=payer, served=clock()))
             session.flush()
     except IntegrityError:
-        pass  # another worker serves the same payer for the first time just now
+        pass  # another worker has just added the payer

@@ -1,8 +1,7 @@
-"""Families of jobs: what passes down from a parent to its children, and what one sibling waits for.
+"""Families of jobs: operations that pass from a parent to its children, and jobs that wait for siblings.
 
-A job's children are made with its result, so a job that has children has succeeded; only what stands below it can be
-tried again. Rows are locked from the parent down, a level at a time: whoever holds a job's row can be sure that nobody
-gives it children meanwhile.
+A job's children are made with its result, so a job with children has succeeded; only jobs below it can be retried. Rows
+are locked from the parent down, one level at a time: while a job's row is locked, it gets no children.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class JobNotEnded(BadInput):
 
 
 class JobSucceeded(BadInput):
-    """The job succeeded, so there is nothing to try again; submit it with --force to compute it once more."""
+    """The job succeeded and cannot be retried; submit it with --force to compute it again."""
 
     code = "job.succeeded"
 
@@ -49,13 +48,13 @@ class JobInUse(BadInput):
 
 
 class ChildrenBad(GarmentqError):
-    """A job asks for children that cannot be; this is a fault of its kind, please report it."""
+    """A job requests invalid children; this is a fault of its kind, please report it."""
 
     code = "job.children_bad"
 
 
 def find_tree(session: Session, row: JobRow, is_locked: bool = False) -> list[JobRow]:
-    """Return a job and all below it, parents before their children; where these are to be locked, `row` must be."""
+    """Return a job and all below it, parents before their children; if they are to be locked, `row` must be locked."""
     tree, level = [row], [row.id]
     while level:
         below = select(JobRow).where(JobRow.parent.in_(level)).order_by(JobRow.created, JobRow.id)
@@ -66,7 +65,7 @@ def find_tree(session: Session, row: JobRow, is_locked: bool = False) -> list[Jo
 
 
 def find_below(database: Database, jobs: Sequence[str]) -> list[JobRow]:
-    """Return all jobs below some others but those themselves, a level at a time, each in the order of their making."""
+    """Return all jobs below some others, without those themselves, level by level, each in order of creation."""
     known, level, found = set(jobs), list(jobs), list[JobRow]()
     with database.read() as session:
         while level:
@@ -82,15 +81,15 @@ def find_below(database: Database, jobs: Sequence[str]) -> list[JobRow]:
 
 
 def cancel(database: Database, job: str, key: str = "") -> State:
-    """Ask a job and all below it to stop: what is queued or waits ends at once, what runs at its worker's next look.
+    """Stop a job and all below it: queued and waiting jobs end at once, running ones at their worker's next check.
 
-    Where other API keys asked for the job as well, it goes on for them, and `key` sees it no more.
+    If other API keys requested the job too, it continues for them, and `key` no longer sees it.
 
     Returns:
         The job's own state after this call: `cancelled`, `running`, or the state it had ended in before.
 
     Raises:
-        JobUnknown: where there is none of that id.
+        JobUnknown: if there is none of that id.
     """
     with database.write() as session:
         row = _lock(session, job)
@@ -105,23 +104,23 @@ def cancel(database: Database, job: str, key: str = "") -> State:
 
 
 def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
-    """Try again what did not succeed of a job and all below it, with all attempts; checkpoints are used again.
+    """Queue all unsuccessful jobs of a job and those below it again, with all attempts; checkpoints are reused.
 
-    A job that waits for a sibling takes that one along, where it did not succeed either.
+    A job that waits for an unsuccessful sibling requeues that sibling too.
 
     Returns:
         The job's own state after this call.
 
     Raises:
-        JobUnknown: where there is none of that id.
-        JobNotEnded: where it is queued or running, or nothing below it has ended without success.
-        JobSucceeded: where it and all below it ended well.
-        QueueFull: where the API key that asks has as many open jobs as it may.
+        JobUnknown: if there is none of that id.
+        JobNotEnded: if it is queued or running, or nothing below it has ended without success.
+        JobSucceeded: if it and all below it succeeded.
+        QueueFull: if the caller's API key has reached its number of open jobs.
     """
     with database.write() as session:
         parent = session.scalar(select(JobRow.parent).where(JobRow.id == job))
         if parent is not None:
-            _lock(session, parent)  # siblings may go along, and only their parent's holder locks several of them
+            _lock(session, parent)  # several siblings may only be locked with their parent
         row = _lock(session, job)
         tree = find_tree(session, row, is_locked=True)
         stuck = [one for one in tree if one.state in UNSUCCESSFUL]
@@ -135,10 +134,10 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
 
 
 def requeue_jobs(session: Session, rows: Sequence[JobRow], event: str, payer: str, quota: int) -> None:
-    """Queue locked jobs that ended without success, with what they wait for; `release_waiting_jobs` lets go who waits.
+    """Queue locked jobs that ended without success, with the siblings they wait for.
 
     Raises:
-        QueueFull: where the payer has as many open jobs as it may.
+        QueueFull: if the payer has reached its number of open jobs.
     """
     left, chosen = {row.id: row for row in rows}, dict[str, tuple[JobRow, State]]()
     while left:
@@ -148,21 +147,21 @@ def requeue_jobs(session: Session, rows: Sequence[JobRow], event: str, payer: st
         awaited = session.scalars(siblings.with_for_update()).all()
         chosen[row.id] = row, State.WAITING if awaited else State.QUEUED
         left |= {one.id: one for one in awaited if one.state in UNSUCCESSFUL and one.id not in chosen}
-    check_quota(session, payer, quota)  # it locks the key, which a worker that holds a job's row waits for
+    check_quota(session, payer, quota)  # it locks the key's row last: workers lock job rows first
     for row, state in chosen.values():
         change_state(session, row, state, event, payer=payer)
 
 
 def delete(database: Database, job: str) -> tuple[str, ...]:
-    """Remove an ended job and all below it, with events and results; `gc` removes the files that nobody names then.
+    """Delete an ended job and all below it, with events and results; `gc` deletes the files that no row names then.
 
     Returns:
-        The ids of what is gone.
+        The ids of the deleted jobs.
 
     Raises:
-        JobUnknown: where there is none of that id.
-        JobNotEnded: where one of them has not ended.
-        JobInUse: where another job reads one's result or waits for it.
+        JobUnknown: if there is none of that id.
+        JobNotEnded: if one of them has not ended.
+        JobInUse: if another job reads one's result or waits for it.
     """
     with database.write() as session:
         tree = find_tree(session, _lock(session, job), is_locked=True)
@@ -186,7 +185,7 @@ def release_waiting_jobs(database: Database) -> int:
     """Queue the waiting jobs whose siblings have succeeded, and end those with a sibling that ended otherwise.
 
     Returns:
-        How many jobs went on.
+        How many jobs were queued or ended.
     """
     with database.read() as session:
         if not session.execute(select(exists().where(_is_ready()))).scalar():
@@ -206,16 +205,16 @@ def release_waiting_jobs(database: Database) -> int:
 
 
 def make_children(session: Session, parent: str, children: Sequence[ChildRequest]) -> dict[str, str]:
-    """Make the children that a result asks for, in the transaction that stores it.
+    """Create the children that a result requests, in the transaction that stores it.
 
-    They have their parent's priority, tags, payer and owners. Where the parent was cancelled in its last moment they
-    are made cancelled, so that a retry finds them.
+    They have their parent's priority, tags, payer and owners. If the parent was cancelled meanwhile, they are created
+    as cancelled, so that a retry finds them.
 
     Returns:
         Their ids by name.
 
     Raises:
-        ChildrenBad: where a name comes twice, or stands for no sibling before.
+        ChildrenBad: if a name is repeated, or `waits` names no earlier sibling.
     """
     if not children:
         return {}
@@ -225,7 +224,7 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
     made: dict[str, JobRow] = {}
     for child in children:
         if child.name in made or not set(child.waits) <= set(made):
-            raise ChildrenBad(f"the child '{child.name[:40]}' of job {parent} is no new one, or waits for none before.")
+            raise ChildrenBad(f"the child '{child.name[:40]}' of job {parent} is repeated or waits for no earlier one.")
         dedup = hashlib.sha256(f"{parent} {child.name}".encode()).hexdigest()
         known = session.scalars(select(JobRow).where(JobRow.dedup == dedup)).one_or_none()
         made[child.name] = known or create(session, _describe(row, child, dedup, tags, made))
@@ -237,7 +236,7 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
 
 
 def grant_family(session: Session, key: str, row: JobRow) -> None:
-    """Make a key an owner of a locked job and of all below it; who adds a child meanwhile sees the owner then."""
+    """Make a key an owner of a locked job and of all below it; a later child copies its parent's owners."""
     for one in find_tree(session, row, is_locked=True):
         grant_job(session, key, one.id)
 
@@ -258,7 +257,7 @@ def _cancel(session: Session, row: JobRow) -> None:
 
 
 def _is_ready() -> ColumnElement[bool]:
-    """Return the condition of a waiting job of whose siblings none is open any more."""
+    """Return the condition of a waiting job without open siblings that it waits for."""
     awaited = aliased(JobRow)
     on = (JobWaitRow.job == JobRow.id) & (JobWaitRow.awaited == awaited.id) & awaited.state.in_(OPEN)
     return (JobRow.state == State.WAITING) & ~exists().where(on)
@@ -270,12 +269,12 @@ def _release_waiting_job(session: Session, row: JobRow) -> None:
         awaited.where(JobWaitRow.job == row.id, JobRow.state != State.SUCCEEDED).order_by(JobRow.id)
     ).all()
     if any(one.state in OPEN for one in left):
-        return  # tried again since it was found ready
+        return  # retried since it was found ready
     failed = next(iter(left), None)
     if failed is None:
         change_state(session, row, State.QUEUED, "queued")
         return
-    message = f"it waited for job {failed.id}, which is {failed.state}; `garmentq retry {row.id}` tries both again."
+    message = f"it waited for job {failed.id}, which is {failed.state}; `garmentq retry {row.id}` retries both."
     note = {"code": AWAITED_FAILED_CODE, "message": message}
     change_state(session, row, State.FAILED, "failed", note, error_code=AWAITED_FAILED_CODE, error_message=message)
 

@@ -1,4 +1,4 @@
-"""Remove the stored files that no row names: what crashes leave behind, and checkpoints that newer ones replaced."""
+"""Delete the stored files that no row names: remains of crashes, and replaced checkpoints."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from .models import JobRow
 from .store import ArtifactMissing, Store, StoreEntry
 
 HASH = re.compile(r"[0-9a-f]{64}")
-"""What a key looks like inside a job's request."""
+"""Pattern of a key in a job's request."""
 
 FOUND = re.compile(HASH.pattern.encode())
-"""The same in the bytes of a request that cannot be read."""
+"""The same pattern for the bytes of a damaged request."""
 
 GARBAGE_GRACE_HOURS = 24.0
-"""Least age of a file that may be removed [h]: a worker puts its files first and names them some seconds later, and an
+"""Least age of a file that may be deleted [h]: a worker stores its files some seconds before a row names them, and an
 upload is named by the request that follows it. A day is longer than any job."""
 
 
 @dataclass(frozen=True)
 class Garbage:
-    """Describe what nobody names.
+    """Describe the files that no row names.
 
     Attributes:
         files: The stored files, oldest first.
-        removed: How many of them are gone now.
-        kept_bytes: Bytes of everything in the store that stays.
-        damaged: Rows that cannot be read and may name any file; nothing is removed where there are some.
+        removed: How many of them were deleted.
+        kept_bytes: Size of all other files in the store [bytes].
+        damaged: Rows that cannot be read and may name any file; if there are some, nothing is deleted.
     """
 
     files: tuple[StoreEntry, ...]
@@ -48,23 +48,23 @@ class Garbage:
 
     @property
     def size(self) -> int:
-        """Return the bytes of all the files that nobody names."""
+        """Return the size of all files that no row names [bytes]."""
         return sum(one.size for one in self.files)
 
 
 def collect_garbage(
     database: Database, store: Store, grace_seconds: float, is_delete: bool, now: float | None = None
 ) -> Garbage:
-    """List the stored files that no row names and that were put there longer than the grace time ago.
+    """List the stored files that no row names and that are older than the grace time.
 
-    The store is listed before the database is read: what a row names by then is spared, and what is put again later is
-    too young. A file is looked at once more in the moment of its removal (`Store.remove`).
+    The store is listed before the database is read: a file named in between is kept, and a file stored later is too
+    young. Each file's age is checked again when it is deleted (`Store.remove`).
 
     Args:
-        database: Whose rows name the files.
-        store: Where the files are; nothing but this database may use it.
-        grace_seconds: Age below which a file is never touched [s].
-        is_delete: Remove them; otherwise they are only listed.
+        database: The database whose rows name the files.
+        store: The store; no other database may use it.
+        grace_seconds: Age below which a file is never deleted [s].
+        is_delete: Delete them; otherwise they are only listed.
         now: Seconds since 1970; None: now, by this machine's clock.
     """
     before = (time() if now is None else now) - grace_seconds
@@ -77,7 +77,7 @@ def collect_garbage(
 
 
 def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow, ...]]:
-    """Return every key that a row names, and the damaged rows that may name more than what their remains hold."""
+    """Return every key that a row names, and the damaged rows, which may name more keys than are legible in them."""
     with suppress(RowDamaged), database.read() as session:
         return set(find_references(session)), ()
     with database.sound.read() as session:
@@ -86,7 +86,7 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
 
 
 def find_references(session: Session) -> Iterator[str]:
-    """Return every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests."""
+    """Yield every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests."""
     for mapper in Base.registry.mappers:
         if "sha256" in mapper.columns:
             yield from session.scalars(select(mapper.attrs["sha256"]))
@@ -97,7 +97,7 @@ def find_references(session: Session) -> Iterator[str]:
 
 
 def find_hashes(value: Any) -> Iterator[str]:
-    """Return every key of a stored file that a request's JSON values name."""
+    """Yield every key of a stored file that a request's JSON values name."""
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):
@@ -115,4 +115,4 @@ def _remove(store: Store, one: StoreEntry, before: float) -> bool:
     try:
         return store.remove(one.sha256, before)
     except ArtifactMissing:
-        return False  # another collector was quicker
+        return False  # another collector has deleted it

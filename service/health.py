@@ -1,4 +1,4 @@
-"""What stands still, in words: no worker, a silent dispatcher, an outage; each with the next step."""
+"""Messages about what keeps jobs from running: no worker, a silent dispatcher, an outage; each with the next step."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ MAX_DISPATCHER_SILENCE = 30.0
 
 
 def read_queue(database: Database) -> Queue:
-    """Return counts, living workers, and what stands in their way."""
+    """Return counts of jobs, live workers, and outages."""
     workers = [Worker.from_row(row) for row in list_workers(database)]
     silence = find_silence(database, DISPATCHER_LEASE, LEADER_LEASE_TIME)
     return Queue(count_states(database), workers, list_outages(database), silence)
 
 
 def hide_worker_names(queue: Queue) -> Queue:
-    """Return the queue as those may see it who run none of its machines: without their names."""
+    """Return the queue without the names of workers and machines, for callers who do not operate them."""
     workers = [replace(worker, name=f"worker {number}") for number, worker in enumerate(queue.workers, 1)]
     return replace(queue, workers=workers, outages=[replace(outage, place="") for outage in queue.outages])
 
 
 def find_troubles(queue: Queue) -> list[str]:
-    """Return what keeps jobs from running, one sentence each; nothing where all is well or nothing waits."""
+    """Return what keeps jobs from running, one message each; none if jobs run or nothing waits."""
     troubles = []
     if not queue.workers and any(queue.states.get(state) for state in (State.QUEUED, State.RUNNING, State.WAITING)):
         troubles.append(
             "no worker is up, or none reaches its broker, so the jobs wait; `garmentq up` starts one, "
-            "`garmentq worker` on a server, and `garmentq doctor` there says what is away."
+            "`garmentq worker` on a server, and `garmentq doctor` there shows what is unavailable."
         )
     if queue.workers and (queue.silence is None or queue.silence > MAX_DISPATCHER_SILENCE):
         since = "yet" if queue.silence is None else f"for {queue.silence:.0f} s"
-        troubles.append(f"no dispatcher has acted {since}, so nothing new begins; see the workers' log, restart them.")
+        troubles.append(f"no dispatcher has acted {since}, so no new job starts; see the workers' log, restart them.")
     for outage in queue.outages:
         begun = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(outage.since))
         host = f" ({outage.place})" if outage.place else ""
@@ -50,7 +50,7 @@ def find_troubles(queue: Queue) -> list[str]:
 
 
 def explain(code: str) -> str:
-    """Return what an outage's code means and what to do, with nothing of this installation in it."""
+    """Return the message of an outage's code, without details of this installation."""
     return next((kind().message for kind in _find_kinds(Unavailable) if kind.code == code), Unavailable().message)
 
 

@@ -1,4 +1,4 @@
-"""What a process does before it works on a home for long: private files, and a lock that keeps a restore out."""
+"""Start of a long-running process on a home: private files, and a lock that excludes a restore."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from .private import PRIVATE_UMASK, make_private_all
 from .settings import ServiceSettings
 
 IN_USE = "home.lock"
-"""File of a home that its workers and its API hold together, and that a restore holds alone."""
+"""Lock file of a home: shared by its workers and its API, exclusive to a restore."""
 
 
 PARTS = ("store", "incoming", "work", "run", "cache", "broker", "results", "api.token")
-"""What a home holds beside its database, logs and locks; results of commands may lie there, too, and are the user's."""
+"""Contents of a home beside its database, logs and locks; other files in it may be a user's and are not changed."""
 
 ENDINGS = (".db", ".db-wal", ".db-shm", ".log", ".lock")
-"""How the names of databases, logs and locks end."""
+"""Endings of the names of databases, logs and locks."""
 
 LEFT_SECONDS = 86400.0
-"""Age of what a killed process left behind [s]; no upload and no job takes so long."""
+"""Age after which the remains of a killed process are deleted [s]; no upload and no job takes so long."""
 
 
 class HomeBusy(GarmentqError):
@@ -33,15 +33,15 @@ class HomeBusy(GarmentqError):
 
 
 def use_home(settings: ServiceSettings) -> int:
-    """Write only files of one user from here on, and keep a restore out for as long as this process lives.
+    """Set a private umask, and exclude a restore while this process lives.
 
-    Scans of bodies, names and hashes of keys are nobody else's on this machine.
+    Other users of this machine must not read scans of bodies, names and hashes of keys.
 
     Returns:
         The descriptor of the lock, to be closed at the end.
 
     Raises:
-        HomeBusy: where a restore goes on.
+        HomeBusy: if a restore is running.
     """
     os.umask(PRIVATE_UMASK)
     lock = share_lock(settings.home / IN_USE)
@@ -52,7 +52,7 @@ def use_home(settings: ServiceSettings) -> int:
 
 
 def restrict_permissions(settings: ServiceSettings) -> None:
-    """Take a home, and a store beside it, from all other users of the machine: earlier versions made some readable."""
+    """Remove all other users' permissions on a home and its store: earlier versions made some files readable."""
     if settings.home.is_dir():
         settings.home.chmod(settings.home.stat().st_mode & 0o777 & ~PRIVATE_UMASK)
         for path in settings.home.iterdir():
@@ -63,14 +63,14 @@ def restrict_permissions(settings: ServiceSettings) -> None:
 
 
 def remove_leftovers(settings: ServiceSettings, now: float | None = None) -> int:
-    """Remove transfers that nobody ended, and folders of jobs whose process was killed, once they are a day old.
+    """Delete unfinished transfers and folders of killed jobs once they are a day old.
 
     Args:
-        settings: Which home.
+        settings: Settings of the home.
         now: Seconds since 1970; None: now, by this machine's clock.
 
     Returns:
-        How many files and folders are gone.
+        How many files and folders were deleted.
     """
     count, before = 0, (time() if now is None else now) - LEFT_SECONDS
     folders = [settings.home / "incoming", settings.home / "work"]
@@ -88,5 +88,5 @@ def remove_leftovers(settings: ServiceSettings, now: float | None = None) -> int
 
 
 def lock_home(settings: ServiceSettings) -> int | None:
-    """Keep workers and the API of this machine out; None where one of them has the home open."""
+    """Take the home's exclusive lock; return None if a worker or the API of this machine has the home open."""
     return take_lock(settings.home / IN_USE)

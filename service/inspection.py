@@ -1,4 +1,4 @@
-"""What is understood of an uploaded scan before a job is asked for: it is read in a limited process."""
+"""Inspection of an uploaded scan before a job is created: it is read in a limited process."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from typing import Any
 from ..core.run.errors import BadInput
 from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 
-INSPECTOR = "garmentq.core.people.inspect:inspect_order"
+INSPECTOR = "garmentq.service.inspect_scan:inspect_order"
 
 BOUNDS = Bounds(memory_bytes=4 * 1024**3, cpu_seconds=60, wall_seconds=100.0)
-"""What looking at a scan may cost: reading takes 2 s, finding the wearer of 30 000 points 6 s."""
+"""Limits of an inspection: reading takes 2 s, fitting the wearer of 30 000 points 6 s."""
 
 
 class BodyNotBuiltin(BadInput):
-    """Before a job only a built-in body is looked at; write builtin:female,height=1.70, or leave the body out."""
+    """Before a job only a built-in body can be used; write builtin:female,height=1.70, or leave the body out."""
 
     code = "inspection.body_file"
 
 
 def inspect_scan(path: Path, options: Mapping[str, Any], is_stopped: IsStopped = never_stopped) -> dict[str, Any]:
-    """Return what `core.people.inspect.inspect_order` understands of a file.
+    """Return what `service.inspect_scan.inspect_order` detects in a file.
 
     Args:
         path: The file.
-        options: Arguments of it besides the file.
-        is_stopped: As `call_limited` has it.
+        options: Its other arguments.
+        is_stopped: As for `call_limited`.
 
     Raises:
-        BodyNotBuiltin: where the body is a file.
-        BadInput: where the file cannot be used.
+        BodyNotBuiltin: if the body is a file.
+        BadInput: if the file cannot be used.
     """
     from ..core.body.spec import is_builtin
 

@@ -1,7 +1,7 @@
-"""The only functions that write a job's state; `states.py` has the states and the moves between them.
+"""The only functions that write a job's state; `states.py` has the states and transitions.
 
-A worker owns a job from `claim` until the fence of the row differs from the one it was given. Every write of a worker
-carries that fence, so a worker that lost its lease (a zombie) changes nothing. The clock is the database's.
+A worker owns a job from `claim` until the row's fence differs from that of its claim. Every write of a worker checks
+the fence, so a worker that lost its lease changes nothing. Times are the database's.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from .webhooks import queue_messages
 T = TypeVar("T")
 
 IDS_AT_ONCE = 500
-"""Values bound in one question; SQLite takes 32 766."""
+"""Number of values bound in one query; SQLite's limit is 32 766."""
 WORKER_LOST_CODE, WORKER_LOST_EVENT = "job.worker_lost", "worker_lost"
-"""Code of a job whose workers died too often; event of a process that died under one."""
+"""Code of a job whose workers died too often; event of a worker process that died while it ran a job."""
 RETRY_DEFAULTS = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
     "delays": 0, "delay_code": None, "not_before": None,
 }  # fmt: skip
-"""What an ended job that is tried again begins with."""
+"""Values that are reset when an ended job is retried."""
 
 
 class JobUnknown(NotFound):
@@ -47,28 +47,28 @@ class JobUnknown(NotFound):
 
 
 class FenceLost(GarmentqError):
-    """Another worker has taken the job over; this one's result is dropped."""
+    """Another worker has taken the job over; this one's result is discarded."""
 
     code = "job.fence_lost"
 
 
 class MoveForbidden(GarmentqError):
-    """A job cannot go from its state to the one asked for; this is a fault of garmentq, please report it."""
+    """A job cannot change from its state to the requested one; this is a fault of garmentq, please report it."""
 
     code = "job.move_forbidden"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """Describe the right to work on one job.
+    """Describe a worker's claim of one job.
 
     Attributes:
         job: The job's id.
         fence: Number of this claim; a later claim has a larger one.
-        owner: Who claimed it.
+        owner: Name of the worker process.
         attempt: Which attempt this is, from 1.
-        request: What to do, as it was stored at submission.
-        name: What the job is called.
+        request: The job's request, as it was stored at submission.
+        name: Name of the job.
         kind: Name of its kind.
         inputs: Ids of the jobs whose results it reads, by name.
     """
@@ -85,11 +85,11 @@ class Claim:
 
 @dataclass(frozen=True)
 class HeartbeatResult:
-    """Describe what a heartbeat found.
+    """Describe the result of a heartbeat.
 
     Attributes:
-        is_owner: False where the job belongs to someone else by now.
-        is_cancelled: True where somebody asked to cancel it.
+        is_owner: False if another worker has claimed the job since.
+        is_cancelled: True if the job was cancelled.
     """
 
     is_owner: bool
@@ -102,7 +102,7 @@ def record(session: Session, job: str, kind: str, **data: Any) -> None:
 
 
 def create(session: Session, new: NewJob) -> JobRow:
-    """Add a job with its first event: queued, or waiting where it waits for siblings."""
+    """Add a job with its first event: queued, or waiting if it waits for siblings."""
     job = uuid.uuid4().hex[:12]
     columns = ("dedup", "kind", "request", "scan", "name", "priority", "queue", "payer")
     parent, family = new.parent or (None, job)
@@ -130,10 +130,10 @@ def create(session: Session, new: NewJob) -> JobRow:
 def change_state(
     session: Session, job: JobRow | Claim, to: State, event: str, note: dict[str, Any] | None = None, **values: Any
 ) -> None:
-    """Write a job's new state with all that entering it changes, and the event that tells of it.
+    """Write a job's new state, all columns that change with it, and the event that reports it.
 
     Args:
-        session: A transaction that writes.
+        session: A writing transaction.
         job: The row, locked in this transaction; or the claim of the worker that runs the job.
         to: The new state.
         event: Kind of the event.
@@ -141,12 +141,12 @@ def change_state(
         values: Further columns of the row.
 
     Raises:
-        MoveForbidden: where `TRANSITIONS` does not have the move.
-        FenceLost: where the claim does not hold any more.
+        MoveForbidden: if `TRANSITIONS` does not have the change.
+        FenceLost: if the claim is no longer valid.
     """
     source, key = (State.RUNNING, job.job) if isinstance(job, Claim) else (State(job.state), job.id)
     if to not in TRANSITIONS[source]:
-        raise MoveForbidden(f"job {key} cannot go from {source} to {to}.")
+        raise MoveForbidden(f"job {key} cannot change from {source} to {to}.")
     values = {"state": to, "touched": clock(), "owner": None, "lease_until": None, "expected_end": None, **values}
     if source in ENDED:
         values |= RETRY_DEFAULTS
@@ -165,16 +165,16 @@ def change_state(
 
 
 def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Claim | None:
-    """Take a queued job, or None where it is not to be had: one statement writes owner, lease, attempt and fence."""
+    """Claim a queued job, or return None if it is not available: one statement writes the whole claim."""
     with database.write() as session:
         return _claim(session, job, owner, lease_seconds)
 
 
 @skip_damaged_rows
 def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float) -> Claim | None:
-    """Take the most urgent queued job of the queue that the woken job is in, or None where that queue is empty.
+    """Claim the most urgent job of the woken job's queue, or return None if that queue is empty.
 
-    A wake-up is the right to one job, not to a certain one: so priorities hold whatever order the broker keeps.
+    A wake-up permits one claim, not the claim of a certain job: priorities hold whatever order the broker keeps.
     """
     with database.write() as session:
         best = choose_job(session, wakeup)
@@ -201,20 +201,20 @@ def read_cancel_flag(database: Database, claim: Claim) -> HeartbeatResult:
 
 
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
-    """Change the job's row if the claim still holds; call it first in a transaction that writes anything for a job.
+    """Change the job's row if the claim is still valid; call it first in a transaction that writes anything for a job.
 
     Raises:
-        FenceLost: where it does not hold; the transaction must not go on.
+        FenceLost: if it is not; the transaction must be abandoned.
     """
     if change_rows(session, _update_claimed(claim).values(**values)) != 1:
         raise FenceLost()
 
 
 def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
-    """End a job well, with the worst verdict of its result's gates, within the transaction that stores its result.
+    """End a job as succeeded, with the worst verdict of its result's gates, in the transaction that stores its result.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     gates = result.get("gates")
     verdict = worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
@@ -228,7 +228,7 @@ def fail(database: Database, claim: Claim, code: str, message: str, bad_input: b
     """End a job with an error.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         error = {"error_code": code, "error_message": message, "bad_input": bad_input}
@@ -236,10 +236,10 @@ def fail(database: Database, claim: Claim, code: str, message: str, bad_input: b
 
 
 def fail_with_result(session: Session, claim: Claim, error: GarmentqError, result: dict[str, Any]) -> None:
-    """End a job with an error that leaves something to look at, within the transaction that stores it.
+    """End a job with an error and a result that can be viewed, in the transaction that stores the result.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     message = show_message(error)
     note = {"code": error.code, "message": message}
@@ -249,10 +249,10 @@ def fail_with_result(session: Session, claim: Claim, error: GarmentqError, resul
 
 @skip_damaged_rows
 def end_cancelled(database: Database, claim: Claim) -> None:
-    """End a running job that was asked to stop.
+    """End a running job that was cancelled.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         change_state(session, claim, State.CANCELLED, "cancelled")
@@ -260,10 +260,10 @@ def end_cancelled(database: Database, claim: Claim) -> None:
 
 @skip_damaged_rows
 def release(database: Database, claim: Claim) -> None:
-    """Return a running job to the queue; the attempt does not count, since the worker was told to stop.
+    """Return a running job to the queue; the attempt does not count, because the worker was stopped.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         _requeue(session, claim, "released")
@@ -271,10 +271,10 @@ def release(database: Database, claim: Claim) -> None:
 
 @skip_damaged_rows
 def reschedule(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
-    """Return a running job to the queue, where it rests: what it needs is away, and no attempt is spent on that.
+    """Return a running job to the queue with a pause: a resource is unavailable, and the attempt does not count.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         delays = session.scalar(select(JobRow.delays).where(_matches_claim(claim))) or 0
@@ -285,7 +285,7 @@ def reschedule(database: Database, claim: Claim, outage: Unavailable, first_seco
 
 
 def expire(session: Session, row: JobRow, max_attempts: int) -> None:
-    """Take a job back whose lease ran out: to the queue, or to its end where it was cancelled or lost too often."""
+    """End the claim of an expired lease: requeue the job, or end it if it was cancelled or lost too often."""
     note = {"owner": row.owner, "attempt": row.attempts}
     if row.cancel:
         change_state(session, row, State.CANCELLED, "cancelled")
@@ -301,10 +301,10 @@ def expire(session: Session, row: JobRow, max_attempts: int) -> None:
 
 
 def find_job(database: Database, job: str) -> JobRow:
-    """Return a job by its id, or by a beginning of it that fits no other.
+    """Return a job by its id, or by a beginning of the id that no other job has.
 
     Raises:
-        JobUnknown: where there is none, or more than one.
+        JobUnknown: if no job, or more than one, matches.
     """
     with database.read() as session:
         row = session.get(JobRow, job)
@@ -327,10 +327,10 @@ def find_jobs_by_id(database: Database, jobs: Sequence[str]) -> list[JobRow]:
 
 
 def order_by_ids(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
-    """Return what was found of some ids, in the order of the ids.
+    """Return the values of some ids, in the order of the ids.
 
     Raises:
-        JobUnknown: where one was not found.
+        JobUnknown: if one is missing.
     """
     missing = [job for job in ids if job not in found]
     if missing:
@@ -348,7 +348,7 @@ def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
 def _requeue(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
     """Queue a running job whose attempt does not count."""
     if session.scalar(select(JobRow.cancel).where(_matches_claim(claim)).with_for_update()):
-        change_state(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
+        change_state(session, claim, State.CANCELLED, "cancelled")  # no worker claims a cancelled job from the queue
     else:
         change_state(session, claim, State.QUEUED, event, note, attempts=JobRow.attempts - 1, **values)
 
@@ -387,7 +387,7 @@ def _update_claimed(claim: Claim) -> Update:
 
 
 def _describe_loss(session: Session, row: JobRow) -> str:
-    """Return what ended the last attempt, where it is known."""
+    """Return what ended the last attempt, if it is known."""
     wanted = (EventRow.job == row.id) & (EventRow.kind == WORKER_LOST_EVENT)
     last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
     return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""

@@ -1,4 +1,4 @@
-"""API keys: who may ask, for what, and how much at a time. Only the hash of a token is kept."""
+"""API keys: authentication, scopes and quotas. Only the hash of a token is stored."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .models import ApiKeyRow, JobRow, OwnerRow
 from .states import OPEN
 
 SCOPES = ("read", "submit", "metrics", "admin")
-"""`read`: see own jobs and the libraries; `submit`: upload, queue, cancel, delete; `metrics`: numbers of the whole
+"""`read`: see own jobs and the libraries; `submit`: upload, queue, cancel, delete; `metrics`: metrics of the whole
 service; `admin`: all jobs, templates and keys."""
 
 USED_SECONDS = 60.0
-"""How exactly a key's last use is noted [s]: more often would be a write for each request."""
+"""Resolution of a key's last use [s]: finer would be a write for each request."""
 
 MAX_JOB_PRIORITY = 100
 """Highest priority of any job."""
 
 TOKEN_BYTES = 32
-"""Random bytes of a token: beyond any guessing, so that a plain hash of it is safe to keep."""
+"""Random bytes of a token: it cannot be guessed, so its plain hash is safe to store."""
 
 DEFAULT_JOB_QUOTA = 100
-"""Number of jobs that a new key may have queued or running; a studio's day, and less than what delays the jobs of
-others for hours."""
+"""Number of jobs that a new key may have queued or running; a studio's day, and too few to delay the jobs of others for
+hours."""
 
 
 class KeyMissing(GarmentqError):
@@ -52,13 +52,13 @@ class ScopeMissing(GarmentqError):
 
 
 class QueueFull(GarmentqError):
-    """The key has as many jobs queued or running as it may; wait until some have run, or cancel them."""
+    """The key has reached its number of queued and running jobs; wait until some have run, or cancel them."""
 
     code = "key.queue_full"
 
 
 class PriorityTooHigh(GarmentqError):
-    """The key may not ask for so high a priority; leave it out, or ask the operator for a key that may."""
+    """The key may not use so high a priority; leave it out, or ask the operator for a key that may."""
 
     code = "key.priority"
 
@@ -77,11 +77,11 @@ class KeySpecBad(BadInput):
 
 @dataclass(frozen=True)
 class Caller:
-    """Describe who asks.
+    """Describe the caller of a request.
 
     Attributes:
         key: The key's id; empty for the local user of a service without keys.
-        scopes: What is allowed, of `SCOPES`.
+        scopes: Its permissions, of `SCOPES`.
         quota: Jobs that may be queued or running at a time; 0: any number.
         priority: Highest priority that its jobs may have.
     """
@@ -93,14 +93,14 @@ class Caller:
 
     @property
     def sees_all(self) -> bool:
-        """Return whether every job is shown, not only the key's own."""
+        """Return whether the caller sees every job, not only the key's own."""
         return "admin" in self.scopes
 
     def must(self, scope: str) -> None:
         """Check one scope.
 
         Raises:
-            ScopeMissing: where the key lacks it.
+            ScopeMissing: if the key lacks it.
         """
         if scope not in self.scopes and "admin" not in self.scopes:
             raise ScopeMissing(f"the key lacks the scope '{scope}'; ask for one that has it.")
@@ -109,14 +109,14 @@ class Caller:
         """Check the priority of a job.
 
         Raises:
-            PriorityTooHigh: where the key may not ask for it.
+            PriorityTooHigh: if it exceeds the key's.
         """
         if priority > self.priority:
-            raise PriorityTooHigh(f"the key's highest priority is {self.priority}; ask for that, or for another key.")
+            raise PriorityTooHigh(f"the key's highest priority is {self.priority}; use that, or another key.")
 
 
 LOCAL_CALLER = Caller("", SCOPES, 0)
-"""The user of a service that listens on this machine only and has no keys."""
+"""The user of a service that listens on a loopback address and has no keys."""
 
 
 def create_key(
@@ -127,18 +127,18 @@ def create_key(
     priority: int = 0,
     days: float | None = None,
 ) -> tuple[ApiKeyRow, str]:
-    """Make a key; its token is given here and never again.
+    """Create a key and return it with its token, which is returned only here.
 
     Args:
-        database: Where it is kept.
-        name: Whose it is.
-        scopes: What it may, of `SCOPES`.
-        quota: Jobs that it may have open at a time.
+        database: The keys' database.
+        name: Name of its holder.
+        scopes: Its permissions, of `SCOPES`.
+        quota: Number of jobs that it may have open at a time.
         priority: Highest priority that its jobs may have.
-        days: After so long it expires [d]; None: never.
+        days: Time until it expires [d]; None: never.
 
     Raises:
-        KeySpecBad: where one of them cannot be used.
+        KeySpecBad: if one of them cannot be used.
     """
     is_named = 0 < len(name) <= 255 and name.isprintable()
     is_bounded = 0 <= priority <= MAX_JOB_PRIORITY and (days is None or 0 < days <= 36500)
@@ -171,10 +171,10 @@ def list_keys(database: Database) -> list[ApiKeyRow]:
 
 
 def revoke_key(database: Database, key: str) -> ApiKeyRow:
-    """Take a key back; its jobs stay.
+    """Revoke a key; its jobs stay.
 
     Raises:
-        KeyUnknown: where there is none of that id.
+        KeyUnknown: if there is none of that id.
     """
     with database.write() as session:
         row = session.get(ApiKeyRow, key)
@@ -188,7 +188,7 @@ def revoke_key(database: Database, key: str) -> ApiKeyRow:
 
 
 def has_keys(database: Database) -> bool:
-    """Return whether a key was ever made, revoked ones too: a service that had keys never becomes open again."""
+    """Return whether a key was ever created, revoked ones too: a service that had keys never becomes open again."""
     with database.read() as session:
         return bool(session.execute(select(exists().where(ApiKeyRow.id != ""))).scalar())
 
@@ -197,27 +197,27 @@ def authenticate_token(database: Database, token: str | None, local_token: str =
     """Authenticate a token.
 
     Args:
-        database: Whose keys count.
-        token: What the caller sent.
-        local_token: Makes its bearer the local user while the service has no keys; empty: there is no local user.
+        database: The keys' database.
+        token: Token of the request.
+        local_token: Token that authenticates the local user while no keys exist; empty: there is no local user.
 
     Raises:
-        KeyMissing, KeyBad: where nobody of that token is known.
+        KeyMissing, KeyBad: if the token is missing, unknown or no longer valid.
     """
     if not token:
         raise KeyMissing()
     if local_token and hmac.compare_digest(token.encode("utf-8", "replace"), local_token.encode()):
         if has_keys(database):
-            raise KeyBad("this service has keys by now; the token of its home is for one without.")
+            raise KeyBad("this service has keys; the token of its home is valid only without keys. Use a key.")
         return LOCAL_CALLER
     return _authenticate(database, ApiKeyRow.hash == hash_token(token))
 
 
 def authenticate_key(database: Database, key: str) -> Caller:
-    """Return who has a key, by its id; whoever calls this knows already that it is them who ask.
+    """Return the caller of a key by its id; the caller must have been authenticated before.
 
     Raises:
-        KeyBad: where it was revoked or has expired.
+        KeyBad: if it was revoked or has expired.
     """
     return _authenticate(database, ApiKeyRow.id == key)
 
@@ -236,7 +236,7 @@ def _authenticate(database: Database, is_meant: ColumnElement[bool]) -> Caller:
 
 
 def grant_job(session: Session, key: str, job: str) -> None:
-    """Make a key an owner of a job; an empty key is the local user, who sees all."""
+    """Make a key an owner of a job; an empty key is the local user, who sees all jobs."""
     if key and session.get(OwnerRow, (key, job)) is None:
         session.flush()
         session.add(OwnerRow(key=key, job=job))
@@ -244,26 +244,26 @@ def grant_job(session: Session, key: str, job: str) -> None:
 
 
 def check_quota(session: Session, key: str, quota: int) -> None:
-    """Count a key's open jobs, with the key's row locked so that two requests at once cannot both pass.
+    """Check a key's number of open jobs, with the key's row locked so that two requests at once cannot both pass.
 
-    A job counts for the key that queued it last, its payer; no more than the quota's entries of an index are read.
+    A job counts for the key that queued it last, its payer; at most `quota` entries of an index are read.
 
     Raises:
-        QueueFull: where it has as many as it may.
+        QueueFull: if it has reached its quota.
     """
     if not key:
         return
     lock_key(session, key)
     jobs = select(func.count()).select_from(JobRow).where(JobRow.payer == key, JobRow.state.in_(OPEN))
     if (session.execute(jobs).scalar() or 0) >= quota:
-        raise QueueFull(f"the key has {quota} jobs queued or running, as many as it may; wait, or cancel some.")
+        raise QueueFull(f"the key has {quota} jobs queued or running, its limit; wait, or cancel some.")
 
 
 def lock_key(session: Session, key: str) -> None:
-    """Block other transactions of this key from here until this one ends."""
+    """Block other transactions of this key until this one ends."""
     session.execute(select(ApiKeyRow.id).where(ApiKeyRow.id == key).with_for_update())
 
 
 def hash_token(token: str) -> str:
-    """Return what is kept of a token."""
+    """Return the stored form of a token."""
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()

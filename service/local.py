@@ -1,4 +1,4 @@
-"""The backend of a home on this machine: its database and its files are asked directly."""
+"""The backend of a home on this machine, which uses its database and its files directly."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ if TYPE_CHECKING:
     from ..core.cloth.fabric import Fabric
 
 DATABASE_POLL_INTERVAL = 0.2
-"""Interval at which the database is asked for new events [s]; a person sees no difference below."""
+"""Interval at which the database is read for new events [s]; a shorter one makes no visible difference."""
 
 
 class LocalBackend:
-    """Answer from an open home; see `backend.Backend`."""
+    """Implement `backend.Backend` on a home."""
 
     is_remote = False
     poll_seconds = DATABASE_POLL_INTERVAL
 
     def __init__(self, settings: ServiceSettings) -> None:
-        """Prepare to answer from a home; it is opened for the first question that needs its database."""
+        """Prepare the backend; the home is opened by the first call that needs its database."""
         self.settings = settings
 
     @cached_property
@@ -56,7 +56,7 @@ class LocalBackend:
         """Return the open home.
 
         Raises:
-            DatabaseUnreachable, DatabaseTooNew: where it cannot be opened.
+            DatabaseUnreachable, DatabaseTooNew: if it cannot be opened.
         """
         return open_services(self.settings)
 
@@ -65,18 +65,18 @@ class LocalBackend:
         return self.services.database
 
     def find_job(self, job: str) -> JobReport:
-        """Return a job by its id, or by a beginning of it that fits no other."""
+        """Return a job by its id, or by a beginning of the id that no other job has."""
         return results.report_jobs(self._database, [jobs.find_job(self._database, job)], self.settings)[0]
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
-        """Return how far the jobs of some ids are, in the order of the ids; with `below` then all jobs below them."""
+        """Return the progress of some jobs, in the order of the ids; with `below`, then of all jobs below them."""
         found = {row.id: Job.from_row(row) for row in jobs.find_jobs_by_id(self._database, ids)}
         known = jobs.order_by_ids(ids, found)
-        more = families.find_below(self._database, ids) if below else []  # read last: it has an ended job's children
+        more = families.find_below(self._database, ids) if below else []  # read last: has ended jobs' children
         return known + [Job.from_row(row) for row in more]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the jobs that run, then the newest others, each newest first."""
+        """Return the running jobs, then the newest others, each newest first."""
         return results.report_jobs(self._database, query.list_jobs(self._database, limit), self.settings)
 
     def find_jobs(self, wanted: query.JobQuery) -> list[JobReport]:
@@ -85,7 +85,7 @@ class LocalBackend:
         return results.report_jobs(self._database, found, self.settings)
 
     def poll_events(self, job: str, after: int = 0) -> News:
-        """Return a job's state and its events after one; the state is read first, so that it misses no event."""
+        """Return a job's state and its events after one; the state is read first, so that no event is missed."""
         row = jobs.find_job(self._database, job)
         return News(row.state, [Event.from_row(event) for event in jobs.read_events(self._database, row.id, after)])
 
@@ -98,23 +98,23 @@ class LocalBackend:
         return ordering.check_order(self.services, order, template)
 
     def submit(self, order: Order) -> submission.SubmissionResult:
-        """Keep an order's files, and queue the job."""
+        """Store an order's files, and queue the job."""
         return submission.submit(self._database, self.services.store, order)
 
     def submit_derived(self, order: derived.DerivedOrder) -> submission.SubmissionResult:
-        """Keep an order's files, and queue the job that works on a stored result."""
+        """Store an order's files, and queue the job that works on a stored result."""
         return derived.submit_derived(self.services, order)
 
     def list_versions(self, job: str) -> list[Version]:
-        """Return all versions of the result that a job is one of, oldest first."""
+        """Return all versions of the result that a job belongs to, oldest first."""
         return list_versions(self._database, jobs.find_job(self._database, job).id)
 
     def cancel(self, job: str) -> State:
-        """Ask a job to stop, and return its state after that."""
+        """Request that a job stops, and return its state after that."""
         return families.cancel(self._database, jobs.find_job(self._database, job).id)
 
     def retry(self, job: str) -> State:
-        """Queue a job that ended without success once more."""
+        """Queue a job again that ended without success."""
         return families.retry(self._database, jobs.find_job(self._database, job).id)
 
     def list_artifacts(self, job: str) -> list[Artifact]:
@@ -136,11 +136,11 @@ class LocalBackend:
         return templates.read_template(self.services, name)
 
     def import_template(self, name: str, path: Path) -> ImportedTemplate:
-        """Check a pattern file and keep it as a template."""
+        """Check a pattern file and store it as a template."""
         return templates.import_template(self.services, name, path)
 
     def delete_template(self, name: str) -> None:
-        """Delete an imported template; jobs that were asked for with it keep its file."""
+        """Delete an imported template; jobs that use it keep its file."""
         templates.delete_template(self._database, name)
 
     def list_materials(self) -> list[Fabric]:
@@ -152,17 +152,17 @@ class LocalBackend:
         return materials.read_material(self._database, name)
 
     def import_materials(self, path: Path) -> list[Fabric]:
-        """Check a file of fabrics and keep them."""
+        """Check a file of fabrics and store them."""
         return materials.import_materials(self._database, path)
 
     def delete_material(self, name: str) -> None:
-        """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
+        """Delete an imported fabric; jobs that use it keep its numbers."""
         materials.delete_material(self._database, name)
 
     def create_key(
         self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
     ) -> tuple[Key, str]:
-        """Make an API key; its token is returned here and never again."""
+        """Create an API key and return it with its token, which is returned only here."""
         row, token = keys.create_key(self._database, name, tuple(scopes), quota, priority, days)
         return Key.from_row(row), token
 
@@ -175,7 +175,7 @@ class LocalBackend:
         return Key.from_row(keys.revoke_key(self._database, key))
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
-        """Keep an address that is told when jobs end; its secret is returned here and never again."""
+        """Create a webhook and return it with its secret, which is returned only here."""
         return webhooks.create_webhook(self._database, url, states, self.settings.webhook_networks)
 
     def list_webhooks(self) -> list[Webhook]:
@@ -183,11 +183,11 @@ class LocalBackend:
         return webhooks.list_webhooks(self._database)
 
     def delete_webhook(self, webhook: str) -> None:
-        """Delete a webhook with all that is owed to it."""
+        """Delete a webhook and its unsent messages."""
         webhooks.delete_webhook(self._database, webhook)
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Let a message of the type `test` be sent, and return what came of it."""
+        """Send a message of the type `test`, and return the outcome."""
         return asyncio.run(try_webhook(self._database, webhook))
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""A lock between processes of one machine, held on a file and freed by the system when its holder dies."""
+"""Locks between processes of one machine, on a file; the system releases a lock when its holder dies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def hold_lock(path: Path) -> Iterator[None]:
 
 
 def share_lock(path: Path) -> int | None:
-    """Take the lock together with others, for as long as this process lives; None where another holds it alone.
+    """Take a shared lock for as long as this process lives; return None if another process has the exclusive one.
 
     Returns:
         The descriptor to keep open.
@@ -32,7 +32,7 @@ def share_lock(path: Path) -> int | None:
 
 
 def take_lock(path: Path) -> int | None:
-    """Take the lock for as long as this process lives, or give None where another holds it.
+    """Take the exclusive lock for as long as this process lives, or return None if another process has a lock.
 
     Returns:
         The descriptor to keep open.
@@ -41,7 +41,7 @@ def take_lock(path: Path) -> int | None:
 
 
 def _take(path: Path, kind: int) -> int | None:
-    """Take a lock of a kind without waiting; return the descriptor to keep open, or None where it cannot be had."""
+    """Take a lock of a kind without waiting; return the descriptor to keep open, or None if it is not available."""
     descriptor = _open(path)
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)

@@ -1,4 +1,4 @@
-"""The log of a process: a readable line, or one JSON object a line with job, attempt and stage."""
+"""The log of a process: plain lines, or one JSON object a line with job, attempt and stage."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from contextvars import ContextVar
 from ..core.run.errors import keep_printable
 
 REQUEST: ContextVar[str] = ContextVar("request", default="")
-"""Id of the HTTP request that is being answered, as its answer tells it; empty elsewhere."""
+"""Id of the HTTP request that is being answered, as in its response; empty elsewhere."""
 
 FIELDS = ("job", "attempt", "stage")
-"""What a record may carry beside its message; null where a line is about no job."""
+"""Fields that a record may have beside its message; null in a line without a job."""
 
 
 class JsonLines(logging.Formatter):
-    """Write a record as one JSON object on one line; whatever a name holds, it cannot begin a line of its own."""
+    """Write a record as one JSON object on one line; a name with line breaks cannot begin a new line."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the line: time in UTC, level, process, message, job, attempt, stage, and the traceback if any."""
@@ -39,10 +39,10 @@ class JsonLines(logging.Formatter):
 
 
 class PlainLines(logging.Formatter):
-    """Write a record for people: what a name holds neither begins a record of its own nor moves the cursor."""
+    """Write a record as plain text; a name can neither begin a new record nor move the cursor."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Return the line, those that follow it (a traceback, say) indented, control characters as `?`."""
+        """Return the line; following lines (of a traceback, say) are indented, control characters become `?`."""
         lines = super().format(record).split("\n")
         return "\n    ".join(keep_printable(line.expandtabs()) for line in lines)
 

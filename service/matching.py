@@ -1,4 +1,4 @@
-"""Compare the patterns of two files, each read in a limited process, and read pairs of panels that a user wrote."""
+"""Compare the patterns of two files, each read in a limited process, and read a user's pairs of panels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 from ..core.run.text import read_json
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
-"""What a comparison may cost: two patterns of ten panels take 3 s."""
+"""Limits of a comparison: two patterns of ten panels take 3 s."""
 
 MAX_PAIRS_FILE_SIZE = 100_000
 """Largest file of pairs that is read [bytes]: 200 panels with long names take 20 KB."""
@@ -40,13 +40,13 @@ def match_files(
         given: Names of the second's panels by the first's, for those that a user paired.
         only_given: Pair no others.
         outlines: Add each pattern's outlines [m], by the panels' names.
-        is_stopped: As `call_limited` has it.
+        is_stopped: As for `call_limited`.
 
     Returns:
         The fields of `Comparison` as JSON values, and what `compare_files` adds.
 
     Raises:
-        BadInput: where a file is no pattern, or a pair is bad.
+        BadInput: if a file is not a pattern, or a pair is invalid.
     """
     arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
     arguments |= {"only_given": only_given, "outlines": outlines}
@@ -54,10 +54,10 @@ def match_files(
 
 
 def read_pairs(path: Path) -> dict[str, str]:
-    """Read which panels stand for each other, as JSON or as CSV.
+    """Read pairs of panels, as JSON or as CSV.
 
     Raises:
-        PairsUnreadable: where the file is neither.
+        PairsUnreadable: if the file is neither.
     """
     try:
         with path.open("rb") as file:

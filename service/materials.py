@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 class FabricShipped(BadInput):
-    """A shipped fabric is neither replaced nor deleted; choose another name."""
+    """A shipped fabric cannot be replaced or deleted; choose another name."""
 
     code = "fabric.shipped"
 
 
 def import_materials(database: Database, path: Path) -> list[Fabric]:
-    """Keep the fabrics of a file, all or none; one imported before under a name is replaced.
+    """Store the fabrics of a file, all or none; imported fabrics of the same names are replaced.
 
     Raises:
-        FabricFileBad, FabricUnitBad: where the file cannot be read.
+        FabricFileBad, FabricUnitBad: if the file cannot be read.
         FabricNameBad, FabricSourceBad, FabricOutOfRange: as `check_fabric` says.
-        FabricShipped: where one has a shipped fabric's name.
+        FabricShipped: if one has a shipped fabric's name.
     """
     from ..core.cloth.fabric_file import read_fabrics
 
@@ -38,10 +38,10 @@ def import_materials(database: Database, path: Path) -> list[Fabric]:
 
 
 def keep_materials(database: Database, fabrics: list[Fabric]) -> None:
-    """Keep fabrics that were checked, in one transaction.
+    """Store fabrics that were checked, in one transaction.
 
     Raises:
-        FabricShipped: where one has a shipped fabric's name.
+        FabricShipped: if one has a shipped fabric's name.
     """
     for fabric in fabrics:
         refuse_shipped(fabric.name)
@@ -64,7 +64,7 @@ def read_material(database: Database, name: str) -> Fabric:
     """Return a shipped or an imported fabric.
 
     Raises:
-        FabricUnknown: where there is none of that name; the message lists those there are.
+        FabricUnknown: if there is none of that name; the message lists the known ones.
     """
     from ..core.cloth.fabrics import FabricUnknown
 
@@ -77,12 +77,12 @@ def read_material(database: Database, name: str) -> Fabric:
 
 
 def resolve_fabric(database: Database, name: str | Fabric | None) -> str | Fabric | None:
-    """Return what a job's request says of a fabric: a shipped one's name, and an imported one itself.
+    """Return a fabric as a job's request has it: a shipped one's name, an imported one itself.
 
-    A request with the numbers is the same job whatever its fabric is called or becomes later.
+    A request with the numbers stays the same job if its fabric is renamed or changed later.
 
     Raises:
-        FabricUnknown: where there is none of that name.
+        FabricUnknown: if there is none of that name.
     """
     if not isinstance(name, str) or is_shipped(name):
         return name
@@ -90,11 +90,11 @@ def resolve_fabric(database: Database, name: str | Fabric | None) -> str | Fabri
 
 
 def delete_material(database: Database, name: str) -> Fabric:
-    """Delete an imported fabric and return what it was; jobs that were asked for with it keep its numbers.
+    """Delete an imported fabric and return it; jobs that use it keep its numbers.
 
     Raises:
-        FabricShipped: where it is a shipped one.
-        FabricUnknown: where there is none of that name.
+        FabricShipped: if it is a shipped one.
+        FabricUnknown: if there is none of that name.
     """
     refuse_shipped(name)
     deleted = read_material(database, name)
@@ -116,7 +116,7 @@ def refuse_shipped(name: str) -> None:
     """Refuse the name of a shipped fabric.
 
     Raises:
-        FabricShipped: where it is one.
+        FabricShipped: if it is one.
     """
     if is_shipped(name):
-        raise FabricShipped(f"'{name}' is a shipped fabric, which is not replaced or deleted; choose another name.")
+        raise FabricShipped(f"'{name}' is a shipped fabric, which cannot be replaced or deleted; choose another name.")

@@ -1,4 +1,4 @@
-"""A person taken apart anew with labels that were mended by hand: a new job for the same scan."""
+"""Labelling of a person again with labels that were corrected by hand: a new job for the same scan."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from .services import Services
 
 LABELS = "labels.npz"
-"""Name of the file of labels in a person's result, and of the mended one that the new job is given."""
+"""Name of the file of labels in a person's result, and of the corrected one that the new job reads."""
 
 
 @dataclass(frozen=True)
 class RelabelOrder:
-    """Ask for a person to be taken apart with mended labels.
+    """Describe an order to label a person again with corrected labels.
 
     Attributes:
         points: A `.npy` file with the number of a part for each point of the result's `segmented.ply`.
-        key: Id of the API key that asks, or empty.
+        key: Id of the caller's API key, or empty.
         quota: Jobs that the key may have open at a time.
         realm: Whose equal orders are one job: a key's id; empty: everybody's.
     """
@@ -39,22 +39,22 @@ class RelabelOrder:
 
 
 def submit_relabelling(services: Services, row: JobRow, wanted: RelabelOrder) -> SubmissionResult:
-    """Queue a job that takes a person's scan apart by mended labels, all else asked for as before.
+    """Queue a job that labels a person's scan again with corrected labels; all other options are as before.
 
-    What was said to be worn, and at single places, is left out: the labels say it now.
+    The options about worn garments and marked points are dropped, because the labels replace them.
 
     Raises:
-        InputWrong: where the job took no person apart.
-        ResultMissing: where it left no labels.
-        LabelsUnreadable, LabelsMismatch, LabelsOld: where the labels are none for its scan.
-        QueueFull: where the key has as many open jobs as it may.
+        InputWrong: if the job is not a person's.
+        ResultMissing: if it stored no labels.
+        LabelsUnreadable, LabelsMismatch, LabelsOld: if the labels do not fit its scan.
+        QueueFull: if the key has reached its number of open jobs.
     """
     from ..core.people.mend import apply_corrected_labels, read_corrected_labels
 
     if row.kind != PERSON_KIND:
-        raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job '{PERSON_KIND}'.")
+        raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
     if LABELS not in {file.name for file in list_files(services.database, row.id)}:
-        raise ResultMissing(f"job {row.id} left no labels; `garmentq status {row.id}` tells why.")
+        raise ResultMissing(f"job {row.id} has no labels; `garmentq status {row.id}` shows why.")
     with services.copying() as folder:
         (stored,) = export_files(services.database, services.store, row.id, folder, [LABELS])
         mended = apply_corrected_labels(stored, read_corrected_labels(wanted.points), folder / "mended.npz")

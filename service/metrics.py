@@ -1,4 +1,4 @@
-"""The state of the queue in the Prometheus exposition format, read from the database."""
+"""Metrics of the queue in the Prometheus exposition format, read from the database."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from .progress import read_stage_seconds
 from .states import QUEUES, State
 
 MEASURED_JOB_COUNT = 1000
-"""Number of ended jobs whose stage times are summed up: enough for a rate, and a bounded read however long the table
-is."""
+"""Number of ended jobs whose stage times are averaged: enough for a rate, and bounded however large the table is."""
 
 Labelled = tuple[Mapping[str, str], float]
 
 
 @skip_damaged_rows
 def prometheus_text(database: Database) -> str:
-    """Return every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
+    """Return every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, expired leases."""
     with database.read() as session:
         rows = session.execute(select(JobRow.state, JobRow.queue, func.count()).group_by(JobRow.state, JobRow.queue))
         jobs: dict[tuple[str, str], int] = {(state, queue): count for state, queue, count in rows}
@@ -55,17 +54,17 @@ def prometheus_text(database: Database) -> str:
             [({"queue": q}, max(0.0, float(ages.get(q, 0.0)))) for q in queues],
         ),
         _family("workers", "gauge", "Workers alive.", [({}, workers[0])]),
-        _family("worker_slots", "gauge", "Jobs that the living workers take at a time.", [({}, workers[1] or 0)]),
-        _family("outbox", "gauge", "Wake-ups that the broker is owed.", [({}, owed or 0)]),
+        _family("worker_slots", "gauge", "Jobs that the live workers run at a time.", [({}, workers[1] or 0)]),
+        _family("outbox", "gauge", "Wake-ups still to be sent to the broker.", [({}, owed or 0)]),
         _family("leases_overdue", "gauge", "Running jobs whose lease has run out.", [({}, expired or 0)]),
-        _family("attempts_total", "counter", "Attempts begun.", [({}, kinds.get("started", 0))]),
+        _family("attempts_total", "counter", "Attempts started.", [({}, kinds.get("started", 0))]),
         _family(
             "leases_expired_total",
             "counter",
-            "Attempts that ended with their worker.",
+            "Attempts that ended because their worker died.",
             [({}, kinds.get("lease_expired", 0) + kinds.get("dead", 0))],
         ),
-        _family("releases_total", "counter", "Jobs given back by stopping workers.", [({}, kinds.get("released", 0))]),
+        _family("releases_total", "counter", "Jobs requeued by stopping workers.", [({}, kinds.get("released", 0))]),
         _family(
             "stage_seconds",
             "gauge",

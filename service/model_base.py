@@ -1,4 +1,4 @@
-"""What every table shares: names of constraints, and the column types of annotations."""
+"""Base class of all tables: names of constraints, and the column types of annotations."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMING = {
 
 
 class Base(DeclarativeBase):
-    """Gather the tables."""
+    """Collect the tables."""
 
     metadata = MetaData(naming_convention=NAMING)
     type_annotation_map = {  # noqa: RUF012
@@ -33,6 +33,6 @@ class Base(DeclarativeBase):
     }
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Make the table, and tell each column's type where it stands."""
+        """Create the table, and bind the column types to it."""
         super().__init_subclass__(**options)
         bind_column_types(cls.__table__)

@@ -13,7 +13,7 @@ from .states import State
 
 
 class ScanRow(Base):
-    """Keep one file that was handed in, by the hash of its bytes."""
+    """Store one uploaded file by the hash of its bytes."""
 
     __tablename__ = "scans"
     sha256: Mapped[str] = mapped_column(Words(64), primary_key=True)
@@ -24,9 +24,9 @@ class ScanRow(Base):
 
 
 class JobRow(Base):
-    """Keep one job and the claim on it; `jobs.py` is the only one that changes a state.
+    """Store one job and the claim on it; only `jobs.py` changes a state.
 
-    `family` is the id of the root, its own for a root; `scan` is the file that the family's work goes back to.
+    `family` is the id of the root, its own for a root; `scan` is the file from which the family's work derives.
     """
 
     __tablename__ = "jobs"
@@ -76,7 +76,7 @@ class JobRow(Base):
 
 
 class JobInputRow(Base):
-    """Name an ended job whose result a job reads; that one is never run again or cancelled with its readers."""
+    """Store an ended job whose result a job reads; it is never rerun or cancelled with its readers."""
 
     __tablename__ = "job_inputs"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -85,7 +85,7 @@ class JobInputRow(Base):
 
 
 class JobWaitRow(Base):
-    """Name a sibling that must have succeeded before a job begins."""
+    """Store a sibling that must have succeeded before a job begins."""
 
     __tablename__ = "job_waits"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -93,7 +93,7 @@ class JobWaitRow(Base):
 
 
 class JobTagRow(Base):
-    """Keep one word that a user gave a family; each job of the family has it."""
+    """Store one tag of a family; each job of the family has it."""
 
     __tablename__ = "job_tags"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -101,7 +101,7 @@ class JobTagRow(Base):
 
 
 class EventRow(Base):
-    """Record one thing that happened to a job; rows are only ever added."""
+    """Store one event of a job; rows are only added."""
 
     __tablename__ = "events"
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
@@ -112,7 +112,7 @@ class EventRow(Base):
 
 
 class OutboxRow(Base):
-    """Owe the broker one wake-up; deleted only after it was published."""
+    """Store one wake-up for the broker; deleted only after it was published."""
 
     __tablename__ = "outbox"
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
@@ -121,7 +121,7 @@ class OutboxRow(Base):
 
 
 class LockRow(Base):
-    """Assign a duty to one process at a time, for as long as it renews it."""
+    """Assign a leader lease to one process at a time, for as long as it renews the lease."""
 
     __tablename__ = "locks"
     name: Mapped[str] = mapped_column(Words(32), primary_key=True)
@@ -130,7 +130,7 @@ class LockRow(Base):
 
 
 class OutageRow(Base):
-    """Describe what a host's workers wait for, by its error's code; `seen` is renewed as long as they do."""
+    """Store what a host's workers wait for, by its error's code; `seen` is renewed while they wait."""
 
     __tablename__ = "outages"
     place: Mapped[str] = mapped_column(Words(255), primary_key=True)
@@ -140,7 +140,7 @@ class OutageRow(Base):
 
 
 class PayerRow(Base):
-    """Remember when a job of a payer (an API key, or empty) was claimed last: who waited longest is next."""
+    """Store when a job of a payer (an API key, or empty) was claimed last: the one served longest ago is next."""
 
     __tablename__ = "payers"
     payer: Mapped[str] = mapped_column(Words(16), primary_key=True)
@@ -148,7 +148,7 @@ class PayerRow(Base):
 
 
 class WorkerRow(Base):
-    """Describe one living worker, by its parent process; `seen` is renewed in each of its rounds."""
+    """Store one live worker, by its parent process; `seen` is renewed at each heartbeat."""
 
     __tablename__ = "workers"
     name: Mapped[str] = mapped_column(Words(255), primary_key=True)
@@ -159,7 +159,7 @@ class WorkerRow(Base):
 
 
 class TemplateRow(Base):
-    """Keep one imported template pattern."""
+    """Store one imported template."""
 
     __tablename__ = "templates"
     name: Mapped[str] = mapped_column(Words(64), primary_key=True)
@@ -170,7 +170,7 @@ class TemplateRow(Base):
 
 
 class FabricRow(Base):
-    """Keep one imported fabric: its parameters in SI units with their sources, as JSON values."""
+    """Store one imported fabric: its parameters in SI units with their sources, as JSON values."""
 
     __tablename__ = "fabrics"
     name: Mapped[str] = mapped_column(Words(64), primary_key=True)
@@ -179,7 +179,7 @@ class FabricRow(Base):
 
 
 class MaterialRow(Base):
-    """Keep one fabric as it was used: H [N/m], k [N m], density [kg/m2], thickness [m]."""
+    """Store one fabric as it was used: H [N/m], k [N m], density [kg/m2], thickness [m]."""
 
     __tablename__ = "materials"
     id: Mapped[str] = mapped_column(Words(64), primary_key=True)
@@ -197,7 +197,7 @@ class MaterialRow(Base):
 
 
 class BodyRow(Base):
-    """Keep one wearer as a job saw it: joints [m] by SMPL name and the fitted model's parameters."""
+    """Store one wearer as a job estimated it: joints [m] by SMPL name and the fitted model's parameters."""
 
     __tablename__ = "bodies"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -208,7 +208,7 @@ class BodyRow(Base):
 
 
 class PatternRow(Base):
-    """Keep the pattern that a job recovered."""
+    """Store the pattern that a job recovered."""
 
     __tablename__ = "patterns"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -220,7 +220,7 @@ class PatternRow(Base):
 
 
 class PanelRow(Base):
-    """Keep one panel: control points [m] and edges as the pattern has them, area of its polygon [m2]."""
+    """Store one panel: control points [m] and edges as the pattern has them, area of its polygon [m2]."""
 
     __tablename__ = "panels"
     job: Mapped[str] = mapped_column(ForeignKey("patterns.job", ondelete="CASCADE"), primary_key=True)
@@ -232,7 +232,7 @@ class PanelRow(Base):
 
 
 class PieceRow(Base):
-    """Keep the numbers of one production piece: sew line [m], area within the cut line and of all copies [m2]."""
+    """Store the numbers of one production piece: sew line [m], area within the cut line and of all copies [m2]."""
 
     __tablename__ = "pieces"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -247,7 +247,7 @@ class PieceRow(Base):
 
 
 class ArtifactRow(Base):
-    """Name one stored file of a job: a result, or a checkpoint."""
+    """Store the name of one file of a job: a result, or a checkpoint."""
 
     __tablename__ = "artifacts"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -259,7 +259,7 @@ class ArtifactRow(Base):
 
 
 class MetricRow(Base):
-    """Keep one number of a result under its dotted name; None where it does not apply."""
+    """Store one metric of a result under its dotted name; None where it does not apply."""
 
     __tablename__ = "metrics"
     __table_args__ = (Index("ix_metrics_name_value", "name", "value"),)
@@ -269,7 +269,7 @@ class MetricRow(Base):
 
 
 class ApiKeyRow(Base):
-    """Keep one API key by the hash of its token; the token itself is shown once and never kept."""
+    """Store one API key by the hash of its token; the token itself is shown once and never stored."""
 
     __tablename__ = "api_keys"
     id: Mapped[str] = mapped_column(Words(16), primary_key=True)
@@ -285,7 +285,7 @@ class ApiKeyRow(Base):
 
 
 class AuditRow(Base):
-    """Record who changed or took something over HTTP; rows are only ever added."""
+    """Store one request that changed or downloaded something over HTTP; rows are only added."""
 
     __tablename__ = "audit"
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
@@ -298,7 +298,7 @@ class AuditRow(Base):
 
 
 class SessionRow(Base):
-    """Keep a browser's session, or a link that begins one, by its token's hash; `key` is empty for the local user."""
+    """Store a browser's session, or a link that begins one, by its token's hash; `key` is empty for the local user."""
 
     __tablename__ = "sessions"
     hash: Mapped[str] = mapped_column(Words(64), primary_key=True)
@@ -309,7 +309,7 @@ class SessionRow(Base):
 
 
 class OwnerRow(Base):
-    """Name a key that may see a job, having submitted it; what several keys submitted is one job, seen by each."""
+    """Store a key that submitted a job and may see it; equal jobs of several keys are one job that each sees."""
 
     __tablename__ = "owners"
     key: Mapped[str] = mapped_column(ForeignKey("api_keys.id", ondelete="CASCADE"), primary_key=True)
@@ -317,7 +317,7 @@ class OwnerRow(Base):
 
 
 class UploadRow(Base):
-    """Name a file that a key (empty: no key) uploaded and may use, with the name that it gave."""
+    """Store a file that a key (empty: no key) uploaded and may use, with the name that it gave."""
 
     __tablename__ = "uploads"
     key: Mapped[str] = mapped_column(Words(16), primary_key=True)
@@ -329,7 +329,7 @@ class UploadRow(Base):
 
 
 class IdempotencyRow(Base):
-    """Remember what a client's Idempotency-Key was used for."""
+    """Store the request for which a client used an Idempotency-Key."""
 
     __tablename__ = "idempotency"
     key: Mapped[str] = mapped_column(Words(16), primary_key=True)
@@ -340,10 +340,10 @@ class IdempotencyRow(Base):
 
 
 class WebhookRow(Base):
-    """Keep an address that is told when jobs of a key (empty: of anybody) end, and the secret that signs it.
+    """Store a webhook of a key (empty: for all jobs) with the secret that signs its messages.
 
-    One delivery at a time goes to it, by who took it until `taken_until`; `served` says when the latest went, `status`
-    and `error` what came of it.
+    One message at a time is sent to it, by the courier that claimed it until `taken_until`; `served` is the time of the
+    latest message, `status` and `error` its outcome.
     """
 
     __tablename__ = "webhooks"
@@ -360,9 +360,9 @@ class WebhookRow(Base):
 
 
 class DeliveryRow(Base):
-    """Owe a webhook one message; `due` is when it is sent next, None where it was taken or given up.
+    """Store one message to a webhook; `due` is when it is sent next, None if it was accepted or given up.
 
-    One without a job tries the webhook. `status` and `error` are what came of it when it was sent last.
+    A message without a job is a test. `status` and `error` are the outcome of its last attempt.
     """
 
     __tablename__ = "deliveries"

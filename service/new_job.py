@@ -1,4 +1,4 @@
-"""What a job is made from; `jobs.create` makes it."""
+"""The record from which `jobs.create` creates a job."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from .states import QUEUES
 
 @dataclass(frozen=True)
 class NewJob:
-    """Describe a job that is to be made.
+    """Describe a job that is to be created.
 
     Attributes:
-        dedup: Hash of what makes it the same job as another.
+        dedup: Hash that equal jobs share.
         kind: Name of its kind.
-        request: What to do, as JSON values.
-        scan: Key of the file that the family's work goes back to.
-        name: What it is called.
-        priority: Larger goes first.
+        request: Its request, as JSON values.
+        scan: Key of the file from which the family's work derives.
+        name: Its name.
+        priority: A larger one goes first.
         queue: One of `QUEUES`.
         payer: Id of the API key whose quota it counts for; empty: none.
-        tags: Words that it can be found by.
+        tags: Words by which it can be found.
         inputs: Ids of the ended jobs whose results it reads, by the name of the folder in which it finds them.
-        parent: Id of the job that makes it, and of that one's family; None for a root.
+        parent: Ids of the job that creates it and of that one's family; None for a root.
         waits: Ids of the siblings that must have succeeded before it begins.
     """
 

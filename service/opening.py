@@ -1,4 +1,4 @@
-"""Open a stored result for a program: of a folder, of a job of a home, or of a service by its address."""
+"""Open a stored result in a program: from a folder, from a job of a home, or from a service by its address."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 PLACE = re.compile(
     r"^(?P<base>https?://[^/?#]+(?:/[^?#]*?)??)/(?:v1/jobs|jobs|results)/(?P<job>[0-9a-f]{4,16})(?:[/?#]|$)"
 )
-"""Addresses of a job: its route, or a page of it."""
+"""Addresses of a job: its route, or one of its pages."""
 
 
 def open_result(source: str | Path, *, key: str | None = None, home: str | Path | None = None) -> StoredResult:
     """Open a garment's result.
 
     Args:
-        source: A folder with a result's files; else a job's id or a beginning of it, in the home or, where GARMENTQ_URL
-            is set, of that service; or a job's address, `http://host:8080/results/3685ecfd4f81` or
+        source: A folder with a result's files; else a job's id or a beginning of it, in the home or, if GARMENTQ_URL is
+            set, in that service; or a job's address, `http://host:8080/results/3685ecfd4f81` or
             `http://host:8080/v1/jobs/3685ecfd4f81`.
         key: Token of an API key. None: that of GARMENTQ_API_KEY, unless GARMENTQ_URL names another service than the
             address; else that of the home, for a service on this machine.
@@ -38,10 +38,10 @@ def open_result(source: str | Path, *, key: str | None = None, home: str | Path 
         The result: `pattern`, `mesh("detail").vertices`, `fabric`, `body`, `metrics`, `plot()`.
 
     Raises:
-        JobUnknown: where there is no such folder or job.
-        InputWrong: where the job's result is no garment.
-        ResultOld: where it was stored by another version.
-        ServiceUnreachable: where the service does not answer.
+        JobUnknown: if there is no such folder or job.
+        InputWrong: if the job's result is not a garment.
+        ResultOld: if it was stored by another version.
+        ServiceUnreachable: if the service does not respond.
     """
     from ..core.deliver.export.stored_result import load_result
 
@@ -57,7 +57,7 @@ def open_result(source: str | Path, *, key: str | None = None, home: str | Path 
 
 
 def _find_key(url: str, settings: ServiceSettings) -> str:
-    """Return the token for a service; one that was given for another is not shown to it."""
+    """Return the token for a service; a token for another service is not sent to it."""
     known = os.environ.get("GARMENTQ_URL", "")
     own = os.environ.get("GARMENTQ_API_KEY", "")
     if own and (not known or urlsplit(known)[:2] == urlsplit(url)[:2]):
@@ -66,7 +66,7 @@ def _find_key(url: str, settings: ServiceSettings) -> str:
 
 
 def _read(backend: Backend, job: str) -> StoredResult:
-    """Read the result of a job, of which only the files that are read are copied."""
+    """Read the result of a job; only the files that are read are copied."""
     from ..core.deliver.export.stored_result import FILES, load_result
     from ..core.reuse.wear.worn import WORN_FILE_NAME
 

@@ -1,4 +1,4 @@
-"""From files and settings to a checked order."""
+"""Checks of an order's files and settings before it is queued."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .templates import find_template
 
 
 class FileUnreadable(BadInput):
-    """A file cannot be opened; check its path and its rights."""
+    """A file cannot be opened; check its path and its permissions."""
 
     code = "input.unreadable"
 
@@ -24,11 +24,11 @@ class FileUnreadable(BadInput):
 def check_order(services: Services, order: Order, template: str | None = None) -> Order:
     """Check names and paths before anything is queued, and find the file of an imported template.
 
-    What the files hold is checked by the job's first stage.
+    The contents of the files are checked by the job's first stage.
 
     Args:
-        services: The home whose templates count.
-        order: What is wanted; a template in it is a file.
+        services: The home with the templates.
+        order: The order; a template in it is a file.
         template: Name of a shipped or imported template, or None. Never a path.
 
     Raises:
@@ -48,10 +48,10 @@ def check_order(services: Services, order: Order, template: str | None = None) -
 
 
 def _find_fabrics(services: Services, order: Order) -> Order:
-    """Return an order with the imported fabrics that it names; what happens to their names later changes no job.
+    """Return an order with the imported fabrics that it names; later changes of these names do not change the job.
 
     Raises:
-        FabricUnknown: where there is none of a name.
+        FabricUnknown: if there is none of a name.
     """
     fabric = resolve_fabric(services.database, order.settings.fabric)
     choices = {
@@ -62,7 +62,7 @@ def _find_fabrics(services: Services, order: Order) -> Order:
 
 
 def check_order_locally(order: Order) -> Order:
-    """Check what can be known of an order without its service, and without looking into its files.
+    """Check an order without its service, and without reading its files.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
@@ -89,7 +89,7 @@ def check_order_locally(order: Order) -> Order:
 
 
 def _check_person(order: Order) -> None:
-    """Check what is said of a person and of the single garments."""
+    """Check the options of a person and of single garments."""
     from ..core.people.hints import parse_mark, parse_wearing
     from ..core.people.part import GARMENTS
 
@@ -100,7 +100,7 @@ def _check_person(order: Order) -> None:
     words = [part.word for part in GARMENTS]
     for word, one in order.choices.items():
         if word not in words:
-            raise SettingsBad(f"'{word[:40]}' is no garment; name one of {', '.join(words)}.")
+            raise SettingsBad(f"'{word[:40]}' is not a garment; name one of {', '.join(words)}.")
         if one.template is not None:
             _check_file(one.template, FileUnreadable(f"there is no pattern file '{one.template}'; check the path."))
         parts = order.settings.overrule_parts(one.parts)
@@ -108,11 +108,11 @@ def _check_person(order: Order) -> None:
 
 
 def _check_file(path: Path, missing: BadInput) -> None:
-    """Check that a file is there and can be opened.
+    """Check that a file exists and can be opened.
 
     Raises:
-        BadInput: `missing`, where it is not there.
-        FileUnreadable: where it cannot be opened.
+        BadInput: `missing`, if it does not exist.
+        FileUnreadable: if it cannot be opened.
     """
     if not path.is_file():
         raise missing
@@ -136,7 +136,7 @@ def _check_body(body: Wearer | None) -> Wearer:
     if body is None:
         raise BodyMissing()
     if isinstance(body, BuiltinWearer):
-        parse_spec(body.spec)  # whoever can be described can be made; making takes 0.3 s
+        parse_spec(body.spec)  # a valid specification is enough; making the body takes 0.3 s
         return body
     missing = f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70."
     _check_file(body, BodyUnreadable(missing))

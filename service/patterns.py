@@ -1,4 +1,4 @@
-"""Pattern documents of users: each is read in a limited process, and what is wrong with it is told with its place."""
+"""Users' pattern documents: each is read in a limited process, and its faults are reported with their places."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .store import Store
 EXAMINER = "garmentq.core.garment.examine:examine_file"
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
-"""What examining a document may cost: a pattern of six panels takes 1 s, most of it to start."""
+"""Limits of checking a document: a pattern of six panels takes 1 s, most of it to start the process."""
 
 
 class PatternUnsound(BadInput):
-    """The pattern cannot be cut, sewn or meshed as it is; the findings say where."""
+    """The pattern cannot be cut, sewn or meshed; the findings show where."""
 
     code = "pattern.unsound"
 
@@ -29,10 +29,10 @@ class PatternUnsound(BadInput):
 
 
 def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[str, Any]:
-    """Check a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
+    """Check a pattern file in a limited process: faults, lengths and symmetry.
 
     Returns:
-        JSON values as `core.garment.examine.examine_file` gives them.
+        JSON values as `core.garment.examine.examine_file` returns them.
     """
     given = {"source": str(path.absolute())}
     return call_limited(EXAMINER, given, BOUNDS, is_stopped).result
@@ -41,13 +41,14 @@ def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[s
 def edit_pattern(
     document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]], is_stopped: IsStopped = never_stopped
 ) -> dict[str, Any]:
-    """Apply operations to a pattern's document in a limited process, and examine what becomes of it.
+    """Apply operations to a pattern's document in a limited process, and check the result.
 
     Returns:
-        `pattern`, the new document, and beside it what `examine_pattern` returns.
+        `pattern`, the new document, and what `examine_pattern` returns.
 
     Raises:
-        PatternUnsound: where an operation cannot be done, or the document is no pattern, with the code of that.
+        PatternUnsound: if an operation cannot be applied, or the document is not a pattern, with the code of that
+            error.
     """
     with tempfile.TemporaryDirectory() as folder:
         paths = {"source": Path(folder) / "pattern.json", "operations": Path(folder) / "operations.json"}

@@ -1,4 +1,4 @@
-"""Find what is kept of a person, and delete it: jobs and uploads of a name, and all made of the same files."""
+"""Find and delete a person's data: jobs and uploads of a name, and all that was made of the same files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class PersonUnknown(NotFound):
 
 @dataclass(frozen=True)
 class PersonJob:
-    """Name a job that goes with a person, and the API keys that see it; without keys it is the operator's own."""
+    """Describe a job of a person, and the API keys that see it; without keys it is the operator's own."""
 
     __pydantic_config__: ClassVar = CLOSED
     job: str
@@ -40,7 +40,7 @@ class PersonJob:
 
 @dataclass(frozen=True)
 class PersonUpload:
-    """Name a file that was uploaded of a person: its hash, the name that it was given, and the API key or empty."""
+    """Describe an uploaded file of a person: its hash, the name that it was given, and the API key or empty."""
 
     __pydantic_config__: ClassVar = CLOSED
     sha256: str
@@ -50,13 +50,13 @@ class PersonUpload:
 
 @dataclass(frozen=True)
 class Person:
-    """Describe what is kept of a person.
+    """Describe the stored data of a person.
 
     Attributes:
-        name: Name that was asked for.
+        name: The requested name.
         names: Names of jobs, scans and uploads that were found by it or by the files, sorted.
         keys: Ids of all API keys that see one of the jobs or uploads, sorted; empty text: no key.
-        jobs: Jobs that go with the person: those of its files, all below them, and all that read their results.
+        jobs: The person's jobs: those of its files, all below them, and all that read their results.
         uploads: Uploads of its files.
         files: Hashes of the person's files.
     """
@@ -71,7 +71,7 @@ class Person:
 
     @classmethod
     def from_json(cls, found: Mapping[str, Any]) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         jobs = tuple(PersonJob(**{**one, "keys": tuple(one["keys"])}) for one in found["jobs"])
         uploads = tuple(PersonUpload(**one) for one in found["uploads"])
         names, keys, files = (tuple(map(str, found[field])) for field in ("names", "keys", "files"))
@@ -80,25 +80,25 @@ class Person:
 
 @dataclass(frozen=True)
 class PersonDeleted(Deleted):
-    """Describe what is gone of a person, and what was found of it before; a dry run deletes nothing."""
+    """Describe what was deleted of a person, and what was found before; a dry run deletes nothing."""
 
     found: Person = field(default_factory=lambda: Person(""))
     dry_run: bool = False
 
 
 def find_person(database: Database, name: str, key: str = "") -> Person:
-    """Find everything of a person: by the name of a job, a scan or an upload, then by the files themselves.
+    """Find all data of a person: by the name of a job, a scan or an upload, then by the files themselves.
 
-    Names are compared exactly, letter by letter. A job has to be called `name`; a file `name`, or `name` and one
-    ending, which is what follows its last dot: `anna` finds `anna.ply`, neither `Anna.ply` nor `anna.smith.ply`.
+    Names are compared exactly. A job's name must equal `name`; a file's name must equal `name`, or `name` and one
+    extension after the last dot: `anna` finds `anna.ply`, neither `Anna.ply` nor `anna.smith.ply`.
 
     Args:
-        database: Where to look.
-        name: What the person's jobs, scan or upload are called.
+        database: The database that is searched.
+        name: Name of the person's jobs, scan or upload.
         key: Only what this API key may see; empty: everything, of all keys.
 
     Raises:
-        PersonUnknown: where there is nothing of that name.
+        PersonUnknown: if there is nothing of that name.
     """
     return _find(database, name, key)[0]
 
@@ -106,11 +106,11 @@ def find_person(database: Database, name: str, key: str = "") -> Person:
 def delete_person(
     database: Database, store: Store, name: str, key: str = "", is_dry_run: bool = False
 ) -> PersonDeleted:
-    """Delete a person's scans, uploads, jobs and all that was made of them, and return what was found of it.
+    """Delete a person's scans, uploads, jobs and all that was made of them, and return what was found.
 
     Raises:
-        PersonUnknown: where there is nothing of that name.
-        JobNotEnded, JobShared: with the job that forbids it.
+        PersonUnknown: if there is nothing of that name.
+        JobNotEnded, JobShared: with the job that prevents it.
     """
     found, roots = _find(database, name, key)
     if is_dry_run:
@@ -124,11 +124,11 @@ def delete_person(
 
 
 def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
-    """Return a person, and the root jobs that go back to one of its files."""
+    """Return a person's data, and the root jobs that use one of its files."""
     with database.read() as session:
         files = set() if FORBIDDEN_CHARACTERS.search(name) else _find_files(session, name, key)
         if not files:
-            raise PersonUnknown(f"nothing is called exactly '{name[:80]}'; `garmentq status` lists the jobs.")
+            raise PersonUnknown(f"nothing has exactly the name '{name[:80]}'; `garmentq status` lists the jobs.")
         asked = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
         rows = session.execute(asked.order_by(JobRow.created, JobRow.id)).all()
     roots = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
@@ -145,7 +145,7 @@ def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
 
 
 def _find_files(session: Session, name: str, key: str) -> set[str]:
-    """Return the hashes of the files that a name stands for."""
+    """Return the hashes of the files of a name."""
     named = _of_key(select(JobRow.scan).where(JobRow.name == name, JobRow.parent.is_(None)), key)
     files = set(session.scalars(named))
     for table in (UploadRow,) if key else (UploadRow, ScanRow):  # a scan's row has the name that the first key gave it
@@ -156,7 +156,7 @@ def _find_files(session: Session, name: str, key: str) -> set[str]:
 
 
 def _of_key(asked: Select[Any], key: str) -> Select[Any]:
-    """Return a question for jobs, for those alone that an API key may see; empty: for all."""
+    """Restrict a query for jobs to those that an API key may see; empty: all."""
     return asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key) if key else asked
 
 

@@ -1,4 +1,4 @@
-"""Folders and files that only their user may open: scans of bodies, names and hashes of keys are nobody else's."""
+"""Folders and files that only their user may open: scans of bodies, names and hashes of keys are confidential."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from contextlib import suppress
 from pathlib import Path
 
 PRIVATE_FOLDER_MODE = 0o700
-"""Permission bits of a folder of a home: its user alone opens it."""
+"""Permission bits of a folder of a home: only its user opens it."""
 
 PRIVATE_FILE_MODE = 0o600
-"""Permission bits of a file of a home: its user alone reads and writes it."""
+"""Permission bits of a file of a home: only its user reads and writes it."""
 
 PRIVATE_UMASK = 0o077
-"""Permission bits that a process which works on a home removes from all that it makes (umask)."""
+"""Permission bits that a process on a home removes from all files that it creates (umask)."""
 
 
 def make_private(folder: Path) -> Path:
-    """Make a folder, and every missing one above it, for one user alone, and return it; one that is there stays.
+    """Create a folder, and every missing one above it, for one user only, and return it; existing ones are not changed.
 
     `Path.mkdir(parents=True, mode=...)` gives the mode to the last folder only.
 
     Raises:
-        OSError: where it cannot be made.
+        OSError: if it cannot be created.
     """
     for above in reversed(folder.parents):
         if not above.exists():
@@ -32,7 +32,7 @@ def make_private(folder: Path) -> Path:
 
 
 def make_private_all(path: Path) -> None:
-    """Take a file, or a folder with all below it, from all other users; links and what belongs to others are left."""
+    """Remove other users' permissions on a file, or a folder with all below it; links and others' files are skipped."""
     _close(path)
     if path.is_dir() and not path.is_symlink():
         for folder, folders, files in os.walk(path):

@@ -1,4 +1,4 @@
-"""How far a job is in all, and when it should end: stages weigh what they took in earlier jobs of its kind."""
+"""Overall progress of a job and its expected end: stages are weighted by their times in earlier jobs of its kind."""
 
 from __future__ import annotations
 
@@ -20,29 +20,30 @@ from .states import State
 log = logging.getLogger(__name__)
 
 LATEST_JOBS = 1000
-"""Newest jobs among which earlier ones of a kind are looked for: a look into one index, however many there are."""
+"""Number of newest jobs among which earlier jobs of a kind are searched: one index lookup, however many jobs
+there are."""
 
 LEARNT_JOBS = 20
-"""Earlier jobs of a kind and method whose means are taken; older ones were made on another machine or version."""
+"""Number of earlier jobs of a kind and method that are averaged; older ones may be of another machine or version."""
 
 BELIEVED_SHARE = 0.1
-"""Share of a job from which its own speed is believed; before that it is that of its start."""
+"""Share of a job from which its own speed is used; before that its start would dominate."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """Describe what jobs of a kind and method take.
+    """Describe the times of jobs of a kind and method.
 
     Attributes:
         weights: Time of each stage in its order, in any unit.
-        seconds: Time of a whole job [s]; None where none was seen.
+        seconds: Time of a whole job [s]; None if no earlier job is known.
     """
 
     weights: Mapping[str, float] = field(default_factory=dict)
     seconds: float | None = None
 
     def find_share(self, stage: str, fraction: float) -> float | None:
-        """Return how far a job is in all, 0..1, that is at a fraction of a stage; None where the stage is not known."""
+        """Return the overall progress, 0..1, of a job at a fraction of a stage; None if the stage is unknown."""
         total = sum(self.weights.values())
         if stage not in self.weights or total <= 0.0:
             return None
@@ -51,9 +52,9 @@ class Pace:
         return min(1.0, (before + fraction * self.weights[stage]) / total)
 
     def find_left(self, share: float, elapsed: float) -> float | None:
-        """Return the time to go [s] of a job at a share of it, `elapsed` seconds after its start; None: not known.
+        """Return the remaining time [s] of a job at a share of it, `elapsed` seconds after its start; None: unknown.
 
-        It is what earlier jobs took for the rest, or what this one would take at its own speed, if that is longer.
+        It is the time that earlier jobs took for the rest, or the time at this job's own speed if that is longer.
         """
         if self.seconds is None:
             return None
@@ -62,14 +63,14 @@ class Pace:
 
 
 class ProgressEstimator:
-    """Return how far a running job is in all, from how far it is in a stage; never less than before."""
+    """Estimate the overall progress of a running job from that of a stage; it never decreases."""
 
     def __init__(self, pace: Pace) -> None:
-        """Begin now."""
+        """Start the clock."""
         self.pace, self.begun, self.share = pace, time.monotonic(), 0.0
 
     def note(self, stage: str, fraction: float, message: str) -> Progress:
-        """Return a stage's progress with that of the whole."""
+        """Return a stage's progress with the overall one."""
         fraction = min(1.0, max(0.0, fraction)) if math.isfinite(fraction) else 0.0
         found = self.pace.find_share(stage, fraction)
         if found is None:
@@ -80,18 +81,18 @@ class ProgressEstimator:
 
 
 def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages: Sequence[str]) -> Pace:
-    """Return what earlier jobs of a kind took, those with the same method; an estimate fails nobody's job.
+    """Return the times of earlier jobs of a kind and method; a failure here does not fail the job.
 
     Args:
-        database: Where they are.
+        database: The jobs' database.
         kind: Name of the kind.
         request: The job's own request, as it was stored.
-        stages: The kind's stages in order; without earlier jobs each has the same share, and no time is told.
+        stages: The kind's stages in order; without earlier jobs each has the same share, and no time is estimated.
     """
     try:
         seen = _find_paces(database, kind, request)
     except Exception as error:
-        log.warning("nothing is learned of earlier jobs: %s: %s", type(error).__name__, error)
+        log.warning("times of earlier jobs are not available: %s: %s", type(error).__name__, error)
         seen = []
     weights: dict[str, float] = {}
     for taken, _ in seen:
@@ -103,7 +104,7 @@ def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages
 
 
 def read_stage_seconds(result: object) -> dict[str, float]:
-    """Return the time of each stage [s] as a job's result tells it, without what is no time."""
+    """Return the time of each stage [s] in a job's result, without invalid values."""
     stages = result.get("stage_seconds") if isinstance(result, Mapping) else None
     found = stages.items() if isinstance(stages, Mapping) else ()
     return {str(stage): float(seconds) for stage, seconds in found if is_time(seconds)}
@@ -133,10 +134,10 @@ def _find_paces(database: Database, kind: str, request: Mapping[str, Any]) -> li
 
 
 def report(database: Database, claim: Claim, progress: Progress) -> None:
-    """Show how far a job is; an attempt that begins anew never shows less of the whole than the one before.
+    """Write a job's progress; a new attempt never shows less overall progress than the one before.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     stage, fraction, share, left = progress.stage, progress.fraction, progress.overall, progress.left_seconds
     values: dict[str, Any] = {"stage": stage, "progress": fraction, "touched": clock()}

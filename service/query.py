@@ -1,4 +1,4 @@
-"""Questions to the results: names and operators come from a list, values are bound, nothing is ever SQL text."""
+"""Queries of results: names and operators come from a list, values are bound, a user's text is never SQL."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ TEXTS: dict[str, Any] = {
     "method": json_or_null(JobRow.request)["settings"]["method"].as_string(),
     "preset": json_or_null(JobRow.request)["settings"]["preset"].as_string(),
 }
-"""Fields that hold text: compared by = and != only; so is `tag`, of which a job may have several."""
+"""Text fields: compared by = and != only; so is `tag`, of which a job may have several."""
 
 TAG = "tag"
 
@@ -48,10 +48,10 @@ NUMBERS: dict[str, Any] = {
     "cpu_seconds": json_or_null(JobRow.result)["cpu_seconds"].as_float(),
     "peak_mb": json_or_null(JobRow.result)["peak_mb"].as_float(),
 }
-"""Fields that hold numbers; every metric is one more."""
+"""Numeric fields; every metric is one more."""
 
 TIMES = ("created", "started", "finished")
-"""Numbers that may be asked for as dates, 2026-11-22 or 2026-11-22T14:00+01:00."""
+"""Numbers that may be given as dates, 2026-11-22 or 2026-11-22T14:00+01:00."""
 
 OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "<=": operator.le,
@@ -71,7 +71,7 @@ CONDITION = re.compile(
 """One comparison: NAME OPERATOR VALUE."""
 
 FORBIDDEN_CHARACTERS = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
-"""Control characters and lone surrogates: in no name that is kept, and PostgreSQL takes no NUL even in a question."""
+"""Control characters and lone surrogates: no stored name has one, and PostgreSQL refuses NUL even in a query."""
 
 AND_PATTERN = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 
@@ -80,24 +80,24 @@ MIN_EXISTS_MATCH_COUNT = 2_000
 of them (IN): naming 2000 takes about 2 ms."""
 
 MAX_QUERY_CONDITIONS = 50
-"""Conditions of one question; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
+"""Largest number of conditions of one query; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
 
 MAX_QUERY_OFFSET = 1_000_000
-"""Jobs that a page may lie behind; the database walks over each."""
+"""Largest offset of a page; the database steps over each job before it."""
 
 MAX_QUERY_ROWS = 10_000
-"""Largest number of rows that one question may return; more belongs into a program that reads the database."""
+"""Largest number of rows that one query may return; a program that needs more should read the database."""
 
 
 class QueryBad(BadInput):
-    """The question cannot be understood; write it as NAME OPERATOR VALUE, such as 'surface_rms_mm.t2s < 4'."""
+    """The query cannot be parsed; write it as NAME OPERATOR VALUE, such as 'surface_rms_mm.t2s < 4'."""
 
     code = "query.bad"
 
 
 @dataclass(frozen=True)
 class Condition:
-    """Compare a field or metric with a value.
+    """Describe a comparison of a field or metric with a value.
 
     Attributes:
         name: A name from `TEXTS`, `NUMBERS`, or a metric's.
@@ -112,14 +112,14 @@ class Condition:
 
 @dataclass(frozen=True)
 class JobQuery:
-    """Ask for jobs by their fields and by what they found.
+    """Describe a query for jobs by their fields and their results.
 
     Attributes:
         given: Fields with the text that each must have.
         wheres: Conditions as they were typed, joined by `and`.
         sort: Field or metric to sort by; `-` before it: largest first.
-        limit: Jobs at most.
-        offset: Jobs left out before them.
+        limit: Largest number of jobs.
+        offset: Number of jobs that are skipped before them.
     """
 
     given: Mapping[str, str] = field(default_factory=dict)
@@ -133,20 +133,20 @@ class JobQuery:
         """Return every condition.
 
         Raises:
-            QueryBad: where one cannot be read, or they are too many.
+            QueryBad: if one cannot be parsed, or there are too many.
         """
         given = [Condition(name, "=", value) for name, value in self.given.items()]
         found = given + [condition for text in self.wheres for condition in parse_conditions(text)]
         if len(found) > MAX_QUERY_CONDITIONS:
-            raise QueryBad(f"{len(found)} conditions are more than {MAX_QUERY_CONDITIONS}; ask for less at a time.")
+            raise QueryBad(f"{len(found)} conditions are more than {MAX_QUERY_CONDITIONS}; use fewer.")
         return found
 
 
 def parse_conditions(text: str) -> list[Condition]:
-    """Read conditions joined by `and`.
+    """Parse conditions joined by `and`.
 
     Raises:
-        QueryBad: where a part is no condition.
+        QueryBad: if a part is not a condition.
     """
     conditions: list[Condition] = []
     at = 0
@@ -154,7 +154,7 @@ def parse_conditions(text: str) -> list[Condition]:
         match = CONDITION.match(text, at)
         if match is None:
             raise QueryBad(
-                f"'{text[at:][:60]}' is no condition; write NAME OPERATOR VALUE, as in surface_rms_mm.t2s < 4."
+                f"'{text[at:][:60]}' is not a condition; write NAME OPERATOR VALUE, as in surface_rms_mm.t2s < 4."
             )
         conditions.append(_condition(match["name"], match["operator"], match["value"].strip("\"'")))
         if match.end() == len(text):
@@ -175,11 +175,11 @@ def find_jobs(
 ) -> list[JobRow]:
     """Return the jobs that meet every condition, sorted by a name (`-` before it: largest first).
 
-    With `owner` only the jobs of one API key; `limit` may be a pair, of how many and after how many. A job without the
-    metric or field in question meets no condition on it, and comes last in a sort by it.
+    With `owner` only the jobs of one API key; `limit` may be a pair, limit and offset. A job without a metric or field
+    meets no condition on it, and is last in a sort by it.
 
     Raises:
-        QueryBad: where a name is unknown or the limit is out of range.
+        QueryBad: if a name is unknown or the limit is out of range.
     """
     count, offset = limit if isinstance(limit, tuple) else (limit, 0)
     if not 1 <= count <= MAX_QUERY_ROWS or not 0 <= offset <= MAX_QUERY_OFFSET:
@@ -196,7 +196,7 @@ def find_jobs(
         _check_metric(session, name)
         metric = aliased(MetricRow)
         on = (metric.job == JobRow.id) & (metric.name == name)
-        # Jobs that have the metric come in the order of its index; only where they are too few are the others asked.
+        # Jobs with the metric are read by its index; the others are read only if these are too few.
         known = _first(session, statement.join(metric, on & metric.value.is_not(None)), metric.value, falling, page)
         return (
             known
@@ -209,12 +209,12 @@ def find_jobs(
 def find_roots(
     database: Database, conditions: Sequence[Condition], limit: int, owner: str | None = None, before: str | None = None
 ) -> list[JobRow]:
-    """Return the newest jobs that no other made and that meet every condition; `before` only those older than a job.
+    """Return the newest root jobs that meet every condition; with `before` only those older than a job.
 
-    The next page begins by the index of `created`, however far down it is.
+    The next page starts by the index of `created`, whatever its offset.
 
     Raises:
-        QueryBad: where a name is unknown.
+        QueryBad: if a name is unknown.
     """
     with database.read() as session:
         statement = _select(session, conditions, owner).where(JobRow.parent.is_(None))
@@ -226,7 +226,7 @@ def find_roots(
 
 
 def _select(session: Session, conditions: Sequence[Condition], owner: str | None) -> Select[Any]:
-    """Return the question for the jobs of an owner that meet every condition."""
+    """Return the query for the jobs of an owner that meet every condition."""
     statement: Select[Any] = (
         select(JobRow)
         .outerjoin(PatternRow, PatternRow.job == JobRow.id)
@@ -248,7 +248,7 @@ def _first(session: Session, statement: Select[Any], column: Any, falling: bool,
 
 
 def _read_time(text: str) -> float:
-    """Return a date and time as seconds since 1970; without a zone it is that of this machine, as tables show it."""
+    """Return a date and time as seconds since 1970; without a zone in this machine's, as tables show it."""
     return datetime.fromisoformat(text).timestamp()
 
 
@@ -260,12 +260,12 @@ def _condition(name: str, sign: str, value: str) -> Condition:
     try:
         number = _read_time(value) if name in TIMES and "-" in value[1:] else float(value)
     except ValueError:
-        raise QueryBad(f"'{name}' is compared with a number, and '{value[:40]}' is none.") from None
+        raise QueryBad(f"'{name}' is compared with a number; '{value[:40]}' is not one.") from None
     return Condition(name, sign, number)
 
 
 def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
-    """Return what a job must meet."""
+    """Return the SQL condition of a condition."""
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
@@ -286,10 +286,10 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
 
 
 def _is_named(session: Session, job: Any, matches: ColumnElement[bool]) -> ColumnElement[bool]:
-    """Return that another table's rows that match name a job in their column `job`.
+    """Return the condition that matching rows of another table name a job in their column `job`.
 
-    Where many jobs are named, they are met soon on the way through the jobs in their order, one look-up each; where few
-    are, the index of the other table names them at once. The other way round either takes long in a long table.
+    If many rows match, each job is looked up in the order of the jobs until enough are found; if few match, the index
+    of the other table lists them at once. The reverse is slow in a long table.
     """
     first = select(job).where(matches).limit(MIN_EXISTS_MATCH_COUNT).subquery()
     if (session.scalar(select(func.count()).select_from(first)) or 0) < MIN_EXISTS_MATCH_COUNT:
@@ -301,17 +301,17 @@ def _check_value(condition: Condition) -> str | float:
     """Return the value of a condition on a field.
 
     Raises:
-        QueryBad: where it holds a character that no text has, or is no state where one is asked for.
+        QueryBad: if it contains a forbidden character, or is not a state where one is required.
     """
     if condition.name == "state" and condition.value not in list(State):
         raise QueryBad(f"there is no state '{str(condition.value)[:40]}'; there are {', '.join(State)}.")
     if isinstance(condition.value, str) and FORBIDDEN_CHARACTERS.search(condition.value):
-        raise QueryBad(f"the value of '{condition.name}' holds a character that no text has; leave it out.")
+        raise QueryBad(f"the value of '{condition.name}' contains a control character; leave it out.")
     return condition.value
 
 
 def _as_text(name: str, field: Any) -> Any:
-    """Read the settings' JSON values as text."""
+    """Cast the settings' JSON values to text."""
     return field.cast(Text) if name in ("method", "preset") else field
 
 
@@ -319,11 +319,11 @@ def _check_metric(session: Session, name: str) -> None:
     """Refuse a name that no result has, unless there are no results yet.
 
     Raises:
-        QueryBad: where it is unknown.
+        QueryBad: if it is unknown.
     """
     is_text = not FORBIDDEN_CHARACTERS.search(name)
     if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
-        known = session.scalars(select(MetricRow.name).distinct()).all()  # slow with many results, so only to tell
+        known = session.scalars(select(MetricRow.name).distinct()).all()  # slow, so only for the message
         if known or not CONDITION.match(f"{name} = 0"):
             names = ", ".join(sorted([*TEXTS, TAG, *NUMBERS, *known]))
             raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
@@ -331,7 +331,7 @@ def _check_metric(session: Session, name: str) -> None:
 
 @skip_damaged_rows
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
-    """Return the jobs that run, then the newest others, each newest first."""
+    """Return the running jobs, then the newest others, each newest first."""
     newest, runs = select(JobRow).order_by(JobRow.created.desc(), JobRow.id), JobRow.state == State.RUNNING
     with database.read() as session:
         first = session.scalars(newest.where(runs).limit(limit)).all()

@@ -1,4 +1,4 @@
-"""What leaves the service of its queue: counts, workers, and what they wait for; see `records.py`."""
+"""Records of the queue: counts, workers, and outages; see `records.py`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Worker:
-    """Describe a living worker, with times in s since 1970; its name is shown to the scope `admin` only."""
+    """Describe a live worker, with times in s since 1970; only the scope `admin` sees its name."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -30,7 +30,7 @@ class Worker:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(
             name=str(found["name"]),
             queues=str(found["queues"]),
@@ -44,7 +44,7 @@ class Worker:
 class Outage:
     """Describe what the workers of a host wait for: an error's code, and since when [s since 1970].
 
-    The host's name is shown to the scope `admin` only.
+    Only the scope `admin` sees the host's name.
     """
 
     __pydantic_config__: ClassVar = CLOSED
@@ -55,9 +55,9 @@ class Outage:
 
 @dataclass(frozen=True)
 class Queue:
-    """Count the jobs by state, list the living workers and what they wait for.
+    """Describe the queue: counts of jobs by state, live workers and outages.
 
-    `silence` is how long no dispatcher has acted [s]; None where there is none.
+    `silence` is the time since a dispatcher last acted [s]; None if there is none.
     """
 
     __pydantic_config__: ClassVar = CLOSED
@@ -68,7 +68,7 @@ class Queue:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer; an older one tells of no outages."""
+        """Read a service's response; an older service sends no outages."""
         return cls(
             {State(state): int(count) for state, count in found["states"].items()},
             [Worker.from_json(worker) for worker in found["workers"]],

@@ -1,7 +1,7 @@
-"""What keeps the queue moving when something died: expired leases, forgotten jobs, and the outbox.
+"""Recovery of the queue after failures: expired leases, stalled jobs, and the outbox.
 
-One process at a time does it (`acquire_leader_lease`), but nothing breaks where two do: a claim is compare-and-set, so
-a second wake-up for the same job finds nothing to claim.
+One process at a time does it (`acquire_leader_lease`), but two do no harm: a claim is compare-and-set, so a second
+wake-up for the same job finds nothing to claim.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from .models import JobRow, LockRow, OutboxRow, WorkerRow
 from .states import OPEN, State
 
 WAKE_UP_BATCH_SIZE = 50
-"""Number of wake-ups that are published at once: a hundred a second, and the loop that also hands jobs to the children
-rests for less than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
+"""Number of wake-ups that are published at once: a hundred a second, which blocks the loop that also passes jobs to the
+children for less than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
 
 
 DISPATCHER_LEASE = "dispatcher"
-"""Name of the duty to dispatch and reap."""
+"""Name of the leader lease for dispatching and reaping."""
 
 LEADER_LEASE_TIME = 5.0
-"""How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
+"""Duration of a leader lease [s]: the longest delay of the queue after a dispatcher dies."""
 
 FORGET_SECONDS = 30.0
-"""A worker that has not said so for so long lives no more [s]; it says so every 5 s."""
+"""Time without a heartbeat after which a worker counts as dead [s]; it sends one every 5 s."""
 
 
 def acquire_leader_lease(database: Database, name: str, owner: str, seconds: float) -> bool:
-    """Take or renew a duty for some seconds; False where another process has it."""
+    """Take or renew a leader lease for some seconds; return False if another process has it."""
     with database.write() as session:
         is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
         is_free = (LockRow.owner == owner) | is_stale
@@ -50,17 +50,17 @@ def acquire_leader_lease(database: Database, name: str, owner: str, seconds: flo
 
 
 def release_leader_lease(database: Database, name: str, owner: str) -> None:
-    """Drop a duty, so that another process need not wait."""
+    """Release a leader lease, so that another process need not wait."""
     with database.write() as session:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
 
 @skip_damaged_rows
 def reap(database: Database, max_attempts: int) -> int:
-    """Take back the jobs whose owners no longer renew their lease; one that was lost too often ends as `dead`.
+    """Requeue the jobs whose lease has expired; one that was lost too often ends as `dead`.
 
     Returns:
-        How many jobs were taken back.
+        How many jobs were requeued or ended.
     """
     with database.read() as session:
         if not session.execute(select(exists().where(_is_expired()))).scalar():
@@ -74,12 +74,12 @@ def reap(database: Database, max_attempts: int) -> int:
 
 @skip_damaged_rows
 def republish_stalled_jobs(database: Database, seconds: float, is_broker_empty: Callable[[], bool]) -> int:
-    """Owe a new wake-up to each queued job that saw nothing for so long [s] while the broker holds no message at all.
+    """Add a wake-up for each queued job without events for some time [s] if the broker has no message at all.
 
-    A broker that still holds messages is only busy: publishing again would pile them up.
+    A broker that still has messages is only busy: further ones would accumulate.
 
     Returns:
-        How many jobs were forgotten.
+        How many jobs were republished.
     """
     with database.read() as session:
         if not session.execute(select(exists().where(_is_forgotten(seconds)))).scalar():
@@ -99,7 +99,7 @@ def republish_stalled_jobs(database: Database, seconds: float, is_broker_empty: 
 
 
 def record_heartbeat(database: Database, name: str, queues: str, concurrency: int, forget_seconds: float) -> None:
-    """Record that a worker lives, and forget those that have not said so for some seconds."""
+    """Record a worker's heartbeat, and remove workers without one for some seconds."""
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.seen < clock() - forget_seconds))
         seen = update(WorkerRow).where(WorkerRow.name == name).values(seen=clock())
@@ -109,14 +109,14 @@ def record_heartbeat(database: Database, name: str, queues: str, concurrency: in
 
 
 def remove_worker(database: Database, name: str) -> None:
-    """Take a worker that stops off the list."""
+    """Remove a stopping worker from the list."""
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.name == name))
 
 
 @skip_damaged_rows
 def list_workers(database: Database) -> list[WorkerRow]:
-    """Return the living workers by name; whoever died without a word is off the list after `FORGET_SECONDS`."""
+    """Return the live workers by name; one that died is removed after `FORGET_SECONDS`."""
     lives = (WorkerRow.seen > clock() - FORGET_SECONDS) & (WorkerRow.seen < clock() + AHEAD_SECONDS)
     with database.read() as session:
         return list(session.scalars(select(WorkerRow).where(lives).order_by(WorkerRow.name)))
@@ -124,10 +124,10 @@ def list_workers(database: Database) -> list[WorkerRow]:
 
 @skip_damaged_rows
 def release_lost_leases(database: Database, mark: str, reason: str) -> None:
-    """Release the lease of a process that is known to be dead, so that its job need not wait for the end of it.
+    """Release the lease of a process that is known to be dead, so that its job need not wait for the lease to expire.
 
     Args:
-        database: Where the job is.
+        database: The jobs' database.
         mark: End of the dead owner's name, unique to it.
         reason: What ended it: the signal or the exit status.
     """
@@ -140,14 +140,14 @@ def release_lost_leases(database: Database, mark: str, reason: str) -> None:
 
 @skip_damaged_rows
 def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
-    """Publish what the outbox owes; a row goes only after its message was taken, so a crash between repeats it.
+    """Publish the outbox; a row is deleted only after its message was accepted, so a crash in between repeats it.
 
     Args:
-        database: Where the outbox is.
-        publish: Sends one job id to a queue of the broker; its exceptions pass through and leave the row for later.
+        database: The outbox's database.
+        publish: Sends one job id to a queue of the broker; its exceptions are raised and leave the row for later.
 
     Returns:
-        How many messages went out.
+        How many messages were published.
     """
     with database.read() as session:
         owed = session.execute(

@@ -1,6 +1,6 @@
-"""What leaves the service: frozen records, the same from a home's database and from a service's JSON answer.
+"""Frozen records that leave the service, the same from a home's database and from a service's JSON response.
 
-No row of a table goes further up than this layer, and no answer's dictionary further down than the client's.
+Rows of tables do not leave this layer, and dictionaries of responses do not leave the client.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow
 
 Json = Mapping[str, Any]
-"""One object of a JSON answer."""
+"""One object of a JSON response."""
 
 CLOSED = {"extra": "forbid"}
-"""How the OpenAPI page describes a record that is an answer as it is: with these fields and no others."""
+"""OpenAPI configuration of a record that is a response: these fields and no others."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """State why a job ended without success."""
+    """Describe why a job ended without success."""
 
     __pydantic_config__: ClassVar = CLOSED
     code: str
@@ -32,7 +32,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Gate:
-    """Judge one metric of a result: `verdict` is pass, doubtful or fail."""
+    """Describe the verdict on one metric of a result: `verdict` is pass, doubtful or fail."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -44,7 +44,7 @@ class Gate:
 
 @dataclass(frozen=True)
 class Child:
-    """Name a job that another one made."""
+    """Describe a job that another one made."""
 
     __pydantic_config__: ClassVar = CLOSED
     job: str
@@ -54,13 +54,13 @@ class Child:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(check_id(found["job"]), str(found["name"]), str(found["kind"]), State(found["state"]))
 
 
 @dataclass(frozen=True)
 class Artifact:
-    """Name one file of a job: its name, sha256 (hex) and size [bytes]."""
+    """Describe one file of a job: its name, sha256 (hex) and size [bytes]."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -74,13 +74,13 @@ class Artifact:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(str(found["name"]), str(found["sha256"]), int(found["size"]))
 
 
 @dataclass(frozen=True)
 class Event:
-    """Record one thing that happened to a job: `kind`, and what belongs to it as JSON values; `at` in s since 1970."""
+    """Describe one event of a job: `kind`, and its data as JSON values; `at` in s since 1970."""
 
     __pydantic_config__: ClassVar = CLOSED
     id: int
@@ -91,7 +91,7 @@ class Event:
 
     @property
     def progress(self) -> Progress | None:
-        """Return how far a stage is, where the event reports that."""
+        """Return the progress of a stage, if the event reports that."""
         if self.kind != "progress":
             return None
         whole = (read_optional(self.data.get(name)) for name in ("overall", "left_seconds"))
@@ -104,13 +104,13 @@ class Event:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(int(found["id"]), str(found["job"]), float(found["at"]), str(found["kind"]), dict(found["data"]))
 
 
 @dataclass(frozen=True)
 class Progress:
-    """State how far a job is: a fraction of a stage, and of the whole with the time to go [s] where these are known."""
+    """Describe the progress of a job: a fraction of a stage, and if known of the whole with the remaining time [s]."""
 
     stage: str
     fraction: float
@@ -121,7 +121,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class News:
-    """Answer a poll: a job's state, and its events since the last poll; an ended state comes with all of them."""
+    """Describe a job's state and its events since the last poll; an ended state comes with all of them."""
 
     __pydantic_config__: ClassVar = CLOSED
     state: State
@@ -130,9 +130,9 @@ class News:
 
 @dataclass(frozen=True)
 class Key:
-    """Show an API key, without its token: at most `quota` jobs open at a time, none of a higher `priority`.
+    """Describe an API key, without its token: at most `quota` jobs open at a time, none of a higher `priority`.
 
-    Times in s since 1970; `used` is exact to `keys.USED_SECONDS`.
+    Times in s since 1970; `used` has a resolution of `keys.USED_SECONDS`.
     """
 
     id: str
@@ -153,7 +153,7 @@ class Key:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(
             id=str(found["key"]),
             name=str(found["name"]),
@@ -173,7 +173,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Delay:
-    """Describe why a queued job rests: an outage's code, and until when [s since 1970]."""
+    """Describe why a queued job is paused: an outage's code, and until when [s since 1970]."""
 
     __pydantic_config__: ClassVar = CLOSED
     code: str
@@ -182,12 +182,11 @@ class Delay:
 
 @dataclass(frozen=True)
 class Job:
-    """Show how far a job is: `progress` of its stage and `overall` of the whole in 0..1, times in s since 1970.
+    """Describe the progress of a job: `progress` of its stage, `overall` of the whole, 0..1; times in s since 1970.
 
-    `expected_end` is when a running job should end, as far as earlier jobs of its like tell.
-
+    `expected_end` is when a running job should end, estimated from earlier jobs of its kind.
     `family` is the id of the root job, its own for a root, which has no `parent`; `verdict` is the worst of its gates,
-    `pass`, `doubtful` or `fail`, and None where nothing was judged.
+    `pass`, `doubtful` or `fail`, and None without gates.
     """
 
     id: str
@@ -218,10 +217,10 @@ class Job:
 
     @classmethod
     def from_json(cls, found: Json) -> Job:
-        """Read a service's answer.
+        """Read a service's response.
 
         Raises:
-            ValueError: where the id is none that may be printed and put into a path.
+            ValueError: if the id may not be printed or used in a path.
         """
         return Job(**_read_job(found))
 
@@ -234,26 +233,26 @@ class Job:
 
 @dataclass(frozen=True)
 class JobReport(Job):
-    """Show a job with what it found; metrics by dotted name, each with its unit in it.
+    """Describe a job with its result; metrics by dotted name, which includes the unit.
 
     Attributes:
-        garment: Category of the garment that was found.
+        garment: Category of the garment.
         template: Name of the base pattern.
         fabric: Name of the fabric.
-        body: Where the wearer came from.
-        settings: What the job was asked for, as JSON values.
-        version: Version of the program that the job was made by.
+        body: Source of the wearer.
+        settings: The settings of the job's request, as JSON values.
+        version: Version of the program that made the job.
         metrics: Numbers by name; None where one does not apply.
-        gates: Checks of the numbers.
-        warnings: For people.
+        gates: Verdicts on the metrics.
+        warnings: Texts for users.
         stage_seconds: Time of each stage [s].
         cpu_seconds: CPU time of the whole [s].
         peak_mb: Largest memory [MB].
         children: The jobs that it made.
         inputs: Ids of the jobs whose results it reads, by name.
         waits: Ids of the siblings that it waits for.
-        tags: Words that its family can be found by.
-        details: What only its kind shows, as JSON values.
+        tags: Words by which its family can be found.
+        details: Fields of its kind, as JSON values.
     """
 
     garment: str | None = None
@@ -276,7 +275,7 @@ class JobReport(Job):
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:
-        """Read a row of the table of jobs; `found` are the fields that stand in other tables."""
+        """Read a row of the table of jobs; `found` has the fields of other tables."""
         result = row.result or {}
         return JobReport(
             **_read_row(row),
@@ -288,10 +287,10 @@ class JobReport(Job):
 
     @classmethod
     def from_json(cls, found: Json) -> JobReport:
-        """Read a service's answer.
+        """Read a service's response.
 
         Raises:
-            ValueError: where the id is none that may be printed and put into a path.
+            ValueError: if the id may not be printed or used in a path.
         """
         return JobReport(
             **_read_job(found),
@@ -311,7 +310,7 @@ class JobReport(Job):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Return the job and what it found as JSON values, the same keys for every state."""
+        """Return the job and its result as JSON values, the same keys for every state."""
         mine = {item.name for item in fields(JobReport)} - {item.name for item in fields(Job)}
         found = {item.name: getattr(self, item.name) for item in fields(JobReport) if item.name in mine}
         children = [asdict(child) for child in self.children]
@@ -330,7 +329,7 @@ def _read_row(row: JobRow) -> dict[str, Any]:
 
 
 def _read_job(found: Json) -> dict[str, Any]:
-    """Return the fields of a `Job` from a service's answer."""
+    """Return the fields of a `Job` from a service's response."""
     error = found["error"]
     return {
         "id": check_id(found["job"]),
@@ -357,7 +356,7 @@ def _read_job(found: Json) -> dict[str, Any]:
 
 
 def _read_result(found: Json) -> dict[str, Any]:
-    """Return the fields of a `JobReport` that a result's own JSON holds; a job that has none yet has none of them."""
+    """Return the fields of a `JobReport` from a result's JSON; empty for a job without a result."""
     return {
         "gates": [Gate(*(gate[item.name] for item in fields(Gate))) for gate in found.get("gates", [])],
         "warnings": list(found.get("warnings", [])),
@@ -368,10 +367,10 @@ def _read_result(found: Json) -> dict[str, Any]:
 
 
 def check_id(job: str) -> str:
-    """Return an id that may be printed and put into a path.
+    """Return an id if it may be printed and used in a path.
 
     Raises:
-        ValueError: where it is none.
+        ValueError: if it may not.
     """
     if not (job.isascii() and job.isalnum() and len(job) <= 16):
         raise ValueError("a job's id is made of at most 16 letters and digits")

@@ -1,4 +1,4 @@
-"""The backend of a service elsewhere: a typed client of the HTTP API.
+"""The backend of a remote service: a typed client of the HTTP API.
 
 with RemoteBackend("http://127.0.0.1:8080", key="gq_...") as service:
     job = service.submit(Order(Path("skirt.ply"), "builtin:female,height=1.70")).job
@@ -46,33 +46,33 @@ from .terms import JobTerms
 from .versions import Version
 
 MAX_JOBS_PER_REQUEST = 1000
-"""Largest number of jobs in one request for states, as the service bounds it."""
+"""Largest number of jobs in one request for states, the service's limit."""
 
 REMOTE_POLL_INTERVAL = 0.5
-"""Interval at which a service is asked for new events [s]; progress is written twice a second."""
+"""Interval at which a service is polled for new events [s]; progress is written twice a second."""
 
 UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
-"""What each file of a derived job is uploaded as, by its field."""
+"""Kind of upload of each file of a derived job, by its field."""
 
 ID_LENGTH = 12
-"""Letters of a job's whole id."""
+"""Letters of a job's complete id."""
 
 
 class RemoteBackend(RemoteLibraries):
-    """Answer by HTTP; see `backend.Backend`. Every refusal is a `GarmentqError` with the service's code."""
+    """Implement `backend.Backend` by HTTP. Every refusal is a `GarmentqError` with the service's code."""
 
     is_remote = True
     poll_seconds = REMOTE_POLL_INTERVAL
 
     def __init__(self, url: str, key: str = "") -> None:
-        """Prepare a client; nothing is sent before the first question.
+        """Prepare a client; nothing is sent before the first request.
 
         Args:
             url: Address of the service, `http://host:port`.
             key: Token of an API key, or empty.
 
         Raises:
-            ServiceUnreachable: where the address is none.
+            ServiceUnreachable: if the address is invalid.
         """
         super().__init__(Connection(url, key))
 
@@ -87,7 +87,7 @@ class RemoteBackend(RemoteLibraries):
         self._connection.close()
 
     def check_order(self, order: Order, template: str | None = None) -> Order:
-        """Check an order's files and names before they are sent; the service knows its templates and fabrics."""
+        """Check an order's files and names before they are sent; templates and fabrics are checked by the service."""
         checked = check_order_locally(order)
         for fabric in {order.settings.fabric, *(one.fabric for one in order.choices.values())}:
             if isinstance(fabric, str) and not is_shipped(fabric):
@@ -95,7 +95,7 @@ class RemoteBackend(RemoteLibraries):
         return replace(checked, settings=replace(checked.settings, template=template))
 
     def submit(self, order: Order) -> SubmissionResult:
-        """Upload an order's files and ask for the job; a template that is no file goes by its name in the settings."""
+        """Upload an order's files and create the job; a template that is not a file is sent by its name."""
         settings = order.settings.as_dict()
         template = settings.pop("template")
         wanted: dict[str, Any] = {
@@ -116,7 +116,7 @@ class RemoteBackend(RemoteLibraries):
         return self._submit(wanted, order.terms)
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
-        """Upload an order's files and ask for the job that works on a stored result."""
+        """Upload an order's files and create the job that works on a stored result."""
         wanted: dict[str, Any] = {
             "kind": order.kind,
             "result": self._complete(order.result),
@@ -124,31 +124,31 @@ class RemoteBackend(RemoteLibraries):
             "files": {name: self._send_file(name, file) for name, file in order.files.items()},
             **_describe_terms(order.terms),
         }
-        if order.over:  # a service of an earlier version knows no such field
+        if order.over:  # a service of an earlier version refuses the field
             wanted["over"] = self._complete(order.over)
         return self._submit(wanted, order.terms)
 
     def _submit(self, wanted: dict[str, Any], terms: JobTerms) -> SubmissionResult:
-        """Ask for a job; one that is forced is the same job when the question is repeated."""
+        """Create a job; a forced one has an idempotency key, so that a repeated request creates no second job."""
         headers = {"idempotency-key": terms.nonce or uuid.uuid4().hex} if terms.force else {}
         return _read_submitted(self._ask("POST", "/v1/jobs", json=wanted, headers=headers))
 
     def _complete(self, job: str) -> str:
-        """Return the whole id of a job of which a beginning is given."""
+        """Return the complete id of a job from a beginning of it."""
         return self.find_job(job).id if len(job) < ID_LENGTH else job
 
     def _send_file(self, field: str, file: Path | FileRef) -> str:
         """Send a file of a derived job's request, and return its key.
 
         Raises:
-            RequestBad: where no kind has a file of that field.
+            RequestBad: if no kind has a file of that field.
         """
         if field not in UPLOADS:
             raise RequestBad(f"no request has a file '{field[:40]}'; there are {', '.join(UPLOADS)}.")
         return self.upload(UPLOADS[field], file) if isinstance(file, Path) else file.sha256
 
     def _describe_person(self, order: Order) -> dict[str, Any]:
-        """Return what an order says of a whole person; nothing that a service of an earlier version would refuse."""
+        """Return an order's options for a person, without empty fields, which an earlier version would refuse."""
         parts = {}
         for word, one in order.choices.items():
             pattern = self.upload("patterns", one.template) if one.template is not None else None
@@ -160,7 +160,7 @@ class RemoteBackend(RemoteLibraries):
         return {name: value for name, value in said.items() if value}
 
     def upload(self, kind: str, path: Path) -> str:
-        """Send a file as one of `scans`, `bodies`, `labels`, `patterns`, unless the service has it; give its sha256."""
+        """Send a file as `scans`, `bodies`, `labels` or `patterns`, unless the service has it; return its sha256."""
         try:
             with path.open("rb") as stream:
                 digest = hashlib.file_digest(stream, "sha256").hexdigest()
@@ -174,12 +174,12 @@ class RemoteBackend(RemoteLibraries):
         return str(found["sha256"])
 
     def find_job(self, job: str) -> JobReport:
-        """Return a job by its id, or by a beginning of it that fits no other."""
+        """Return a job by its id, or by a beginning of the id that no other job has."""
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}")
         return read(lambda: JobReport.from_json(found))
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
-        """Return how far the jobs of some ids are, one request for each thousand; with `below` then all jobs below."""
+        """Return the progress of some jobs, a thousand a request; with `below`, then of all jobs below them."""
         found: dict[str, Job] = {}
         for start in range(0, len(ids), MAX_JOBS_PER_REQUEST):
             wanted = {"jobs": list(ids[start : start + MAX_JOBS_PER_REQUEST])} | ({"below": True} if below else {})
@@ -189,7 +189,7 @@ class RemoteBackend(RemoteLibraries):
         return known + [job for job in found.values() if job.id not in asked]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the jobs that run, then the newest others, each newest first; at most a thousand."""
+        """Return the running jobs, then the newest others, each newest first; at most a thousand."""
         given: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
         asked = [
             self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST)}) for one in given
@@ -198,7 +198,7 @@ class RemoteBackend(RemoteLibraries):
         return list(found.values())[:limit]
 
     def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
-        """Return the jobs that meet every condition of a query, which is read here before it is sent."""
+        """Return the jobs that meet every condition of a query, which is parsed here before it is sent."""
         _ = wanted.conditions
         params = {**wanted.given, "where": list(wanted.wheres), "sort": wanted.sort, "limit": wanted.limit}
         params |= {"offset": wanted.offset} if wanted.offset else {}
@@ -215,7 +215,7 @@ class RemoteBackend(RemoteLibraries):
         return read(lambda: Queue.from_json(found))
 
     def follow(self, job: str, after: int = 0) -> Iterator[Event]:
-        """Yield a job's events as they happen until it has ended; a broken connection is taken up where it broke."""
+        """Yield a job's events as they happen until it has ended; a broken connection is resumed at the next event."""
         url, failures = f"/v1/jobs/{quote(job, safe='')}/events", 0
         while True:
             headers = {"accept": "text/event-stream", "last-event-id": str(after)}
@@ -234,7 +234,7 @@ class RemoteBackend(RemoteLibraries):
             except httpx.TransportError as error:
                 failures += 1
                 if failures >= MAX_REQUEST_TRIES:
-                    raise ServiceUnreachable(f"the service at {self._connection.address} does not answer.") from error
+                    raise ServiceUnreachable(f"the service at {self._connection.address} does not respond.") from error
             time.sleep(0.5)
 
     def list_artifacts(self, job: str) -> list[Artifact]:
@@ -248,29 +248,29 @@ class RemoteBackend(RemoteLibraries):
         return [self._download(job, file, folder) for file in files]
 
     def list_versions(self, job: str) -> list[Version]:
-        """Return all versions of the result that a job is one of, oldest first."""
+        """Return all versions of the result that a job belongs to, oldest first."""
         return read_all(Version.from_json, self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/versions"), "versions")
 
     def cancel(self, job: str) -> State:
-        """Ask a job to stop, and return its state after that."""
+        """Request that a job stops, and return its state after that."""
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/cancel")
         return read(lambda: State(found["state"]))
 
     def retry(self, job: str) -> State:
-        """Queue a job that ended without success once more."""
+        """Queue a job again that ended without success."""
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/retry", tries=1)
         return read(lambda: State(found["state"]))
 
     def read_health(self) -> dict[str, Any]:
-        """Return the service's version, and `ok` or what is wrong of its database and store."""
+        """Return the service's version, and `ok` or the fault of its database and store."""
         version = str(self._ask("GET", "/healthz")["version"])
         return {"version": version, **self._ask("GET", "/readyz")}
 
     def _download(self, job: str, file: Artifact, folder: Path) -> Path:
-        """Write below the folder only: a service's answer is as little to be trusted as a user's file."""
+        """Write a file below the folder only: a service's response is as untrusted as a user's file."""
         parts = file.name.split("/")
         if any(part in ("", ".", "..") or "\\" in part or not part.isprintable() for part in parts):
-            raise ArtifactDamaged(f"the service names a file '{file.name[:80]}', which is no name; tell its operator.")
+            raise ArtifactDamaged(f"the service names a file '{file.name[:80]}', an invalid name; inform its operator.")
         path = folder.joinpath(*parts)
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary = path.parent / f".garmentq-{secrets.token_hex(8)}"
@@ -290,7 +290,7 @@ class RemoteBackend(RemoteLibraries):
 
 
 def _describe_terms(terms: JobTerms) -> dict[str, Any]:
-    """Return how a job is to be queued as fields of a request; the service knows whose key asks."""
+    """Return the terms of a job as fields of a request; the service knows the key."""
     names = ("priority", "queue", "force", "name")
     return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)}
 

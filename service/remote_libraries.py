@@ -1,4 +1,4 @@
-"""The half of `remote.RemoteBackend` that asks of libraries, keys and webhooks; what answers mean."""
+"""The part of `remote.RemoteBackend` for libraries, keys and webhooks, and the parsing of responses."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ R = TypeVar("R")
 
 
 class RemoteLibraries:
-    """Answer by HTTP what is no job; see `backend.Backend`."""
+    """Implement the operations of `backend.Backend` on libraries, keys and webhooks by HTTP."""
 
     def __init__(self, connection: Connection) -> None:
-        """Ask by a connection."""
+        """Use a connection."""
         self._connection = connection
         self._ask, self._send = connection.ask, connection.send
 
@@ -75,7 +75,7 @@ class RemoteLibraries:
     def create_key(
         self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
     ) -> tuple[Key, str]:
-        """Make an API key; its token is returned here and never again."""
+        """Create an API key and return it with its token, which is returned only here."""
         wanted = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
         found = self._ask("POST", "/v1/keys", tries=1, json=wanted)
         return read(lambda: (Key.from_json(found), str(found["token"])))
@@ -90,7 +90,7 @@ class RemoteLibraries:
         return read(lambda: Key.from_json(found))
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
-        """Keep an address that is told when jobs end; its secret is returned here and never again."""
+        """Create a webhook and return it with its secret, which is returned only here."""
         found = self._ask("POST", "/v1/webhooks", tries=1, json={"url": url, "states": list(states)})
         return read(lambda: (Webhook.from_json(found), str(found["secret"])))
 
@@ -99,27 +99,27 @@ class RemoteLibraries:
         return read_all(Webhook.from_json, self._ask("GET", "/v1/webhooks"), "webhooks")
 
     def delete_webhook(self, webhook: str) -> None:
-        """Delete a webhook with all that is owed to it."""
+        """Delete a webhook and its unsent messages."""
         self._ask("DELETE", f"/v1/webhooks/{quote(webhook, safe='')}")
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Let a message of the type `test` be sent as all others are, and return what came of it."""
+        """Send a message of the type `test` as all others are sent, and return the outcome."""
         found = self._ask("POST", f"/v1/webhooks/{quote(webhook, safe='')}/test", tries=1)
         return read(lambda: Receipt.from_json(found))
 
 
 def read(make: Callable[[], R]) -> R:
-    """Return what an answer says.
+    """Return a record from a response.
 
     Raises:
-        ServiceUnreachable: where it is none of a service of ours.
+        ServiceUnreachable: if the response is not that of a garmentq service.
     """
     try:
         return make()
     except (KeyError, TypeError, ValueError, AttributeError):
-        raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.") from None
+        raise ServiceUnreachable("the server is not a garmentq service: its response cannot be read.") from None
 
 
 def read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
-    """Return the records of an answer's list."""
+    """Return the records of a response's list."""
     return read(lambda: [make(item) for item in found[name]])

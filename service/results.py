@@ -1,4 +1,4 @@
-"""A job's result, its rows and files: how they get in, and how they come out."""
+"""A job's result: storing and reading its rows and files."""
 
 from __future__ import annotations
 
@@ -35,37 +35,37 @@ from .store import Store
 RESULT = "result"
 CHECKPOINT = "checkpoint"
 PREVIOUS = "checkpoint.1"
-"""The checkpoint before the newest of a name: kept for the case that the newest is damaged, no older one is."""
+"""Kind of the checkpoint before the newest of a name: it is kept in case the newest is damaged; older ones are not."""
 
 JOBS_AT_ONCE = 500
-"""Jobs of one question for what they found."""
+"""Number of jobs of one query for results."""
 
 
 class ResultMissing(NotFound):
-    """The job has no result; `garmentq status JOB` tells why."""
+    """The job has no result; `garmentq status JOB` shows why."""
 
     code = "result.missing"
 
 
 @skip_damaged_rows
 def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> State:
-    """Keep the files first, then write all rows, end the job and make its children in one fenced transaction.
+    """Store the files first, then write all rows, end the job and create its children in one fenced transaction.
 
-    A crash between the two leaves files that nobody names, which does no harm. Checkpoints are let go.
+    A crash between the two leaves files that no row names, which `gc` deletes. Checkpoints are dropped.
 
     Args:
-        database: Where the rows go.
-        store: Where the files go.
-        claim: The right to write them.
+        database: The database for the rows.
+        store: The store for the files.
+        claim: The claim that permits the write.
         kind: The job's kind.
-        result: What was found.
-        folder: Holds the files that were written for it; names below it are kept.
+        result: What `Kind.run` returned.
+        folder: Folder with the result's files; names below it are kept.
 
     Returns:
-        How the job ended: `succeeded`, or `failed` where the kind says so of what was found.
+        How the job ended: `succeeded`, or `failed` if the kind reports a failure with its result.
 
     Raises:
-        FenceLost: where another worker has taken the job over; nothing is written then.
+        FenceLost: if another worker has taken the job over; nothing is written then.
     """
     paths = sorted(path for path in folder.rglob("*") if path.is_file())
     files = [(path.relative_to(folder).as_posix(), store.put(path)) for path in paths]
@@ -85,10 +85,10 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
 
 
 def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, content: bytes) -> None:
-    """Keep a stage's state; of each name the newest and the one before are kept.
+    """Store a stage's state; of each name the newest and the one before are kept.
 
     Raises:
-        FenceLost: where another worker has taken the job over.
+        FenceLost: if another worker has taken the job over.
     """
     kept = store.put_bytes(content)
     with database.write() as session:
@@ -99,7 +99,7 @@ def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, c
 
 
 def load_checkpoint(database: Database, store: Store, job: str, name: str, kind: str = CHECKPOINT) -> bytes | None:
-    """Return a stage's state, or None where none was kept."""
+    """Return a stage's state, or None if none was stored."""
     with database.read() as session:
         key = session.scalars(select(ArtifactRow.sha256).where(_named(job, kind, name))).one_or_none()
     return None if key is None else store.get_bytes(key)
@@ -116,20 +116,20 @@ def export_files(database: Database, store: Store, job: str, folder: Path, names
     """Copy a job's result files (all, or those named) into a folder.
 
     Raises:
-        ResultMissing: where the job has no result, or no file of a name.
+        ResultMissing: if the job has no result, or no file of a name.
     """
     files = choose_files(job, [Artifact.from_row(row) for row in list_files(database, job)], names)
     return [store.copy(file.sha256, folder / file.name) for file in files]
 
 
 def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> list[Artifact]:
-    """Return those of a job's files that are named, or all where none is.
+    """Return the named files of a job, or all if none is named.
 
     Raises:
-        ResultMissing: where the job has no result, or no file of a name.
+        ResultMissing: if the job has no result, or no file of a name.
     """
     if not files:
-        raise ResultMissing(f"job {job} has no result files; `garmentq status {job}` tells why.")
+        raise ResultMissing(f"job {job} has no result files; `garmentq status {job}` shows why.")
     unknown = set(names) - {file.name for file in files}
     if unknown:
         known = ", ".join(file.name for file in files)
@@ -139,7 +139,7 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
 
 @skip_damaged_rows
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
-    """Return jobs with what they found, in the order of their rows; ten questions for each `JOBS_AT_ONCE`."""
+    """Return jobs with their results, in the order of their rows; ten queries for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []
     with database.read() as session:
         for start in range(0, len(rows), JOBS_AT_ONCE):
@@ -155,7 +155,7 @@ def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSet
 
 
 def _load_garments(session: Session, jobs: Sequence[str]) -> list[object]:
-    """Load what `Kind.show` asks the session for; it answers at once for as long as the rows are held."""
+    """Load the rows that `Kind.show` reads; the session has them while the returned list exists."""
     patterns = list(session.scalars(select(PatternRow).where(PatternRow.job.in_(jobs))))
     materials = select(MaterialRow).where(MaterialRow.id.in_({row.material for row in patterns}))
     bodies = select(BodyRow).where(BodyRow.job.in_(jobs))
@@ -163,7 +163,7 @@ def _load_garments(session: Session, jobs: Sequence[str]) -> list[object]:
 
 
 def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return for each job the fields of its report that other tables hold."""
+    """Return for each job the fields of its report from other tables."""
     found: dict[str, dict[str, Any]] = {job: {"metrics": {}} for job in jobs}
     patterns = (
         select(PatternRow.job, PatternRow.category, PatternRow.template, MaterialRow.name)
@@ -181,7 +181,7 @@ def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str,
 
 
 def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return for each job the jobs that it made, reads and waits for, and its tags."""
+    """Return for each job its children, inputs, awaited siblings and tags."""
     found: dict[str, dict[str, Any]] = {job: {"children": [], "inputs": {}, "waits": [], "tags": []} for job in jobs}
     children = select(JobRow).where(JobRow.parent.in_(jobs)).order_by(JobRow.created, JobRow.id)
     for child in session.scalars(children):

@@ -1,4 +1,4 @@
-"""Artifacts in an S3 bucket, behind the same interface as the folder; Amazon's, or any server that speaks S3."""
+"""The store in an S3 bucket, with the same interface as the folder; Amazon's, or any server that implements S3."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ S3_CONNECT_TIMEOUT = 5
 """Time limit for the server to accept a connection [s]."""
 
 READ_SECONDS = 30
-"""How long it may be silent [s]; an answer to a block takes milliseconds."""
+"""Longest silence of the server [s]; a response for a block takes milliseconds."""
 
 MAX_S3_ATTEMPTS = 4
 """Largest number of attempts of one request; a server that restarts is back within them."""
 
 S3_PART_SIZE = 16 << 20
-"""Size of one part of an upload [bytes]; S3 takes 5 MB at least and 10 000 parts at most."""
+"""Size of one part of an upload [bytes]; S3 requires at least 5 MB and at most 10 000 parts."""
 
 MISSING = ("404", "NoSuchKey", "NotFound")
 
 
 class S3Store(Store):
-    """Put and get files by content in a bucket. A put is seen whole or not at all: S3 promises that."""
+    """Put and get files by content in a bucket. A partial put is never visible: S3 guarantees that."""
 
     def __init__(self, address: str, endpoint: str, cache: Path) -> None:
         """Prepare a client; nothing is sent yet.
@@ -49,11 +49,11 @@ class S3Store(Store):
         Args:
             address: `s3://bucket` or `s3://bucket/prefix`.
             endpoint: The server's address, or empty for Amazon's.
-            cache: Folder for uploads that are not hashed yet, and for files that something needs as a path.
+            cache: Folder for uploads that are not hashed yet, and for files that are needed as a path.
 
         Raises:
-            ServiceSettingBad: where no bucket is named.
-            DriverMissing: where boto3 is missing.
+            ServiceSettingBad: if no bucket is named.
+            DriverMissing: if boto3 is missing.
         """
         super().__init__(cache)
         parts = urlsplit(address)
@@ -63,7 +63,7 @@ class S3Store(Store):
         self._client = _make_client(endpoint)
 
     def prepare(self) -> None:
-        """Make the bucket if it is not there."""
+        """Create the bucket if it does not exist."""
         try:
             with _translate_s3_errors("bucket"):
                 self._client.head_bucket(Bucket=self.bucket)
@@ -74,7 +74,7 @@ class S3Store(Store):
                 self._client.create_bucket(Bucket=self.bucket, **place)
 
     def check(self, free_bytes: int = 0) -> None:
-        """Look whether the bucket answers, and whether the cache has room; a bucket has no end."""
+        """Check that the bucket responds and the cache has room; a bucket itself has no limit."""
         make_private(self.root)
         super().check(free_bytes)
         with _translate_s3_errors(""):
@@ -94,11 +94,11 @@ class S3Store(Store):
         return path
 
     def renew(self, known: StoredFile) -> bool:
-        """Return False: a bucket cannot make a file young, so every one is put again."""
+        """Return False: a bucket cannot update a file's time, so every file is put again."""
         return False
 
     def put_stream(self, stream: BinaryIO) -> StoredFile:
-        """Hash the bytes into a temporary file, then upload it under its hash, in parts where it is large."""
+        """Hash the bytes into a temporary file, then upload it under its hash, in parts if it is large."""
         from boto3.s3.transfer import TransferConfig
 
         digest, size = hashlib.sha256(), 0
@@ -121,7 +121,7 @@ class S3Store(Store):
             return int(self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))["ContentLength"])
 
     def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
-        """Return a stored file's bytes from `start` up to but without `stop`; only those are asked for."""
+        """Return a stored file's bytes in [start, stop); only these are requested."""
         stop = self.size(sha256) if stop is None else min(stop, self.size(sha256))
         if start >= stop:
             return iter(())
@@ -132,7 +132,7 @@ class S3Store(Store):
         return _read_body(sha256, answer["Body"])
 
     def list_kept(self) -> Iterator[StoreEntry]:
-        """Return every stored file."""
+        """Yield every stored file."""
         base = f"{self.prefix}/" if self.prefix else ""
         with _translate_s3_errors(""):
             for page in self._client.get_paginator("list_objects_v2").paginate(Bucket=self.bucket, Prefix=base):
@@ -142,10 +142,10 @@ class S3Store(Store):
                         yield StoreEntry(key, found["Size"], found["LastModified"].timestamp())
 
     def remove(self, sha256: str, before: float) -> bool:
-        """Remove a stored file unless it was put there (again) at `before` or later.
+        """Delete a stored file unless it was put (again) at `before` or later.
 
-        S3 has no "remove if old": a put between the look and the removal would be lost. The look is repeated right
-        before, so that is a matter of milliseconds against a grace time of hours.
+        S3 has no conditional delete by age: a put between check and delete would be lost. The check is repeated right
+        before the delete, so the gap is milliseconds, against a grace time of hours.
         """
         with _translate_s3_errors(sha256):
             found = self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))
@@ -177,7 +177,7 @@ def _make_client(endpoint: str) -> Any:
     try:
         return boto3.client("s3", endpoint_url=endpoint or None, region_name=region, config=config)
     except ValueError as error:
-        raise ServiceSettingBad(f"GARMENTQ_S3_ENDPOINT is '{endpoint}', which is no address.") from error
+        raise ServiceSettingBad(f"GARMENTQ_S3_ENDPOINT is '{endpoint}', which is not an address.") from error
 
 
 def _read_body(sha256: str, body: Any) -> Iterator[bytes]:
@@ -200,7 +200,7 @@ def _spool(folder: Path) -> Iterator[Any]:
 
 @contextmanager
 def _translate_s3_errors(sha256: str) -> Iterator[None]:
-    """Turn what boto3 raises into our errors; its messages name bucket and key, never a credential."""
+    """Convert boto3's errors into our errors; its messages name bucket and key, never a credential."""
     from botocore.exceptions import BotoCoreError, ClientError
 
     try:
@@ -208,7 +208,7 @@ def _translate_s3_errors(sha256: str) -> Iterator[None]:
     except ClientError as error:
         code = error.response.get("Error", {}).get("Code", "")
         if sha256 and code in MISSING:
-            raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or --force.") from error
+            raise ArtifactMissing(f"the stored file {sha256[:12]} is missing; restore it, or use --force.") from error
         raise StoreUnreachable(f"the store refused: {code}; check the bucket's name and the credentials.") from error
     except BotoCoreError as error:
-        raise StoreUnreachable(f"the store does not answer: {type(error).__name__}.") from error
+        raise StoreUnreachable(f"the store does not respond: {type(error).__name__}.") from error

@@ -1,4 +1,4 @@
-"""What everything in the service works with: the settings of a home, its database and its files."""
+"""An open home: its settings, its database and its store."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Services:
     """Describe the parts of an open home.
 
     Attributes:
-        settings: Which home.
+        settings: Settings of the home.
         database: Its database.
         store: Its files.
     """
@@ -36,10 +36,10 @@ class Services:
 
     @contextmanager
     def copying(self) -> Iterator[Path]:
-        """Make a folder for copies of stored files, which is gone after the block.
+        """Yield a folder for copies of stored files, which is deleted after the block.
 
         Raises:
-            StorageFull: where the disk has less room than `free_bytes`.
+            StorageFull: if the disk has less room than `free_bytes`.
         """
         folder = make_private(self.incoming)
         check_room(folder, self.settings.free_bytes)
@@ -48,10 +48,10 @@ class Services:
 
 
 def open_services(settings: ServiceSettings, pooled: bool = True) -> Services:
-    """Open a home; its database is made or brought up to date where it is missing or old.
+    """Open a home; its database is created if it is missing.
 
     Raises:
-        DatabaseUnreachable: where the database cannot be opened.
-        DatabaseTooNew: where a newer version made it.
+        DatabaseUnreachable: if the database cannot be opened.
+        DatabaseTooOld, DatabaseTooNew: if an older or a newer version created it.
     """
     return Services(settings, open_database(settings, pooled), open_store(settings))

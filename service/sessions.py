@@ -1,4 +1,4 @@
-"""Sessions of browsers: who signed in, until when. Only the hash of a session's token is kept, as of a key's."""
+"""Browser sessions. Only the hash of a session's token is stored, as of a key's."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from .keys import LOCAL_CALLER, TOKEN_BYTES, Caller, KeyBad, authenticate_key, h
 from .models import SessionRow
 
 SESSION_SECONDS = 12 * 3600.0
-"""How long a session lasts [s]: a long working day; then the key is asked for again."""
+"""Duration of a session [s]: a long working day; then the key must be entered again."""
 
 MAX_KEY_SESSIONS = 50
-"""Sessions of one key at a time: a studio's browsers, each signed in anew now and then; one more ends the oldest."""
+"""Largest number of sessions of one key: a studio's browsers, with some repeated sign-ins; one more ends the oldest."""
 
 LINK_SECONDS = 600.0
-"""How long a link that signs in may be used [s]: it is printed on a terminal and opened at once."""
+"""Validity of a sign-in link [s]: it is printed on a terminal and opened at once."""
 
 
 class SessionEnded(GarmentqError):
@@ -36,16 +36,16 @@ class CsrfBad(GarmentqError):
 
 
 class LinkUsed(GarmentqError):
-    """The link was used before, or is too old; `garmentq serve` prints a new one, and a key or token signs in too."""
+    """The link was used before or has expired; `garmentq serve` prints a new one, or sign in with a key or token."""
 
     code = "session.link_used"
 
 
 def begin_session(database: Database, caller: Caller, is_link: bool = False, earlier: str | None = None) -> str:
-    """Begin a session, or make a link that begins one, and return its token, which is given here and never again.
+    """Create a session, or a link that starts one, and return its token, which is returned only here.
 
-    The earlier session of the same browser, named by its token, ends. Sessions that are over are forgotten, and of
-    those of the key the oldest beyond `MAX_KEY_SESSIONS`.
+    The earlier session of the same browser, given by its token, ends. Expired sessions are deleted, and of the key's
+    sessions the oldest beyond `MAX_KEY_SESSIONS`.
     """
     token = secrets.token_urlsafe(TOKEN_BYTES)
     seconds = LINK_SECONDS if is_link else SESSION_SECONDS
@@ -66,12 +66,12 @@ def authenticate_session(database: Database, token: str, is_open: bool) -> Calle
     """Authenticate the token of a session.
 
     Args:
-        database: Whose sessions count.
-        token: What the browser's cookie holds.
-        is_open: Whether the service knows a local user while it has no keys.
+        database: The sessions' database.
+        token: Content of the browser's cookie.
+        is_open: Whether the service has a local user while it has no keys.
 
     Raises:
-        SessionEnded: where there is none, it is over, or its key is no more.
+        SessionEnded: if there is no session, it has expired, or its key is no longer valid.
     """
     asked = select(SessionRow.key).where(SessionRow.hash == hash_token(token), ~SessionRow.is_link)
     with database.read() as session:
@@ -88,7 +88,7 @@ def take_link(database: Database, token: str) -> None:
     """Use up a link that signs the local user in.
 
     Raises:
-        LinkUsed: where it cannot be used, or not again.
+        LinkUsed: if it cannot be used, or was used before.
     """
     meant = delete(SessionRow).where(SessionRow.hash == hash_token(token), SessionRow.is_link)
     with database.write() as session:
@@ -98,21 +98,21 @@ def take_link(database: Database, token: str) -> None:
 
 
 def end_session(database: Database, token: str) -> None:
-    """End a session; nothing happens where there is none."""
+    """End a session, if it exists."""
     with database.write() as session:
         session.execute(delete(SessionRow).where(SessionRow.hash == hash_token(token)))
 
 
 def make_csrf(token: str) -> str:
-    """Return what a session's pages send along with each change: only who knows the session's token can make it."""
+    """Return the token that a session's pages send with each change; it is computed from the session's token."""
     return hmac.new(token.encode(), b"csrf", hashlib.sha256).hexdigest()
 
 
 def check_csrf(token: str, given: str) -> None:
-    """Check what came along with a change.
+    """Check the token that came with a change.
 
     Raises:
-        CsrfBad: where it is not the session's.
+        CsrfBad: if it is not the session's.
     """
     if not hmac.compare_digest(make_csrf(token).encode(), given.encode("utf-8", "replace")):
         raise CsrfBad()

@@ -1,4 +1,4 @@
-"""Where the service keeps its things, and the times it works with; all of it read from the environment."""
+"""Settings of the service, read from the environment."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from typing import Any
 from ..core.run.errors import BadInput
 
 PIPELINE = "garmentq.core.recover.pipeline:recover"
-"""What a job runs. Tests of the queue put a quick stand-in here."""
+"""Function that runs a recovery. Tests of the queue replace it."""
 
 WRITER = "garmentq.core.deliver.export.result:write_recovery"
-"""What turns a recovery into files."""
+"""Function that writes the files of a recovery."""
 
 CHECKER = "garmentq.service.checking:check_recovery"
-"""What reads and checks the files of a recovery first, in a limited process."""
+"""Function that reads and checks the files of a recovery first, in a limited process."""
 
 SEPARATOR = "garmentq.service.kinds.person_work:segment_person"
-"""What takes a person apart."""
+"""Function that segments a person."""
 
 PERSON_CHECKER = "garmentq.service.checking:check_person"
-"""What reads and checks the files of a person first, in a limited process."""
+"""Function that reads and checks the files of a person first, in a limited process."""
 
 
 class ServiceSettingBad(BadInput):
@@ -36,43 +36,43 @@ class ServiceSettingBad(BadInput):
 
 @dataclass(frozen=True)
 class ServiceSettings:
-    """Choose where jobs live and how long things may take; each field is read from `GARMENTQ_` + NAME.
+    """Describe where data is stored and the limits of time and memory; each field is read from `GARMENTQ_` + NAME.
 
     Attributes:
         home: Folder of the embedded database, broker, store and logs; the XDG data folder, so that no root is needed.
         database_url: SQLAlchemy address; empty: SQLite in `home`, which needs no server.
         broker_url: Redis or Valkey address; empty: an embedded Valkey, started on demand.
-        store: Folder of the artifacts, or `s3://bucket/prefix`; empty: `home/store`. The bucket's keys are read where
-            every S3 program reads them: AWS_ACCESS_KEY_ID and its like, or AWS_SHARED_CREDENTIALS_FILE.
+        store: Folder of the artifacts, or `s3://bucket/prefix`; empty: `home/store`. The bucket's keys are read as by
+            every S3 program: from AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_SHARED_CREDENTIALS_FILE.
         s3_endpoint: Address of an S3 server that is not Amazon's, such as `http://store:3900`; empty: Amazon's.
-        lease_seconds: How long a claim holds without a heartbeat [s]. 30 s is three missed heartbeats of a busy
-            machine; a crash costs at most this and the work since the last checkpoint.
-        max_attempts: Claims of one job before it ends as `dead`; a third crash in a row is no bad luck.
-        max_seconds: Longest time that one attempt may take [s]; an ordinary job takes one to two minutes.
-        poll_seconds: Period of the dispatcher and of the cancel check [s]; half a second is not noticed by a person.
-        republish_seconds: A queued job that saw no event for so long is published again [s] if the broker holds no
+        lease_seconds: Validity of a claim without a heartbeat [s]. 30 s is three missed heartbeats of a busy machine; a
+            crash costs at most this and the work since the last checkpoint.
+        max_attempts: Claims of one job before it ends as `dead`; a third crash in a row is not by chance.
+        max_seconds: Longest time of one attempt [s]; an ordinary job takes one to two minutes.
+        poll_seconds: Period of the dispatcher and of the cancel check [s]; half a second is not noticeable.
+        republish_seconds: Time without an event after which a queued job is published again [s] if the broker has no
             message: it must have lost it. A needless message does no harm.
-        grace_seconds: How long a job that was told to stop may take to do so [s]; then its process ends under it. A
-            stage asks several times a second, and containers are killed after 10 to 30 s.
-        idle_seconds: The embedded worker and broker stop after so long without a job [s]; 0: never.
-        job_memory_mb: Memory that a job's process may take [MB]; 0: any. An ordinary job takes 700. One that needs more
-            ends as failed; without a limit the system would kill what it likes.
-        pause_seconds: How long a job rests first that met a store without an answer or room [s]; each time twice as
-            long, up to `outage.LONGEST_SECONDS`.
-        free_bytes: Room that the store's disk must have for a job to begin or an upload to be taken [bytes]; a job
-            keeps about 20 MB, an upload is at most 512 MiB.
+        grace_seconds: Time that a job has to stop [s]; then its process is ended. A stage checks several times a
+            second, and containers are killed after 10 to 30 s.
+        idle_seconds: Time without a job after which the embedded worker and broker stop [s]; 0: never.
+        job_memory_mb: Largest memory of a job's process [MB]; 0: unlimited. An ordinary job takes 700. One that needs
+            more ends as failed; without a limit the system might kill any process.
+        pause_seconds: First pause of a job that met an unavailable or full store [s]; each next one is twice as long,
+            up to `outage.MAX_OUTAGE_PAUSE`.
+        free_bytes: Free space that the store's disk must have to start a job or accept an upload [bytes]; a job stores
+            about 20 MB, an upload is at most 512 MiB.
         share_jobs: 1: equal orders of different API keys are one job, which each of them sees; 0: a job for each.
-        webhook_networks: Networks that webhooks may reach beyond the public internet, such as `10.1.0.0/16`, with
-            commas between; empty: none. Who takes a webhook's address and who sends to it both ask.
-        send_messages: 1: workers send what is owed to webhooks; 0: they leave it to `garmentq courier`, where they have
-            no way out.
+        webhook_networks: Networks that webhooks may reach beyond the public internet, such as `10.1.0.0/16`, separated
+            by commas; empty: none. It is checked when a webhook is created and when a message is sent.
+        send_messages: 1: workers send webhook messages; 0: they leave it to `garmentq courier`, if they have no
+            outgoing network access.
         log_json: 1: the worker writes its log as one JSON object a line.
-        threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
-        pipeline: Dotted path of the function that runs a job.
+        threads: Threads of each pool child; one, because two children with two threads each took 8 times as long.
+        pipeline: Dotted path of the function that runs a recovery.
         writer: Dotted path of the function that writes a recovery's files.
-        kinds: Dotted paths of the classes of further kinds of jobs, `package.module:Class`, with commas between.
+        kinds: Dotted paths of the classes of further kinds of jobs, `package.module:Class`, separated by commas.
         checker: Dotted path of the function that reads and checks a recovery's files, in a limited process.
-        separator: Dotted path of the function that takes a person apart and writes what is kept of it.
+        separator: Dotted path of the function that segments a person and writes the result.
         person_checker: Dotted path of the function that reads and checks a person's files, in a limited process.
     """
 
@@ -104,19 +104,19 @@ class ServiceSettings:
     kinds: str = ""
 
     def find(self, part: str) -> Callable[..., Any]:
-        """Import the function that one of the dotted paths names, `package.module:function`."""
+        """Import the function of one of the dotted paths, `package.module:function`."""
         module, _, name = getattr(self, part).partition(":")
         function: Callable[..., Any] = getattr(import_module(module), name)
         return function
 
     @property
     def database(self) -> str:
-        """Return the database address that is really used."""
+        """Return the address of the database."""
         return self.database_url or f"sqlite:///{self.home / 'garmentq.db'}"
 
     @property
     def store_path(self) -> Path:
-        """Return the artifact folder that is really used; an S3 store has none."""
+        """Return the folder of the artifacts; an S3 store has none."""
         return Path(self.store) if self.store and not self.is_store_remote else self.home / "store"
 
     @property
@@ -126,23 +126,23 @@ class ServiceSettings:
 
     @property
     def is_embedded(self) -> bool:
-        """Return whether the broker is our own."""
+        """Return whether the broker is the embedded one."""
         return not self.broker_url
 
     def as_environment(self) -> dict[str, str]:
-        """Return the variables that make another process read these very settings."""
+        """Return the environment variables by which another process reads the same settings."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return {f"GARMENTQ_{name.upper()}": "" if value is None else str(value) for name, value in values.items()}
 
 
 def read_settings(environment: Mapping[str, str] | None = None, home: Path | str | None = None) -> ServiceSettings:
-    """Read the settings from the environment; `home` wins over `GARMENTQ_HOME`.
+    """Read the settings from the environment; `home` overrides `GARMENTQ_HOME`.
 
-    `GARMENTQ_DATABASE_URL_FILE` and its like name a file that holds the value: how a container is given
-    a secret without showing it in its environment. The plain variable wins.
+    `GARMENTQ_DATABASE_URL_FILE` and the like name a file with the value, so that a container's environment does not
+    show a secret. The plain variable has precedence.
 
     Raises:
-        ServiceSettingBad: where a number is none, or is not positive, or a file that is named cannot be read.
+        ServiceSettingBad: if a number is invalid or not positive, or a named file cannot be read.
     """
     environment = os.environ if environment is None else environment
     settings = ServiceSettings()
@@ -178,21 +178,21 @@ def _parse(name: str, text: str, default: object) -> Any:
     try:
         value = kind(text)
     except ValueError:
-        raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}', which is no number.") from None
+        raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}', which is not a number.") from None
     if not 0 <= value < float("inf") or (value == 0 and name not in MAY_BE_ZERO):
         raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}'; it must be a positive number.")
     return value
 
 
 SECRET_WORDS = ("password", "passwd", "pwd", "secret", "token", "key")
-"""Parameters of an address whose value is not shown."""
+"""Parts of the names of address parameters whose value is hidden."""
 
 
 def hide_password(url: str) -> str:
-    """Return an address that may be shown: with stars for its password, and for parameters that sound like one.
+    """Return an address for display: its password, and parameters that sound like one, are replaced by stars.
 
-    A password may hold what an address may not, such as `/`, `#`, `?` or `@`, and whoever reads the address may take
-    it all the same. So all from the first colon of the host's part to the last `@` is hidden.
+    A password may contain characters that an address may not, such as `/`, `#`, `?` or `@`, which programs accept
+    nevertheless. So everything from the first colon of the host's part to the last `@` is hidden.
     """
     url = re.sub(r"^([a-z0-9+]+://[^:/@]*):.*@", r"\1:***@", url, flags=re.IGNORECASE | re.DOTALL)
     words = "|".join(SECRET_WORDS)
@@ -200,5 +200,5 @@ def hide_password(url: str) -> str:
 
 
 def show_settings(settings: ServiceSettings) -> dict[str, str]:
-    """Return every setting as text that may be shown: no password, no key."""
+    """Return every setting as text for display, without passwords and keys."""
     return {name: hide_password(value) for name, value in settings.as_environment().items()}

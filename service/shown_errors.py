@@ -1,4 +1,4 @@
-"""What of an error may be shown to others than the operator: to callers, on pages, in events, messages and jobs."""
+"""Text of errors for others than the operator: callers, pages, events, messages and jobs."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from ..core.run.errors import GarmentqError, keep_printable
 from ..core.run.sandbox import LONGEST_MESSAGE
 
 SERVICE_CODE_PREFIXES = ("service.", "store.")
-"""How codes begin of what is wrong with the service itself: their messages name hosts, folders and users."""
+"""Beginnings of the codes of faults of the service itself: their messages name hosts, folders and users."""
 
 
 def show_message(error: GarmentqError) -> str:
-    """Return an error's message on one line; of what is wrong with the service itself the fixed text of its kind.
+    """Return an error's message on one line; for a fault of the service itself the fixed text of its class.
 
-    Who tells such an error writes its own message into the log.
+    The code that reports such an error must log its own message.
     """
     message = explain_kind(error) if is_service_error(error) else error.message
     return keep_printable(message.replace("\n", " "))[:LONGEST_MESSAGE]
 
 
 def is_service_error(error: GarmentqError) -> bool:
-    """Return whether an error tells of the service itself, not of what it was asked."""
+    """Return whether an error is a fault of the service itself, not of the request."""
     return error.code.startswith(SERVICE_CODE_PREFIXES)
 
 
 def explain_kind(error: GarmentqError) -> str:
-    """Return what is said of every error of a kind and what to do, with nothing of this installation in it."""
+    """Return the fixed text of an error's class: meaning and next step, without details of this installation."""
     return (type(error).__doc__ or "").strip().split("\n", 1)[0]

@@ -1,4 +1,4 @@
-"""The signals that tell a process to stop, and handlers of them that last for a block."""
+"""Stop signals, and handlers of them for a block."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 def handle_signals(
     signals: Iterable[signal.Signals], handler: Callable[[int, Any], Any] | signal.Handlers
 ) -> Iterator[None]:
-    """Handle signals by a handler for the block, and afterwards as before."""
+    """Install a handler of signals for the block, and restore the earlier ones afterwards."""
     before = {number: signal.signal(number, handler) for number in signals}
     try:
         yield
@@ -27,9 +27,9 @@ def handle_signals(
 
 @contextmanager
 def defer_stop_signals() -> Iterator[None]:
-    """Handle what tells this process to stop within the block at its end; what is ignored stays so.
+    """Defer stop signals that arrive within the block to its end; ignored signals stay ignored.
 
-    Python handles signals in its main thread alone: in others the block changes nothing.
+    Python handles signals only in its main thread: in others the block changes nothing.
     """
     came: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()
@@ -37,6 +37,6 @@ def defer_stop_signals() -> Iterator[None]:
     try:
         with handle_signals(heard, lambda number, _: came.append(number)):
             yield
-    finally:  # also where the block failed: a signal is never lost
+    finally:  # also after an error: a signal is never lost
         for number in came:
             signal.raise_signal(number)

@@ -1,4 +1,4 @@
-"""The states of a job and the moves between them; light, so that a command's help can name them."""
+"""The states of a job and their transitions; the module is light, so that a command's help can import it."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from enum import StrEnum
 
 
 class State(StrEnum):
-    """Name where a job stands."""
+    """State of a job."""
 
-    WAITING = "waiting"  # for siblings: queued once all that it awaits have succeeded
+    WAITING = "waiting"  # for siblings: queued once all of them have succeeded
     QUEUED = "queued"  # any worker of its queue may claim it
-    RUNNING = "running"  # a worker holds a lease on it
+    RUNNING = "running"  # a worker has a lease on it
     SUCCEEDED = "succeeded"  # its result is stored; final
     FAILED = "failed"  # ended with an error of its own, or of a job that it waited for
     DEAD = "dead"  # its worker was lost in every attempt
-    CANCELLED = "cancelled"  # somebody asked for it
+    CANCELLED = "cancelled"  # by a user
 
 
 TRANSITIONS: dict[State, frozenset[State]] = {
@@ -26,10 +26,10 @@ TRANSITIONS: dict[State, frozenset[State]] = {
     State.DEAD: frozenset({State.QUEUED, State.WAITING}),
     State.CANCELLED: frozenset({State.QUEUED, State.WAITING}),
 }
-"""Where a job may go from each state; `jobs.move` refuses every other move."""
+"""The states that may follow each state; `jobs.change_state` refuses every other change."""
 
 OPEN = frozenset({State.WAITING, State.QUEUED, State.RUNNING})
-"""States of a job that counts against its key's quota, and that keeps a worker from going home."""
+"""States of a job that counts against its key's quota, and during which an embedded worker does not stop."""
 
 UNSUCCESSFUL = frozenset({State.FAILED, State.DEAD, State.CANCELLED})
 """States that only a retry leaves."""
@@ -38,4 +38,4 @@ ENDED = UNSUCCESSFUL | {State.SUCCEEDED}
 """States that a job does not leave by itself."""
 
 QUEUES = ("cpu", "gpu")
-"""Kinds of workers; a worker serves one or both, a job waits for one."""
+"""Queues of jobs; a worker serves one or both, a job is in one."""

@@ -1,4 +1,4 @@
-"""Files kept under the hash of their bytes: in a folder (here), or in an S3 bucket (`s3.py`), chosen by address."""
+"""Files stored under the hash of their bytes: in a folder (here), or in an S3 bucket (`s3.py`), chosen by address."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ STORE_BLOCK_SIZE = 1 << 18
 
 
 class ArtifactDamaged(GarmentqError):
-    """A stored file is not the one that was put there; restore the store, or run the job again with --force."""
+    """A stored file has changed since it was stored; restore the store, or run the job again with --force."""
 
     code = "store.damaged"
 
 
 class ArtifactMissing(GarmentqError):
-    """A stored file is gone; restore the store, or run the job again with --force."""
+    """A stored file is missing; restore the store, or run the job again with --force."""
 
     code = "store.missing"
 
 
 class StorageFull(Unavailable):
-    """There is no room left in the store; free some disk space, and the jobs go on."""
+    """The store has no room left; free some disk space, and the jobs continue."""
 
     code = "store.full"
 
 
 class StoreUnreachable(Unavailable):
-    """The store does not answer; check GARMENTQ_STORE, GARMENTQ_S3_ENDPOINT and the bucket's credentials."""
+    """The store does not respond; check GARMENTQ_STORE, GARMENTQ_S3_ENDPOINT and the bucket's credentials."""
 
     code = "store.unreachable"
 
 
 @dataclass(frozen=True)
 class StoredFile:
-    """Name a stored file.
+    """Describe a stored file.
 
     Attributes:
         sha256: Hash of its bytes (hex); also its key.
-        size: Bytes.
+        size: Its size [bytes].
     """
 
     sha256: str
@@ -60,12 +60,12 @@ class StoredFile:
 
 @dataclass(frozen=True)
 class StoreEntry:
-    """Describe a file that the store holds.
+    """Describe a file that is in the store.
 
     Attributes:
         sha256: Its key.
-        size: Bytes.
-        modified: When it was put there last, by the store's clock [s since 1970].
+        size: Its size [bytes].
+        modified: When it was last put, by the store's clock [s since 1970].
     """
 
     sha256: str
@@ -74,72 +74,72 @@ class StoreEntry:
 
 
 def check_key(sha256: str) -> str:
-    """Return a key back that is the hash of something, so that none can name a path.
+    """Return a key if it is a hash, so that no key can name a path.
 
     Raises:
-        ArtifactMissing: where it is none.
+        ArtifactMissing: if it is not.
     """
     if len(sha256) != 64 or not set(sha256) <= set("0123456789abcdef"):
-        raise ArtifactMissing(f"'{sha256[:80]}' is no key of a stored file.")
+        raise ArtifactMissing(f"'{sha256[:80]}' is not the key of a stored file.")
     return sha256
 
 
 class Store:
-    """Put and get files by content. The same bytes are kept once; a half-written file is never seen."""
+    """Put and get files by content. Equal bytes are stored once; a partial file is never visible."""
 
     def __init__(self, root: Path, must_exist: bool = False) -> None:
-        """Use a folder; it is made when first written to.
+        """Use a folder; it is created by the first write.
 
         Args:
             root: The folder.
-            must_exist: It has files already: where it is not there its disk is away, and it is never made anew.
+            must_exist: The folder must exist: if it does not, its disk is unavailable, and it is not created.
         """
         self.root = root
         self.must_exist = must_exist
 
     def prepare(self) -> None:
-        """Make the folder, or the bucket, if it is not there.
+        """Create the folder, or the bucket, if it does not exist.
 
         Raises:
-            StorageFull, StoreUnreachable: where that cannot be done.
+            StorageFull, StoreUnreachable: if that is not possible.
         """
         try:
             make_private(self.root)
         except OSError as error:
-            raise StorageFull(f"the store {self.root} cannot be made: {error.strerror}.") from error
+            raise StorageFull(f"the store {self.root} cannot be created: {error.strerror}.") from error
 
     def check(self, free_bytes: int = 0) -> None:
-        """Look whether the store can be used now, without a write to it.
+        """Check that the store can be used, without writing to it.
 
         Args:
-            free_bytes: Room that must be left [bytes].
+            free_bytes: Required free space [bytes].
 
         Raises:
-            StorageFull, StoreUnreachable: where it cannot.
+            StorageFull, StoreUnreachable: if it cannot.
         """
         try:
             check_room(self.root, free_bytes)
         except OSError as error:
-            raise StoreUnreachable(f"the store {self.root} is away: {error.strerror}; mount it again.") from error
+            raise StoreUnreachable(f"the store {self.root} is unavailable ({error.strerror}); mount it.") from error
         if not os.access(self.root, os.W_OK | os.X_OK):
-            raise StoreUnreachable(f"the store {self.root} may not be written to; check its rights.")
+            raise StoreUnreachable(f"the store {self.root} is not writable; check its permissions.")
 
     def path(self, sha256: str) -> Path:
-        """Return the place of a stored file.
+        """Return the path of a stored file.
 
         Raises:
-            ArtifactMissing: where the key is no hash, or nothing is there.
+            ArtifactMissing: if the key is not a hash, or there is no file.
         """
         check_key(sha256)
         path = self.root / sha256[:2] / sha256[2:]
         if not path.is_file():
             if not self.root.is_dir():
-                raise StoreUnreachable(f"the store {self.root} is away; mount it again, and the jobs go on.")
-            raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or run with --force.")
+                raise StoreUnreachable(f"the store {self.root} is unavailable; mount it again, and the jobs continue.")
+            raise ArtifactMissing(f"the stored file {sha256[:12]} is missing; restore the store, or run with --force.")
         return path
 
     def put(self, source: Path) -> StoredFile:
-        """Keep a copy of a file; one that is kept and sound is only made young again, which needs no write of it."""
+        """Store a copy of a file; if it is stored and undamaged, only its time is updated."""
         known = hash_file(source)
         if self.renew(known):
             return known
@@ -147,10 +147,10 @@ class Store:
             return self.put_stream(stream)
 
     def renew(self, known: StoredFile) -> bool:
-        """Set a kept file's time to now, so that `remove` spares it; False where it is not there, or damaged."""
+        """Set a stored file's time to now, so that `remove` keeps it; return False if it is missing or damaged."""
         path = self.root / known.sha256[:2] / known.sha256[2:]
         try:
-            os.utime(path)  # first: from here on `remove` puts back what it has set aside
+            os.utime(path)  # first: from here on `remove` restores the file
             if hash_file(path) != known:
                 return False
             _flush_folder(path.parent)  # another process may have renamed it into place a moment ago
@@ -159,14 +159,14 @@ class Store:
         return True
 
     def put_bytes(self, content: bytes) -> StoredFile:
-        """Keep some bytes."""
+        """Store some bytes."""
         return self.put_stream(io.BytesIO(content))
 
     def get_bytes(self, sha256: str) -> bytes:
         """Return a stored file's bytes, checked against its key.
 
         Raises:
-            ArtifactDamaged: where the bytes changed.
+            ArtifactDamaged: if the bytes changed.
         """
         content = b"".join(self.read(sha256))
         if hashlib.sha256(content).hexdigest() != sha256:
@@ -174,10 +174,10 @@ class Store:
         return content
 
     def copy(self, sha256: str, destination: Path) -> Path:
-        """Copy a stored file out, checked against its key.
+        """Copy a stored file, checked against its key.
 
         Raises:
-            ArtifactDamaged: where the bytes changed.
+            ArtifactDamaged: if the bytes changed.
         """
         destination.parent.mkdir(parents=True, exist_ok=True)
         digest, blocks = hashlib.sha256(), self.read(sha256)
@@ -194,16 +194,16 @@ class Store:
         """Return a stored file's size [bytes].
 
         Raises:
-            ArtifactMissing: where nothing is there.
+            ArtifactMissing: if there is no file.
         """
         return self.path(sha256).stat().st_size
 
     def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
-        """Return a stored file's bytes from `start` up to but without `stop`, a block at a time, unchecked.
+        """Return a stored file's bytes in [start, stop), one block at a time, unchecked.
 
         Raises:
-            ArtifactMissing: at once, where nothing is there.
-            ArtifactDamaged: where a link is there, which may lead to anybody's bytes.
+            ArtifactMissing: at once, if there is no file.
+            ArtifactDamaged: if it is a symbolic link, which may lead to any file.
         """
         try:
             descriptor = os.open(self.path(sha256), os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
@@ -216,13 +216,14 @@ class Store:
         return _read_blocks(os.fdopen(descriptor, "rb"), start, stop)
 
     def read_checked(self, sha256: str, size: int) -> Generator[bytes]:
-        """Return a stored file's bytes a block at a time, its last block only once the hash of them all is right.
+        """Yield a stored file's bytes one block at a time, the last block only if the hash of all of them is right.
 
-        So whoever has got all of `size` has the file that was put here. Nothing is opened before the first block.
+        A reader that has received all of `size` has the stored file unchanged. Nothing is opened before the first
+        block.
 
         Raises:
             ArtifactMissing: in place of the first block.
-            ArtifactDamaged: in place of the last block, where the bytes changed.
+            ArtifactDamaged: in place of the last block, if the bytes changed.
         """
         digest, held = hashlib.sha256(), b""
         for block in self.read(sha256, 0, size):
@@ -236,16 +237,16 @@ class Store:
             yield held
 
     def list_kept(self) -> Iterator[StoreEntry]:
-        """Return every stored file, in no order; half-written ones are none."""
+        """Yield every stored file, in no order, without partial ones."""
         for path in self.root.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(ArtifactMissing, FileNotFoundError):
                 key, found = check_key(path.parent.name + path.name), path.stat()
                 yield StoreEntry(key, found.st_size, found.st_mtime)
 
     def remove(self, sha256: str, before: float) -> bool:
-        """Remove a stored file unless it was put there (again) at `before` [s since 1970] or later.
+        """Delete a stored file unless it was put (again) at `before` [s since 1970] or later.
 
-        The file is set aside first: one that is put at this very moment comes back or is written anew, never lost.
+        The file is moved aside first: if it is put at the same time, it is restored or written again, never lost.
         """
         path = self.path(sha256)
         aside = self.root / "incoming" / f"removed-{sha256}"
@@ -295,26 +296,26 @@ def _read_blocks(stream: BinaryIO, start: int, stop: int | None) -> Iterator[byt
 
 
 def check_room(folder: Path, free_bytes: int) -> None:
-    """Look whether the disk of a folder has room.
+    """Check that a folder's disk has room.
 
     Args:
         folder: The folder.
-        free_bytes: Room that it must have [bytes].
+        free_bytes: Required free space [bytes].
 
     Raises:
-        StorageFull: where it has less.
-        OSError: where the folder is not there.
+        StorageFull: if it has less.
+        OSError: if the folder does not exist.
     """
     free = shutil.disk_usage(folder).free
     if free < free_bytes:
         raise StorageFull(
             f"the disk of {folder} has {free >> 20} MiB of room, less than the {free_bytes >> 20} MiB of "
-            "GARMENTQ_FREE_BYTES; free some disk space, and the jobs go on."
+            "GARMENTQ_FREE_BYTES; free some disk space, and the jobs continue."
         )
 
 
 def hash_file(path: Path) -> StoredFile:
-    """Return a file's hash and size without keeping it."""
+    """Return a file's hash and size without storing it."""
     digest, size = hashlib.sha256(), 0
     with path.open("rb") as stream:
         while block := stream.read(STORE_BLOCK_SIZE):

@@ -1,4 +1,4 @@
-"""Which store holds the files: a folder or an S3 bucket, by its address."""
+"""Choice of the store by its address: a folder or an S3 bucket."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from .store import Store
 
 
 def open_store(settings: ServiceSettings, must_exist: bool = False) -> Store:
-    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder, which may have to be there already.
+    """Open the store at GARMENTQ_STORE: `s3://bucket/prefix`, or a folder, which with `must_exist` has to exist.
 
     Raises:
-        DriverMissing: where an S3 store is named and boto3 is missing.
+        DriverMissing: if an S3 store is named and boto3 is missing.
     """
     if settings.is_store_remote:
         return S3Store(settings.store, settings.s3_endpoint, settings.home / "cache")

@@ -1,4 +1,4 @@
-"""From files on disk to a queued job: the files are kept, and one scan with the same settings is one job."""
+"""From files on disk to a queued job: the files are stored, and one scan with the same settings is one job."""
 
 from __future__ import annotations
 
@@ -42,38 +42,38 @@ class BodyUnreadable(BadInput):
 
 
 class LabelBad(BadInput):
-    """A name has at most 255 printable letters, each of at most 20 tags from 1 to 64; choose shorter ones."""
+    """A name has at most 255 printable letters, each of at most 20 tags 1 to 64; choose shorter ones."""
 
     code = "order.label_bad"
 
 
 class InputNotEnded(BadInput):
-    """The job whose result is to be read has none; wait until it has succeeded."""
+    """The job whose result is to be read has no result; wait until it has succeeded."""
 
     code = "job.input_not_ended"
 
 
 PERSON_KIND = "person"
-"""Name of the kind that takes a person apart; its class is not loaded for that."""
+"""Name of the kind that segments a person; its class need not be loaded to name it."""
 
 MAX_FAMILY_NAME_LENGTH, MAX_TAG_LENGTH, MAX_FAMILY_TAGS = 255, 64, 20
-"""Bounds of what a user calls a family; the longest name is the column's."""
+"""Limits of a family's name and tags; the longest name is the column's."""
 
 ALLOWED_NAME_SIGNS = "._-()+,"
-"""What a file's own name keeps beside letters and digits: nothing that a page, a shell or a spreadsheet understands."""
+"""Characters of a file's name that are kept beside letters and digits: none has a meaning in a page, a shell or a
+spreadsheet."""
 
 
 @dataclass(frozen=True)
 class JobRequest:
-    """Ask for one job of any kind; its files are in the store.
+    """Describe the request of one job of any kind; its files are in the store.
 
     Attributes:
         kind: Name of the kind.
-        request: What `pack_request` makes of the kind's request.
-        scan: Key and cleaned name of the file that the family's work goes back to; of a job that only reads results,
-            that of an input.
+        request: The kind's request, as `pack_request` writes it.
+        scan: Key of the file from which the family's work derives; for a job that only reads results, that of an input.
         inputs: Ids of the jobs whose results it reads, by the name of the folder in which it finds them.
-        terms: How it is queued, with the name that it has.
+        terms: How it is queued, with its name.
     """
 
     kind: str
@@ -85,11 +85,11 @@ class JobRequest:
 
 @dataclass(frozen=True)
 class SubmissionResult:
-    """Answer a submission.
+    """Describe the result of a submission.
 
     Attributes:
         job: The job's id.
-        is_new: False where an equal job existed; it is queued again if it had ended without success.
+        is_new: False if an equal job existed; it is requeued if it had ended without success.
         state: The job's state now.
     """
 
@@ -99,13 +99,13 @@ class SubmissionResult:
 
 
 def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
-    """Keep the files, then ask for the recovery.
+    """Store the files, then create the recovery.
 
     Raises:
-        BodyMissing: where the scan is said to be a garment, and no body was named.
-        SettingsBad: where what was said cannot be meant together.
-        LabelBad: where name or tags cannot be used.
-        StorageFull: where the files cannot be kept.
+        BodyMissing: if the scan is given as a garment, and no body is named.
+        SettingsBad: if options contradict each other.
+        LabelBad: if name or tags cannot be used.
+        StorageFull: if the files cannot be stored.
     """
     of_person = is_person(order)
     if order.body is None and not of_person:
@@ -124,15 +124,15 @@ def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
 
 
 def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
-    """Add a job, its first event and its outbox row; an equal job is that job, tried again if it did not succeed.
+    """Add a job with its first event and outbox row, or return an equal job, requeued if it did not succeed.
 
     Raises:
-        JobUnknown: where a job to be read is none that the key may see.
-        InputNotEnded: where a job to be read has no result.
-        QueueFull: where the key has as many open jobs as it may.
+        JobUnknown: if the key may not see a job that is to be read, or there is none.
+        InputNotEnded: if a job that is to be read has no result.
+        QueueFull: if the key has reached its number of open jobs.
     """
     terms = wanted.terms
-    for job in wanted.inputs.values():  # first, or an equal job would show what its inputs hold to whoever names them
+    for job in wanted.inputs.values():  # first: an equal job shows the contents of its inputs
         _check_input(session, job, terms.key)
     dedup = _hash(wanted)
     take_advisory_lock(session, dedup)  # equal orders at the same time are one job
@@ -142,7 +142,7 @@ def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
             requeue_jobs(session, [row], "resubmitted", terms.key, terms.quota)
         grant_family(
             session, terms.key, row
-        )  # after the quota: a new owner's row holds the key's, which the quota locks
+        )  # after the quota: a new owner's row locks the key's, which the quota locks too
         return SubmissionResult(row.id, False, row.state)
     check_quota(session, terms.key, terms.quota)
     new = NewJob(
@@ -155,10 +155,10 @@ def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
 
 
 def check_labels(terms: JobTerms) -> None:
-    """Check what a user calls a family.
+    """Check a family's name and tags.
 
     Raises:
-        LabelBad: where it cannot be used.
+        LabelBad: if they cannot be used.
     """
     name, tags = terms.name, terms.tags
     is_bad = len(name) > MAX_FAMILY_NAME_LENGTH or not name.isprintable() or len(set(tags)) > MAX_FAMILY_TAGS
@@ -167,13 +167,13 @@ def check_labels(terms: JobTerms) -> None:
 
 
 def own_name(file: str) -> str:
-    """Return a file's own name for people to read: the letters, marks and digits of any script, and harmless signs."""
+    """Return a file's name for display: the letters, marks and digits of any script, and harmless characters."""
     kept = (c if unicodedata.category(c)[0] in "LMN" or c in ALLOWED_NAME_SIGNS else " " for c in Path(file).stem)
     return " ".join("".join(kept).split())[:MAX_FAMILY_NAME_LENGTH] or "scan"
 
 
 def clean_name(name: str) -> str:
-    """Return a file name without folders, control characters or anything a shell or a page could stumble over.
+    """Return a file name without folders, control characters and characters with a meaning in a shell or a page.
 
     It begins neither with a dot nor, like an option, with a dash.
     """
@@ -189,7 +189,7 @@ def _check_dressed(order: Order) -> None:
 
 
 def _describe(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
-    """Describe an order by hashes only, so that the same files elsewhere are the same order."""
+    """Return an order's request; files are given by hashes, so that the same files elsewhere are the same order."""
     labels = _store_file(order.labels, store) if order.labels else None
     file = FileRef(scan.sha256, clean_name(order.scan.name))
     template = _keep_template(order.template, order.settings.template, store)
@@ -198,7 +198,7 @@ def _describe(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
 
 
 def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
-    """Describe an order of a whole person likewise."""
+    """Return a person's request in the same way."""
     choices = {
         word: PartChoice(
             _keep_template(one.template, one.name, store) or one.name, one.garment, one.fabric, one.lock, one.parts
@@ -217,7 +217,7 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
         order.given_as,
     )
     if request.wearing is not None:
-        request.choose([part.word for part in parse_wearing(request.wearing)])  # said now, not after the separation
+        request.choose([part.word for part in parse_wearing(request.wearing)])  # refuses now, not after the labelling
     return pack_request(request)
 
 
@@ -226,7 +226,7 @@ def _keep_body(order: Order, store: Store) -> FileRef | BuiltinWearer | None:
 
 
 def _keep_template(file: Path | None, name: str | None, store: Store) -> FileRef | None:
-    """Keep a pattern file, under what the user calls an imported one."""
+    """Store a pattern file under the name of an imported template."""
     if file is None:
         return None
     kept = _store_file(file, store)
@@ -241,7 +241,7 @@ def _store_file(path: Path, store: Store) -> FileRef:
 
 
 def _check_input(session: Session, job: str, key: str) -> None:
-    """Refuse a job without a result, and one that the key does not own: to it that one is as unknown as none."""
+    """Refuse a job without a result, and one that the key does not own, which counts as unknown."""
     row = session.get(JobRow, job)
     if row is None or (key and session.get(OwnerRow, (key, job)) is None):
         raise JobUnknown(f"there is no job '{job[:40]}'; `garmentq status` lists them all.")
@@ -250,7 +250,7 @@ def _check_input(session: Session, job: str, key: str) -> None:
 
 
 def _hash(wanted: JobRequest) -> str:
-    """Return what makes a job the same as another: what is computed, not what it is called."""
+    """Return the hash that equal jobs share: of what is computed, not of the job's name."""
     terms, request = wanted.terms, _name_fabric(wanted.request)
     value: dict[str, Any] = {"request": request, "version": __version__, "nonce": terms.nonce}
     if wanted.kind != Recover.name:
@@ -263,7 +263,7 @@ def _hash(wanted: JobRequest) -> str:
 
 
 def _name_fabric(request: dict[str, Any]) -> dict[str, Any]:
-    """Return a request whose recovery has the default fabric with that named: both compute the same."""
+    """Return a request with the default fabric named explicitly: both forms compute the same."""
     settings = request.get("settings")
     if not isinstance(settings, dict) or settings.get("fabric", "") is not None:
         return request

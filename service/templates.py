@@ -1,4 +1,4 @@
-"""Template patterns: the shipped ones, and those that a user imported by a name, each the file as it was given."""
+"""Templates: the shipped ones, and those that a user imported under a name, each stored as the given file."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .services import Services
 from .store import Store
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0)
-"""What reading a pattern file may cost: it takes 0.5 s, nearly all of it to start."""
+"""Limits of reading a pattern file: it takes 0.5 s, nearly all of it to start the process."""
 NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
 
 
 class TemplateNameBad(BadInput):
-    """A template's name is made of small letters, digits, '_', '.' and '-', at most 64 of them."""
+    """A template's name consists of lower-case letters, digits, '_', '.' and '-', at most 64 of them."""
 
     code = "template.name_bad"
 
 
 class TemplateShipped(BadInput):
-    """A shipped template is not deleted."""
+    """A shipped template cannot be deleted."""
 
     code = "template.shipped"
 
@@ -36,16 +36,16 @@ class TemplateShipped(BadInput):
 def import_template(
     services: Services, name: str, path: Path, is_stopped: IsStopped = never_stopped
 ) -> ImportedTemplate:
-    """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced.
+    """Check a GarmentCode or NeuralTailor pattern file and store it; an imported template of the same name is replaced.
 
     Raises:
-        TemplateNameBad: where the name is none, or a shipped template's.
-        PatternBad: where the file cannot be read.
+        TemplateNameBad: if the name is invalid, or a shipped template's.
+        PatternBad: if the file cannot be read.
     """
     from ..core.garment.templates import list_templates
 
     given = {"source": str(path.absolute())}
-    found = call_limited("garmentq.core.garment.reading:check_pattern", given, BOUNDS, is_stopped).result
+    found = call_limited("garmentq.service.inspect_reading:check_pattern", given, BOUNDS, is_stopped).result
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
     keep_template(services.database, services.store, name, path, found["category"], found["panels"])
@@ -53,10 +53,10 @@ def import_template(
 
 
 def keep_template(database: Database, store: Store, name: str, path: Path, category: str, panels: int) -> None:
-    """Keep a checked pattern file under a name; one imported before under that name is replaced.
+    """Store a checked pattern file under a name; an imported template of the same name is replaced.
 
     Raises:
-        TemplateNameBad: where the name is none.
+        TemplateNameBad: if the name is invalid.
     """
     if not NAME.fullmatch(name):
         raise TemplateNameBad()
@@ -66,10 +66,10 @@ def keep_template(database: Database, store: Store, name: str, path: Path, categ
 
 
 def delete_template(database: Database, name: str) -> Template:
-    """Delete an imported template and return what it was; jobs that were asked for with it keep its file.
+    """Delete an imported template and return it; jobs that use it keep its file.
 
     Raises:
-        TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
+        TemplateUnknown, TemplateShipped: if there is none of that name, or it is a shipped one.
     """
     from ..core.garment.templates import TemplateUnknown, list_templates
 
@@ -79,7 +79,7 @@ def delete_template(database: Database, name: str) -> Template:
             session.delete(row)
             return _show_imported(row)
     if name in [info.name for info in list_templates()]:
-        raise TemplateShipped(f"'{name}' is a shipped template, which stays.")
+        raise TemplateShipped(f"'{name}' is a shipped template, which cannot be deleted.")
     raise TemplateUnknown(f"there is no template '{name[:80]}'; `garmentq templates list` shows them.")
 
 
@@ -87,7 +87,7 @@ def find_template(services: Services, name: str) -> Path | None:
     """Return the file of an imported template; None for a shipped one, which needs no file.
 
     Raises:
-        TemplateUnknown: where there is neither.
+        TemplateUnknown: if there is neither.
     """
     from ..core.garment.templates import load_template
 
@@ -102,7 +102,7 @@ def read_template(services: Services, name: str) -> bytes:
     """Return the pattern file of a template.
 
     Raises:
-        TemplateUnknown: where there is none of that name.
+        TemplateUnknown: if there is none of that name.
     """
     from ..core.garment.garmentcode_writer import write_pattern
     from ..core.garment.templates import load_template

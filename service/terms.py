@@ -1,4 +1,4 @@
-"""How a job is queued, for whom, and what it is called: the same for every kind of job."""
+"""Terms of a job: queue, name, tags, key; the same for every kind of job."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from .states import QUEUES
 
 @dataclass(frozen=True)
 class JobTerms:
-    """Say how a job is queued.
+    """Describe how a job is queued.
 
     Attributes:
-        name: What the family is called; empty: after its file, or the job whose result it reads.
-        tags: Words that it can be found by.
-        priority: Larger goes first.
-        queue: One of `QUEUES`: which kind of worker takes it.
-        force: Make a new job even where an equal one exists.
-        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
-        key: Id of the API key that asks, or empty; the job is then that key's too.
+        name: Name of the family; empty: that of its file, or of the job whose result it reads.
+        tags: Words by which it can be found.
+        priority: A larger one goes first.
+        queue: One of `QUEUES`, by which workers choose jobs.
+        force: Create a new job even if an equal one exists.
+        nonce: Identifies a forced job, so that a repeated request is the same job; empty: a random one.
+        key: Id of the caller's API key, or empty; the key then owns the job too.
         quota: Jobs that the key may have open at a time.
         realm: Whose equal orders are one job: a key's id; empty: everybody's.
     """
@@ -35,6 +35,6 @@ class JobTerms:
     realm: str = ""
 
     def complete(self, name: str) -> JobTerms:
-        """Return the terms of one job: with a name where none was given, and a nonce where a new job is forced."""
+        """Return the terms with a name if none was given, and a nonce if a new job is forced."""
         nonce = (self.nonce or uuid.uuid4().hex) if self.force else ""
         return replace(self, name=self.name or name, nonce=nonce)

@@ -1,4 +1,4 @@
-"""What the first stage of a running job found of its files, and what kind of job that makes it."""
+"""Results of the first stage of a running job: the description of its files, and its kind."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from .database import Database, clock
 from .jobs import Claim, record, write_fenced
 
 DOUBTS_EVENT = "doubted"
-"""Kind of the event that tells what is doubtful of a job's files."""
+"""Kind of the event that reports doubts about a job's files."""
 
 
 def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> None:
-    """Keep what the first stage found out of a job's files; what is doubtful of them is an event too.
+    """Store the first stage's description of a job's files; doubts about them are an event too.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         write_fenced(session, claim, checked=found, touched=clock())
@@ -26,10 +26,10 @@ def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> Non
 
 
 def change_kind(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
-    """Make a running job one of another kind, since that is what its files are, and return the claim on it.
+    """Change a running job to the kind of its files, and return the claim on it.
 
     Raises:
-        FenceLost: where the job belongs to someone else.
+        FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
         write_fenced(session, claim, kind=kind, request=request, touched=clock())

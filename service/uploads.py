@@ -1,4 +1,4 @@
-"""Files that clients handed in before they ask for a job with them."""
+"""Files that clients upload before they create a job with them."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from .models import IdempotencyRow, UploadRow
 from .store import Store, StoredFile
 
 DAY_SECONDS = 86400.0
-"""Over how long uploads are added up [s]."""
+"""Period over which uploads are summed [s]."""
 
 
 class UploadUnknown(NotFound):
-    """No such file was uploaded with this key; upload it first."""
+    """This key has not uploaded such a file; upload it first."""
 
     code = "upload.unknown"
 
 
 class DayFull(GarmentqError):
-    """The key has uploaded as many bytes within 24 hours as it may; wait until the first are a day old."""
+    """The key has reached its number of uploaded bytes in 24 hours; wait until the first are a day old."""
 
     code = "key.day_bytes"
 
@@ -45,18 +45,18 @@ class IdempotencyMismatch(BadInput):
 def keep_upload(
     database: Database, store: Store, key: str, path: Path, given: tuple[str, str], day_bytes: int | None = None
 ) -> StoredFile:
-    """Keep an uploaded file, and that this key may use it as what it was uploaded; the newest name counts.
+    """Store an uploaded file, and that this key may use it as its kind; a new name replaces an older one.
 
     Args:
-        database: Where that is noted.
-        store: Where the file is kept.
+        database: The database for the row.
+        store: The store for the file.
         key: Id of the API key, or empty.
         path: The file.
-        given: Its name, and what it was uploaded as: `scans`, say.
-        day_bytes: Most bytes that the key may upload a day; None: any number.
+        given: Its name, and its kind, `scans` for example.
+        day_bytes: Largest number of bytes that the key may upload in 24 hours; None: unlimited.
 
     Raises:
-        DayFull: where the files of the key's last 24 hours would be more than `day_bytes`; None: any number.
+        DayFull: if the files of the key's last 24 hours would exceed `day_bytes`.
     """
     kept = store.put(path)
     with database.write() as session:
@@ -72,10 +72,10 @@ def keep_upload(
 
 
 def check_day(database: Database, key: str, size: int, day_bytes: int | None) -> None:
-    """Look whether a key may upload a file of a size [bytes] before it is sent; the same file again costs nothing.
+    """Check whether a key may upload a file of a size [bytes] before it is sent; the same file again does not count.
 
     Raises:
-        DayFull: where it may not.
+        DayFull: if it may not.
     """
     if day_bytes is not None:
         with database.read() as session:
@@ -83,12 +83,12 @@ def check_day(database: Database, key: str, size: int, day_bytes: int | None) ->
 
 
 def _printable(name: str) -> str:
-    """Return a file's own name without folders and what cannot be printed; it is cleaned where it becomes a path."""
+    """Return a file's name without folders and unprintable characters; it is cleaned further when used as a path."""
     return "".join(filter(str.isprintable, Path(name).name))[-255:]
 
 
 def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: str = "") -> None:
-    """Add up what the key uploaded within a day; a file that comes again counts once, by its latest time."""
+    """Sum what the key uploaded within a day; a file uploaded again counts once, by its latest time."""
     latest = (UploadRow.key == key) & (UploadRow.created > clock() - DAY_SECONDS) & (UploadRow.sha256 != sha256)
     found = select(func.coalesce(func.sum(UploadRow.size), 0), clock() - func.min(UploadRow.created)).where(latest)
     used, age = session.execute(found).one()
@@ -98,10 +98,10 @@ def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: st
 
 
 def find_upload(database: Database, key: str, sha256: str, kind: str | None = None) -> UploadRow:
-    """Return an upload of a key; with `kind` one that was uploaded as that.
+    """Return an upload of a key; with `kind` only one of that kind.
 
     Raises:
-        UploadUnknown: where this key did not upload it, or as something else.
+        UploadUnknown: if this key did not upload it, or as another kind.
     """
     with database.read() as session:
         row = session.get(UploadRow, (key, sha256))
@@ -109,18 +109,18 @@ def find_upload(database: Database, key: str, sha256: str, kind: str | None = No
         raise UploadUnknown(f"no file {sha256[:12]} was uploaded with this key; upload it first.")
     if kind is not None and row.kinds and kind not in row.kinds:  # uploads of earlier versions have no kind
         was = ", ".join(row.kinds)
-        raise UploadUnknown(f"file {sha256[:12]} was uploaded to /v1/{was}; upload it to /v1/{kind} to use it so.")
+        raise UploadUnknown(f"file {sha256[:12]} was uploaded to /v1/{was}; upload it to /v1/{kind} too.")
     return row
 
 
 def begin_idempotent(database: Database, key: str, token: str, request: str) -> str | None:
-    """Note what an Idempotency-Key is used for.
+    """Record the request of an Idempotency-Key.
 
     Returns:
-        The job that it made before, or None.
+        The job that it created before, or None.
 
     Raises:
-        IdempotencyMismatch: where it was used for another request.
+        IdempotencyMismatch: if it was used for another request.
     """
     fingerprint = hashlib.sha256(request.encode()).hexdigest()
     with database.write() as session:
@@ -137,7 +137,7 @@ def begin_idempotent(database: Database, key: str, token: str, request: str) -> 
 
 
 def end_idempotent(database: Database, key: str, token: str, job: str) -> None:
-    """Note the job that an Idempotency-Key made."""
+    """Record the job that an Idempotency-Key created."""
     with database.write() as session:
         row = session.get(IdempotencyRow, (key, token))
         if row is not None:

@@ -1,4 +1,4 @@
-"""Look whether every stored file that a row names is there, and is what it was when it was put there."""
+"""Check that every stored file that a row names exists and is unchanged."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .store import ArtifactMissing, Store
 
 @dataclass(frozen=True)
 class FileReference:
-    """Name a stored file as people know it: `owner` is a job, a template or an upload, `name` the file's own."""
+    """Describe a reference to a stored file: `owner` is a job, a template or an upload, `name` the file's own."""
 
     sha256: str
     owner: str
@@ -27,7 +27,7 @@ class FileReference:
 
 @dataclass(frozen=True)
 class Fault:
-    """State that a file is `missing` or `damaged`, with everybody who names it."""
+    """Describe a file that is `missing` or `damaged`, with all references to it."""
 
     sha256: str
     fault: str
@@ -36,7 +36,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class VerificationResult:
-    """Describe what was looked at, and what is wrong with it: files, and rows that cannot be read."""
+    """Describe what was checked, and the faults: files, and rows that cannot be read."""
 
     files: int
     size: int
@@ -45,15 +45,15 @@ class VerificationResult:
 
 
 def verify_store(database: Database, store: Store, is_data_read: bool) -> VerificationResult:
-    """Look for every file that a row names, and for rows that cannot be read; it goes on past both.
+    """Check every file that a row names, and find rows that cannot be read; it continues after each fault.
 
     Args:
-        database: Whose rows name the files.
-        store: Where the files are.
-        is_data_read: Read every byte and compare its hash with the name; otherwise look only whether it is there.
+        database: The database whose rows name the files.
+        store: The store of the files.
+        is_data_read: Read every byte and compare its hash with the key; otherwise check only that it exists.
 
     Raises:
-        StoreUnreachable: where the store is away.
+        StoreUnreachable: if the store is unavailable.
     """
     rows = database.find_damaged()
     with (database.sound if rows else database).read() as session:
@@ -74,10 +74,10 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
 
 
 def is_sound(store: Store, sha256: str) -> bool:
-    """Return whether a stored file's bytes are those that it was put there with.
+    """Return whether a stored file's bytes are unchanged.
 
     Raises:
-        ArtifactMissing: where it is gone.
+        ArtifactMissing: if it does not exist.
     """
     digest = hashlib.sha256()
     try:
@@ -89,7 +89,7 @@ def is_sound(store: Store, sha256: str) -> bool:
 
 
 def find_file_references(session: Session) -> Iterator[FileReference]:
-    """Return every stored file that a row names, once for each that does."""
+    """Yield every reference of a row to a stored file."""
     artifacts = select(ArtifactRow.sha256, ArtifactRow.job, ArtifactRow.kind, ArtifactRow.name)
     for sha256, job, kind, name in session.execute(artifacts.execution_options(yield_per=1000)):
         yield FileReference(sha256, f"job {job}", name if kind == "result" else f"{kind} {name}")

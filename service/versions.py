@@ -1,4 +1,4 @@
-"""Versions of a result: the one that was recovered or derived, and every edit of it, of an edit, and so on."""
+"""Versions of a result: the recovered or derived one, and every edit of it, of an edit, and so on."""
 
 from __future__ import annotations
 
@@ -17,13 +17,12 @@ if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
 EDIT = "edit"
-"""The kind whose jobs are versions."""
+"""Kind of the jobs that are versions."""
 
 
 @dataclass(frozen=True)
 class Version:
-    """Name one version of a result: `predecessor` is the job that it was made from, null for the first; `created` in s
-    since 1970."""
+    """Describe one version of a result: `predecessor` is null for the first; `created` in s since 1970."""
 
     __pydantic_config__: ClassVar = CLOSED
     job: str
@@ -36,7 +35,7 @@ class Version:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         values = {item.name: found[item.name] for item in fields(cls)}
         before = found["predecessor"]
         ids = {"job": check_id(found["job"]), "predecessor": None if before is None else check_id(before)}
@@ -49,12 +48,12 @@ class Version:
 
 @skip_damaged_rows
 def list_versions(database: Database, job: str, owner: str = "") -> list[Version]:
-    """Return all versions of the result that a job is one of, oldest first: each stands behind its predecessor.
+    """Return all versions of the result that a job belongs to, oldest first: each follows its predecessor.
 
     Args:
-        database: Where they are.
+        database: The jobs' database.
         job: Id of any of them.
-        owner: An API key's id: only jobs that it asked for; empty: all.
+        owner: An API key's id: only its jobs; empty: all.
     """
     with database.read() as session:
         first = job

@@ -1,4 +1,4 @@
-"""Which addresses a webhook may reach: the public internet, and what the operator allows beyond it."""
+"""Addresses that a webhook may reach: the public internet, and networks that the operator allows."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 MAX_WEBHOOK_URL_LENGTH = 2000
-"""Longest address [characters], about what proxies take."""
+"""Longest address [characters], about the limit of proxies."""
 PORTS = {"https": 443, "http": 80}
 
 TUNNEL_NETWORKS = tuple(ipaddress.ip_network(text) for text in ("2001::/32", "2002::/16", "192.88.99.0/24"))
-"""Teredo and 6to4: public addresses behind which any other IPv4 address may be."""
+"""Teredo and 6to4: public addresses that may lead to any IPv4 address."""
 
 UNICAST = ipaddress.ip_network("2000::/3")
-"""All that is handed out of IPv6 for the internet; NAT64 and mapped addresses lie outside."""
+"""The part of IPv6 that is assigned to the internet; NAT64 and mapped addresses are outside."""
 
 
 class WebhookBad(BadInput):
@@ -33,7 +33,7 @@ class WebhookBad(BadInput):
 
 
 class AddressForbidden(WebhookBad):
-    """The webhook's host has an address that is not public; GARMENTQ_WEBHOOK_NETWORKS allows networks of one's own."""
+    """The webhook's host has an address that is not public; GARMENTQ_WEBHOOK_NETWORKS allows further networks."""
 
     code = "webhook.address_forbidden"
 
@@ -43,15 +43,15 @@ def check_url(url: str, networks: str) -> SplitResult:
 
     Args:
         url: The address.
-        networks: Networks that are allowed beyond the public ones, with commas between.
+        networks: Networks that are allowed beyond the public ones, separated by commas.
 
     Raises:
-        WebhookBad: where it cannot be one.
-        AddressForbidden: where its host is an address that is not allowed.
+        WebhookBad: if it cannot be one.
+        AddressForbidden: if its host is an address that is not allowed.
     """
     allowed = read_networks(networks)
     if len(url) > MAX_WEBHOOK_URL_LENGTH or not re.fullmatch(r"[!-~]+", url):
-        raise WebhookBad(f"a webhook is made of at most {MAX_WEBHOOK_URL_LENGTH} printable ASCII letters.")
+        raise WebhookBad(f"a webhook has at most {MAX_WEBHOOK_URL_LENGTH} printable ASCII characters.")
     try:
         parts = urlsplit(url)
         host, port = parts.hostname, parts.port
@@ -71,7 +71,7 @@ def read_networks(text: str) -> list[Network]:
     """Return the networks of GARMENTQ_WEBHOOK_NETWORKS.
 
     Raises:
-        ServiceSettingBad: where one is none.
+        ServiceSettingBad: if one is invalid.
     """
     try:
         return [ipaddress.ip_network(one.strip()) for one in text.split(",") if one.strip()]
@@ -80,17 +80,17 @@ def read_networks(text: str) -> list[Network]:
 
 
 def is_allowed(address: Address, scheme: str, networks: Sequence[Network]) -> bool:
-    """Return whether a message may go to an address: a public one by https, or one of the allowed networks."""
+    """Return whether a message may be sent to an address: a public one by https, or one of the allowed networks."""
     if any(address in network for network in networks if network.version == address.version):
         return True
     return scheme == "https" and is_public(address)
 
 
 def is_public(address: Address) -> bool:
-    """Return whether an address is one of the internet.
+    """Return whether an address is on the public internet.
 
     Not public are loopback, private, shared (100.64/10), link-local, unique-local, multicast, reserved, documentation
-    and unspecified addresses, and those of IPv6 that stand for an address of IPv4.
+    and unspecified addresses, and IPv6 addresses that stand for an IPv4 address.
     """
     if address.version == 6 and address not in UNICAST:
         return False
@@ -99,11 +99,11 @@ def is_public(address: Address) -> bool:
 
 
 async def resolve(host: str, port: int, scheme: str, networks: Sequence[Network]) -> list[Address]:
-    """Ask once where a host is; who sends connects to what is returned here, and asks no more.
+    """Resolve a host once; the sender connects to the returned addresses and does not resolve again.
 
     Raises:
-        OSError: where the name has no address.
-        AddressForbidden: where one of the addresses is not allowed; a host with a public and a private one is a trap.
+        OSError: if the name has no address.
+        AddressForbidden: if one of the addresses is not allowed; a host with a public and a private one is an attack.
     """
     found = await asyncio.get_running_loop().getaddrinfo(host, port, type=socket.SOCK_STREAM)
     addresses = [ipaddress.ip_address(str(one[4][0]).partition("%")[0]) for one in found]

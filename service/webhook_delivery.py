@@ -22,21 +22,21 @@ from .webhooks import Message
 
 log = logging.getLogger(__name__)
 
-UNREACHABLE_MESSAGE = "the host has no public address, does not answer, or its certificate is not trusted"
-"""What is told of every message that reached nobody: names of an inner network are not to be found out by asking."""
+UNREACHABLE_MESSAGE = "the host has no public address, does not respond, or its certificate is not trusted"
+"""Fixed text for every undelivered message: its sender must not learn the names of an inner network."""
 
 WEBHOOK_DELIVERY_TIMEOUT = 5.0
-"""Time limit of one message [s], from the look-up of its address to the head of the answer."""
+"""Time limit of one message [s], from the look-up of its address to the head of the response."""
 
 
 def sign(secret: str, mark: str, at: int, body: bytes) -> str:
-    """Return the signature of a message as Standard Webhooks 1.0.0 has it: HMAC-SHA256 of `ID.TIME.BODY`.
+    """Return the signature of a message by Standard Webhooks 1.0.0: HMAC-SHA256 of `ID.TIME.BODY`.
 
     Args:
         secret: `whsec_` and the key in base64.
         mark: The message's id.
         at: When it is sent [s since 1970].
-        body: What is sent.
+        body: The content.
 
     Returns:
         `v1,` and the digest in base64.
@@ -47,26 +47,26 @@ def sign(secret: str, mark: str, at: int, body: bytes) -> str:
 
 
 async def send(message: Message, networks: str, context: ssl.SSLContext | None = None) -> Receipt:
-    """Send a message; what keeps it from arriving is told in fixed words, never raised.
+    """Send a message; a failure is returned as a fixed text, never raised.
 
     Args:
-        message: What to send.
+        message: The message.
         networks: Networks that are allowed beyond the public ones.
-        context: Whom to trust; by default the system's authorities.
+        context: Trusted certificates; by default the system's authorities.
     """
     try:
         async with asyncio.timeout(WEBHOOK_DELIVERY_TIMEOUT):
             status = await _post(message, networks, context or _make_tls_context())
     except TimeoutError:
-        return Receipt(None, f"no answer within {WEBHOOK_DELIVERY_TIMEOUT:g} s")
+        return Receipt(None, f"no response within {WEBHOOK_DELIVERY_TIMEOUT:g} s")
     except (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError, WebhookBad) as error:
         log.info("message %s was not sent: %s: %s", message.id, type(error).__name__, error)
         return Receipt(None, UNREACHABLE_MESSAGE)
-    return Receipt(status, None if 200 <= status < 300 else f"the answer was {status}, not 2xx")
+    return Receipt(status, None if 200 <= status < 300 else f"the response was {status}, not 2xx")
 
 
 async def _post(message: Message, networks: str, context: ssl.SSLContext) -> int:
-    """Return the status of the answer; nothing else of it is read."""
+    """Return the status of the response; nothing else of it is read."""
     url, at = check_url(message.url, networks), int(time.time())
     assert url.hostname is not None
     port = url.port or PORTS[url.scheme]
@@ -102,7 +102,7 @@ async def _post(message: Message, networks: str, context: ssl.SSLContext) -> int
 
 
 def _pin_address(url: SplitResult, address: Address, port: int) -> str:
-    """Return the address of a request with the host's own address in place of its name."""
+    """Return the URL of a request with the host's resolved address in place of its name."""
     host = f"[{address}]" if address.version == 6 else str(address)
     query = f"?{url.query}" if url.query else ""
     return f"{url.scheme}://{host}:{port}{url.path or '/'}{query}"

@@ -1,4 +1,4 @@
-"""What leaves the service of its webhooks; see `records.py`."""
+"""Records of webhooks; see `records.py`."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Webhook:
-    """Show an address that is told when jobs end, without its secret.
+    """Describe a webhook, without its secret.
 
     Attributes:
-        id: Its name.
-        key: Whose jobs it is told of; empty: all jobs.
-        url: Where messages go.
-        states: The endings that it is told of.
-        created: When it was made [s since 1970].
-        served: When the latest message was sent [s since 1970]; None where there was none.
-        status: HTTP status of the latest answer; None where there was none.
-        error: Why the latest message was not taken; None where it was.
-        owed: Messages that are still to be sent.
+        id: Its id.
+        key: Key whose jobs it receives messages about; empty: all jobs.
+        url: Address of the messages.
+        states: End states that it receives messages about.
+        created: When it was created [s since 1970].
+        served: When the latest message was sent [s since 1970]; None if there was none.
+        status: HTTP status of the latest response; None if there was none.
+        error: Why the latest message was not accepted; None if it was.
+        owed: Number of messages that are still to be sent.
     """
 
     id: str
@@ -46,7 +46,7 @@ class Webhook:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         return cls(
             id=check_id(found["webhook"]),
             key=str(found["key"]),
@@ -66,7 +66,7 @@ class Webhook:
 
 @dataclass(frozen=True)
 class Receipt:
-    """Describe what came of one message: the answer's status, or why there was none; without `error` it was taken."""
+    """Describe the outcome of a message: the response's status, or why there was none; no `error`: it was accepted."""
 
     __pydantic_config__: ClassVar = CLOSED
     status: int | None
@@ -74,6 +74,6 @@ class Receipt:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
+        """Read a service's response."""
         status, error = found["status"], found["error"]
         return cls(None if status is None else int(status), None if error is None else str(error))

@@ -1,4 +1,4 @@
-"""Try a webhook by a message that takes the road of all others: it is owed, and whoever carries those carries it."""
+"""Test of a webhook by a message that is queued and sent as all others."""
 
 from __future__ import annotations
 
@@ -10,28 +10,26 @@ from .webhook_records import Receipt
 from .webhooks import queue_trial, read_receipt, withdraw_message
 
 WEBHOOK_TRIAL_TIMEOUT = 30.0
-"""Longest wait for the result of a trial [s]: a worker starts its courier within two, and a message takes 5 s at most,
-after the one that is on its way."""
+"""Longest wait for the result of a test [s]: a worker starts its courier within two, and a message takes 5 s at most,
+after the one that is being sent."""
 
 TRIAL_POLL_INTERVAL = 0.2
-"""Interval at which the result of a trial is looked for [s]."""
+"""Interval at which the result of a test is polled [s]."""
 
-UNSENT_RECEIPT = Receipt(
-    None, "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send"
-)
-"""What is known of a message that was not sent."""
+UNSENT_RECEIPT = Receipt(None, "it was not sent in time: start a worker, or `garmentq courier` if workers do not send")
+"""Receipt of a message that was not sent."""
 
 
 async def try_webhook(database: Database, webhook: str, key: str | None = None) -> Receipt:
-    """Owe a webhook a message of the type `test`, wait until it was sent once, and return what came of it.
+    """Queue a message of the type `test` for a webhook, wait until it was sent once, and return the outcome.
 
     Args:
-        database: Where the webhook is.
+        database: The webhook's database.
         webhook: Its id.
-        key: Whose it must be; None: anybody's.
+        key: Key that must own it; None: any.
 
     Raises:
-        WebhookUnknown: where there is none.
+        WebhookUnknown: if there is none.
     """
     message = await asyncio.to_thread(queue_trial, database, webhook, key)
     try:

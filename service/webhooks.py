@@ -1,7 +1,7 @@
-"""Webhooks: an address that is told when jobs end. What is owed to it stands in the database until it was taken.
+"""Webhooks: addresses that receive messages when jobs end. Messages are stored in the database until they are accepted.
 
-A message is written in the transaction that ends the job. It is sent again until it is answered with 2xx: whoever
-sends it may die between the answer and the note of it, so a receiver may see a message twice, under the same id.
+A message is written in the transaction that ends the job. It is sent again until it is answered with 2xx: its sender
+may die between the response and recording it, so a receiver may see a message twice, under the same id.
 """
 
 from __future__ import annotations
@@ -26,20 +26,21 @@ from .webhook_address import check_url
 from .webhook_records import Receipt, Webhook
 
 MAX_KEY_WEBHOOKS = 10
-"""Webhooks of one key."""
+"""Largest number of webhooks of one key."""
 
 TAKEN_SECONDS = 30.0
-"""How long a message is its sender's alone [s]; it takes 5 s at most, or its sender has died."""
+"""Time for which a message is claimed by its sender [s]; sending takes 5 s at most, or the sender has died."""
 
 FIRST_PAUSE, PAUSE_GROWTH_FACTOR, MAX_DELIVERY_PAUSE = 10.0, 4.0, 6 * 3600.0
-"""First pause after a message was not taken [s], the factor by which each next pause is longer, and the longest pause
-[s]: 10 s, 40 s, 160 s, ... up to 6 h."""
+"""First pause after a message was not accepted [s], the factor by which each next pause is longer, and the longest
+pause [s]: 10 s, 40 s, 160 s, ... up to 6 h."""
 
 MAX_DELIVERY_TRIES = 9
-"""How often a message is sent; with these pauses the last goes 16 hours after the first, longer than a night."""
+"""Largest number of attempts for a message; with these pauses the last is 16 hours after the first, longer than a
+night."""
 
 KEPT_SECONDS = 7 * 86400.0
-"""How long a message is kept that was taken or given up [s]."""
+"""Time for which an accepted or abandoned message is kept [s]."""
 
 SECRET_BYTES = 32
 """Random bytes of a signing secret, as many as SHA-256 has."""
@@ -52,20 +53,20 @@ class WebhookUnknown(NotFound):
 
 
 class WebhooksFull(BadInput):
-    """The key has as many webhooks as it may; delete one first."""
+    """The key has reached its number of webhooks; delete one first."""
 
     code = "webhook.too_many"
 
 
 @dataclass(frozen=True)
 class Message:
-    """Describe what is to be sent.
+    """Describe a message that is to be sent.
 
     Attributes:
-        id: The same whenever it is sent again.
-        url: Where to.
-        secret: What signs it.
-        body: JSON values.
+        id: Its id, the same in every attempt.
+        url: Its address.
+        secret: Secret that signs it.
+        body: Its content, as JSON values.
     """
 
     id: str
@@ -77,18 +78,18 @@ class Message:
 def create_webhook(
     database: Database, url: str, states: Sequence[State], networks: str, key: str = ""
 ) -> tuple[Webhook, str]:
-    """Keep an address that is told of a key's jobs from now on; its secret is returned here and never again.
+    """Create a webhook for a key's jobs that end from now on; return it with its secret, which is returned only here.
 
     Args:
-        database: Where it is kept.
-        url: Where messages go.
-        states: The endings that it is told of; empty: all.
+        database: The webhooks' database.
+        url: Address of the messages.
+        states: End states that it receives messages about; empty: all.
         networks: Networks that are allowed beyond the public ones.
-        key: Whose jobs; empty: everybody's.
+        key: Key of the jobs; empty: all jobs.
 
     Raises:
-        WebhookBad: where the address cannot be used.
-        WebhooksFull: where the key has as many as it may.
+        WebhookBad: if the address cannot be used.
+        WebhooksFull: if the key has reached its number of webhooks.
     """
     check_url(url, networks)
     secret = "whsec_" + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
@@ -101,7 +102,7 @@ def create_webhook(
         lock_key(session, key)
         count = session.scalar(select(func.count()).select_from(WebhookRow).where(WebhookRow.key == key)) or 0
         if count >= MAX_KEY_WEBHOOKS:
-            raise WebhooksFull(f"there are {count} webhooks, as many as a key may have; delete one first.")
+            raise WebhooksFull(f"there are {count} webhooks, the largest number of a key; delete one first.")
         session.add(row)
         session.flush()
         session.refresh(row)
@@ -110,7 +111,7 @@ def create_webhook(
 
 @skip_damaged_rows
 def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
-    """Return the webhooks of a key, or with None all, the oldest first."""
+    """Return the webhooks of a key, or with None all, oldest first."""
     owed = select(func.count()).select_from(DeliveryRow)
     owed = owed.where(DeliveryRow.webhook == WebhookRow.id, DeliveryRow.due.is_not(None))
     wanted = select(WebhookRow, owed.correlate(WebhookRow).scalar_subquery())
@@ -122,10 +123,10 @@ def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
 
 
 def delete_webhook(database: Database, webhook: str, key: str | None = None) -> Webhook:
-    """Delete a webhook with all that is owed to it, and return what it was; with a key only one of its own.
+    """Delete a webhook and its unsent messages, and return it; with a key only one of its own.
 
     Raises:
-        WebhookUnknown: where there is none.
+        WebhookUnknown: if there is none.
     """
     with database.write() as session:
         row = _find(session, webhook, key)
@@ -134,10 +135,10 @@ def delete_webhook(database: Database, webhook: str, key: str | None = None) -> 
 
 
 def queue_trial(database: Database, webhook: str, key: str | None = None) -> str:
-    """Owe a webhook a message of the type `test`, before all others and to be sent once; return the message's id.
+    """Queue a message of the type `test`, before all others and for one attempt; return the message's id.
 
     Raises:
-        WebhookUnknown: where there is none.
+        WebhookUnknown: if there is none.
     """
     mark = uuid.uuid4().hex
     with database.write() as session:
@@ -149,20 +150,20 @@ def queue_trial(database: Database, webhook: str, key: str | None = None) -> str
 
 
 def read_receipt(database: Database, message: str) -> Receipt | None:
-    """Return what came of a message that is not to be sent any more; None while it is."""
+    """Return the outcome of a message that is no longer to be sent; None while it is."""
     with database.read() as session:
         row = session.get(DeliveryRow, message)
         return None if row is None or row.due is not None else Receipt(row.status, row.error)
 
 
 def withdraw_message(database: Database, message: str) -> None:
-    """Owe a message no longer."""
+    """Delete a message."""
     with database.write() as session:
         session.execute(delete(DeliveryRow).where(DeliveryRow.id == message))
 
 
 def queue_messages(session: Session, job: str, state: State) -> None:
-    """Owe each webhook that may see an ended job one message, in the transaction that ends the job."""
+    """Queue one message for each webhook that may see an ended job, in the transaction that ends the job."""
     owned = exists().where(OwnerRow.job == job, OwnerRow.key == WebhookRow.key)
     hooks = session.scalars(select(WebhookRow).where((WebhookRow.key == "") | owned, _is_valid())).all()
     wanted = [hook.id for hook in hooks if state in hook.states]
@@ -187,7 +188,7 @@ def has_due(database: Database) -> bool:
 
 @skip_damaged_rows
 def claim_due_messages(database: Database, most: int) -> list[Message]:
-    """Take some messages to send, one for each webhook, whoever was served longest ago first."""
+    """Claim some messages to send, one for each webhook, the webhook served longest ago first."""
     wanted = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
     found = []
     with database.write() as session:
@@ -200,7 +201,7 @@ def claim_due_messages(database: Database, most: int) -> list[Message]:
 
 
 def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
-    """Note what came of a message: one that was not taken is due again after a pause, until it is given up."""
+    """Record the outcome of a message: if it was not accepted, it is due again after a pause, until it is abandoned."""
     with database.write() as session:
         row = session.get(DeliveryRow, message)
         if row is None:
@@ -215,13 +216,13 @@ def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
 
 
 def find_pause(tries: int) -> float:
-    """Return how long to wait [s] after a message was not taken so many times."""
+    """Return the pause [s] after a number of failed attempts."""
     return min(MAX_DELIVERY_PAUSE, FIRST_PAUSE * PAUSE_GROWTH_FACTOR ** (min(tries, 20) - 1))
 
 
 @skip_damaged_rows
 def forget_messages(database: Database) -> int:
-    """Remove what was taken or given up long ago, or is owed to a key that is no more; return how many rows."""
+    """Delete messages that ended long ago, or whose key is no longer valid; return how many rows."""
     over = DeliveryRow.due.is_(None) & (DeliveryRow.created < clock() - KEPT_SECONDS)
     gone = DeliveryRow.webhook.in_(select(WebhookRow.id).where(~_is_valid()))
     with database.write() as session:
@@ -229,19 +230,19 @@ def forget_messages(database: Database) -> int:
 
 
 def _is_due() -> ColumnElement[bool]:
-    """Return what a message that is to be sent fulfils; one that lies further ahead than any pause is so, too."""
+    """Return the condition of a due message; one beyond the longest pause is due too (the clock was set back)."""
     return (DeliveryRow.due <= clock()) | (DeliveryRow.due > clock() + MAX_DELIVERY_PAUSE + AHEAD_SECONDS)
 
 
 def _is_waiting() -> ColumnElement[bool]:
-    """Return what a webhook fulfils that nobody serves just now, and that a message is to be sent to."""
+    """Return the condition of a valid webhook that has a due message and no current sender."""
     latest = clock() + TAKEN_SECONDS + AHEAD_SECONDS
     is_free = (WebhookRow.taken_until <= clock()) | (WebhookRow.taken_until > latest)
     return is_free & exists().where(DeliveryRow.webhook == WebhookRow.id, _is_due()) & _is_valid()
 
 
 def _is_valid() -> ColumnElement[bool]:
-    """Return what a webhook fulfils whose key was neither revoked nor has expired."""
+    """Return the condition of a webhook whose key was neither revoked nor has expired."""
     is_over = ApiKeyRow.revoked.is_not(None) | (ApiKeyRow.expires <= clock())
     return ~exists().where(ApiKeyRow.id == WebhookRow.key, is_over)
 

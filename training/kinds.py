@@ -16,7 +16,14 @@ from typing import Any
 import numpy as np
 
 from ..core.people.features import FEATURE_LAYOUT_VERSION
-from ..core.people.learnt import LimbCells, Network, NetworkEnsemble, kinds_to_parts, parts_to_kinds, save_ensemble
+from ..core.people.learnt import (
+    TRAINING_HEADS,
+    LimbCells,
+    Network,
+    NetworkEnsemble,
+    kinds_to_parts,
+    parts_to_kinds,
+)
 from .describe import Described
 from .judge import Judged, judge
 from .network import PersonNetwork
@@ -91,3 +98,14 @@ def describe_training(
 
 if __name__ == "__main__":
     main()
+
+
+def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
+    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, without training heads."""
+    arrays: dict[str, np.ndarray] = {"version": np.array(FEATURE_LAYOUT_VERSION)}
+    for i, network in enumerate(committee.networks):
+        arrays[f"{i}.temperature"] = np.array(network.temperature)
+        for name, value in network.weights.items():
+            if name.split(".")[0] not in TRAINING_HEADS:
+                arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]

@@ -1,1 +1,1 @@
-"""Turn queued jobs into results: the Celery application and its task."""
+"""Run queued jobs: the Celery application, its task and its worker process."""

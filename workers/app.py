@@ -1,4 +1,4 @@
-"""The Celery application: early acknowledgement, no results, JSON only. A message is a wake-up with a job id."""
+"""The Celery application: early acknowledgement, no stored results, JSON only. A message is a wake-up with a job id."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ if TYPE_CHECKING:
     from celery import Celery
 
 CHANNELS = {queue: "garmentq" if queue == QUEUES[0] else f"garmentq.{queue}" for queue in QUEUES}
-"""The broker's list for each queue of jobs."""
+"""Name of the broker's list for each queue of jobs."""
 
 TASK = "garmentq.recover"
 
 HARD_EXTRA_SECONDS = 60.0
-"""How much longer than `max_seconds` a child lives before it is killed [s]: time for its own, orderly end."""
+"""Time beyond `max_seconds` after which a child process is killed [s]; within it the child can end by itself."""
 
 LOST_SECONDS = 0.5
-"""How long a dead child may still have a result in its pipe [s]; no result is kept there, so a moment is enough."""
+"""Time that Celery waits for a result in the pipe of a dead child [s]; results are not stored, so a moment is
+enough."""
 
 BROKER_SECONDS = 5
-"""Longest wait for the broker's answer, and the period of the connection's health check [s]."""
+"""Longest wait for the broker's response, and the period of the connection's health check [s]."""
 
 
 def make_app(settings: ServiceSettings) -> Celery:
-    """Make the application for a broker; nothing is connected yet."""
+    """Return the Celery application for a broker; no connection is opened yet."""
     from celery import Celery
 
     app = Celery("garmentq", broker=broker_url(settings), set_as_current=False)
@@ -42,10 +43,10 @@ def make_app(settings: ServiceSettings) -> Celery:
         task_time_limit=settings.max_seconds + HARD_EXTRA_SECONDS,
         task_publish_retry=False,
         worker_prefetch_multiplier=1,
-        worker_disable_prefetch=True,  # a message in a busy worker's hands is one that an idle worker cannot take
+        worker_disable_prefetch=True,  # an idle worker cannot take a message that a busy one has prefetched
         worker_lost_wait=LOST_SECONDS,
         worker_send_task_events=False,
-        worker_enable_remote_control=False,  # a message could end a worker; signals do
+        worker_enable_remote_control=False,  # a message could stop a worker; only signals may
         worker_hijack_root_logger=False,
         worker_redirect_stdouts=False,
         broker_connection_retry_on_startup=True,
@@ -61,7 +62,7 @@ def make_app(settings: ServiceSettings) -> Celery:
 
 
 def publish(app: Celery, job: str, queue: str = QUEUES[0]) -> None:
-    """Send one wake-up for a job; raises at once where the broker is away."""
+    """Send one wake-up for a job; raise at once if the broker is unavailable."""
     app.send_task(TASK, args=(job,), queue=CHANNELS[queue], task_id=uuid.uuid4().hex, retry=False, ignore_result=True)
 
 

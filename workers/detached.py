@@ -1,4 +1,4 @@
-"""Start a process that outlives the one that started it."""
+"""Start processes that outlive their parent process."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..service.signals import defer_stop_signals
 
 
 def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> int:
-    """Start a command in a session of its own, with nothing to read and its output added to a log.
+    """Start a command in a session of its own, without input and with its output appended to a log.
 
     Returns:
-        The process id, which is also that of its group.
+        The process id, which is also that of its process group.
     """
     make_private(log.parent)
     actions = [
@@ -29,7 +29,7 @@ def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | N
 
 
 def has_ended(process: int) -> bool:
-    """Return whether a process that this one launched has ended."""
+    """Return whether a process that this process launched has ended."""
     try:
         return os.waitpid(process, os.WNOHANG)[0] == process
     except ChildProcessError:
@@ -37,22 +37,22 @@ def has_ended(process: int) -> bool:
 
 
 def end_group(process: int) -> None:
-    """Tell a launched process and all it started to end."""
+    """Send SIGTERM to a launched process and all processes that it started."""
     with suppress(ProcessLookupError):
         os.killpg(process, signal.SIGTERM)
 
 
 def kill_group(process: int) -> None:
-    """Kill a launched process and all it started."""
+    """Kill a launched process and all processes that it started."""
     with suppress(ProcessLookupError):
         os.killpg(process, signal.SIGKILL)
 
 
 @contextmanager
 def launch_or_kill(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> Iterator[int]:
-    """Start a command as `launch` does; kill it where the block does not find it up: it failed, or was told to stop.
+    """Start a command as `launch` does; kill it if the block raises: the start failed or was interrupted.
 
-    A signal that comes while the process starts is handled when its id is known: else nobody could end it.
+    Stop signals are deferred until the process id is known: without the id nothing could end the process.
     """
     process: int | None = None
     try:

@@ -1,4 +1,4 @@
-"""Start and stop what an embedded home needs: a broker and one worker, both detached from the command that asked."""
+"""Start and stop the broker and the worker of an embedded home; both outlive the command that started them."""
 
 from __future__ import annotations
 
@@ -22,20 +22,21 @@ from .threads import VARIABLES, count_cores
 log = logging.getLogger(__name__)
 
 KEEP_SECONDS = 5.0
-"""How often somebody looks whether broker and worker are alive [s]."""
+"""Interval at which broker and worker are checked to be alive [s]."""
 
 WORKER_START_TIMEOUT = 30.0
 """Time limit of the worker's start [s]; it takes about 1 s on an idle machine."""
 
 GRACE_SECONDS = 20.0
-"""How long a worker has to bring its jobs to a stop [s]: a stage asks several times a second whether it must."""
+"""Time for a worker to stop its jobs [s]; a stage checks several times a second whether it must stop."""
 
 
 STOPPED = "stopped"
-"""File that `garmentq down` leaves: whoever waits for a job must not start again what it stopped."""
+"""File that `garmentq down` creates: a waiting command must not restart what the user stopped."""
 
 LOOK_SECONDS = 1.0
-"""How long somebody may have the lock only to look whether it is free [s]; in truth a few microseconds."""
+"""Longest time that another process may hold the lock only to check whether it is free [s]; in practice a few
+microseconds."""
 
 
 class StoppedByUser(GarmentqError):
@@ -54,14 +55,14 @@ def ensure_services(settings: ServiceSettings, workers: int | None = None) -> li
     """Start the broker and the worker unless they run.
 
     Args:
-        settings: Which home.
-        workers: Jobs at a time; None: one per core.
+        settings: Settings of the home.
+        workers: Number of jobs at a time; None: one per core.
 
     Returns:
         What was started, `broker` and `worker`.
 
     Raises:
-        BrokerUnreachable, WorkerNotStarted: where one of them does not come up.
+        BrokerUnreachable, WorkerNotStarted: if one of them does not start.
     """
     folder = run_folder(settings)
     (folder / STOPPED).unlink(missing_ok=True)
@@ -75,7 +76,7 @@ def ensure_services(settings: ServiceSettings, workers: int | None = None) -> li
 
 @contextmanager
 def keep_services_up(settings: ServiceSettings, workers: int | None = None) -> Iterator[None]:
-    """Start broker and worker again where they die within the block, unless a person stops them."""
+    """Restart broker and worker if they die within the block, unless the user stopped them."""
     ended = threading.Event()
 
     def keep() -> None:
@@ -96,7 +97,7 @@ def keep_services_up(settings: ServiceSettings, workers: int | None = None) -> I
 
 
 def stop_services(settings: ServiceSettings) -> list[str]:
-    """Stop the worker (its jobs go back to the queue), then the broker.
+    """Stop the worker, whose jobs return to the queue, then the broker.
 
     Returns:
         What was stopped.
@@ -109,7 +110,7 @@ def stop_services(settings: ServiceSettings) -> list[str]:
 
 
 def was_stopped(settings: ServiceSettings) -> bool:
-    """Return whether a person stopped the services, and nobody has started them since."""
+    """Return whether a user stopped the services and they have not been started since."""
     return (run_folder(settings) / STOPPED).exists()
 
 
@@ -119,7 +120,7 @@ def is_worker_up(settings: ServiceSettings) -> bool:
 
 
 def hold_worker_lock(settings: ServiceSettings) -> int | None:
-    """Become the embedded worker of a home, or give None where there is one; leaves a pid file."""
+    """Take the lock of a home's embedded worker and write its pid file; return None if another worker has the lock."""
     folder = run_folder(settings)
     deadline = time.monotonic() + LOOK_SECONDS
     while (lock := take_lock(folder / "worker.lock")) is None and time.monotonic() < deadline:
@@ -130,7 +131,7 @@ def hold_worker_lock(settings: ServiceSettings) -> int | None:
 
 
 def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
-    """Start a worker process and wait until it holds its lock."""
+    """Start a worker process and wait until it has taken its lock."""
     environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
     deadline = time.monotonic() + WORKER_START_TIMEOUT

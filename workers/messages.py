@@ -1,7 +1,7 @@
-"""Only a job's id is believed of a message: what holds none is told in the log and dropped, and the worker lives on.
+"""Reading of the broker's messages: of each message only the job id is used; an invalid message is logged and dropped.
 
-A message that cannot be acknowledged, because the broker is away, does not keep others from being read. Celery ends a
-worker whose reading of a message fails, and obeys what a message says of times and replies.
+Celery stops a worker that fails to read a message, and obeys the times and reply addresses in a message. Both are
+prevented here. A message that cannot be acknowledged because the broker is unavailable does not block the others.
 """
 
 from __future__ import annotations
@@ -24,29 +24,29 @@ from .app import TASK
 log = logging.getLogger(__name__)
 
 JOB = re.compile(r"[0-9A-Za-z_-]{1,64}")
-"""What may be a job's id."""
+"""Pattern of a job id."""
 
 
 class MessageGuard(bootsteps.StartStopStep):
-    """Guard how a worker's connection reads messages; a new connection is guarded anew."""
+    """Replace how a worker's connection reads messages; each new connection is treated again."""
 
     requires = ("celery.worker.consumer.tasks:Tasks",)
 
     def start(self, consumer: Any) -> None:
-        """Put the guard around the reader."""
+        """Install the guarded reader."""
         channel, app = consumer.task_consumer.channel, consumer.app
         original = channel.Message
 
         class WakeUp(original):  # type: ignore[misc, valid-type]
-            """A message of which only the job's id is kept."""
+            """Represent a message of which only the job id is kept."""
 
             def __init__(self, payload: Any, channel: Any = None, **rest: Any) -> None:
                 super().__init__(make_wake_up(app, payload), channel=channel, **rest)
 
             def ack(self, multiple: bool = False) -> None:
-                """Acknowledge; where the broker is away the message is forgotten all the same.
+                """Acknowledge the message, and forget it even if the broker is unavailable.
 
-                Celery only logs that. The message would take its place for ever, and no other would be read.
+                Celery only logs that error: the message would keep its place in the queue and block all others.
                 """
                 try:
                     super().ack(multiple)
@@ -59,14 +59,14 @@ class MessageGuard(bootsteps.StartStopStep):
 
 
 def make_wake_up(app: Celery, payload: Any) -> dict[str, Any]:
-    """Return a message for the job that one from the broker names; nothing else of it is kept.
+    """Return a new message for the job that a broker's message names; nothing else of that message is kept.
 
     Args:
-        app: The application that made the message, if it is a wake-up.
-        payload: What the broker gave, as JSON values.
+        app: The application that builds the new message.
+        payload: The broker's message, as JSON values.
 
     Raises:
-        ValueError, TypeError, LookupError, RecursionError: where it names no job.
+        ValueError, TypeError, LookupError, RecursionError: if it names no job.
     """
     job = json.loads(base64.b64decode(payload["body"]))[0][0]
     if payload["headers"]["task"] != TASK or not JOB.fullmatch(job):
@@ -84,7 +84,7 @@ def make_wake_up(app: Celery, payload: Any) -> dict[str, Any]:
 
 
 def _guard(read: Callable[[], Any]) -> Callable[[], Any]:
-    """Return a reader that drops what cannot be read; that the broker is away passes through."""
+    """Return a reader that drops unreadable messages; errors of an unavailable broker are raised."""
 
     def read_one() -> Any:
         try:
@@ -92,7 +92,7 @@ def _guard(read: Callable[[], Any]) -> Callable[[], Any]:
         except (Empty, OSError, RedisError):
             raise
         except Exception as error:
-            log.warning("a message in the broker is no wake-up and was dropped: %s", type(error).__name__)
+            log.warning("a message in the broker is not a wake-up and was dropped: %s", type(error).__name__)
             return True
 
     return read_one

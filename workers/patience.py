@@ -1,4 +1,4 @@
-"""How a worker meets an outage: it claims nothing without a store, and keeps a result until it can be written."""
+"""Behaviour of a worker during an outage: it claims no job without a store, and retries a write until it succeeds."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 AWAY_SECONDS = 0.2
-"""Pause between two tries to reach a database or store that is away, and between two looks whether to stop [s]."""
+"""Pause between two attempts to reach an unavailable database or store, and between two checks whether to stop [s]."""
 
 MAX_STORE_CHECK_PAUSE = 30.0
-"""Longest pause between two looks at the store [s]: what the queue stands still after it is back."""
+"""Longest pause between two checks of the store [s]: the longest delay of the queue after the store is back."""
 
 
 def wait_for_store(
     settings: ServiceSettings, database: Database, store: Store, is_draining: Callable[[], bool]
 ) -> bool:
-    """Wait until the store answers and has room: a worker without one would only take jobs that others could do.
+    """Wait until the store responds and has room: without a store a worker would only take jobs that others could do.
 
     Returns:
-        False where it stays away for long, or the worker is to stop; the wake-up is published again then.
+        False if the store stays unavailable, or the worker is to stop; the wake-up is then published again.
     """
     deadline, tries = time.monotonic() + MAX_OUTAGE_PAUSE, 0
     while not is_draining() and time.monotonic() < deadline:
@@ -42,7 +42,7 @@ def wait_for_store(
             end_outages(database, socket.gethostname())
             return True
         except Unavailable as error:
-            log.warning("no job is begun: %s", error)
+            log.warning("no job is started: %s", error)
             _report_outage(database, error)
         pause, tries = min(MAX_STORE_CHECK_PAUSE, find_pause(settings.pause_seconds, tries)), tries + 1
         until = time.monotonic() + pause
@@ -52,14 +52,15 @@ def wait_for_store(
 
 
 def persist(write: Callable[[], T], watch: LeaseKeeper) -> T:
-    """Repeat a write while database or store is away, and return what it does.
+    """Repeat a write while database or store is unavailable, and return its result.
 
-    A database is waited for as long as the job may take: the fence tells afterwards whether it still is this worker's.
-    A store is waited for some minutes; then the job rests in the queue, and goes on from its last checkpoint.
+    An unavailable database is waited for as long as the job may run: afterwards the fence shows whether the job is
+    still this worker's. The store is waited for a few minutes; then the job returns to the queue and resumes from its
+    last checkpoint.
 
     Raises:
-        Unavailable: where it stayed away for longer, or the job must stop.
-        FenceLost: where another worker has taken the job over.
+        Unavailable: if the outage lasts longer, or the job must stop.
+        FenceLost: if another worker has taken the job over.
     """
     deadline, told = time.monotonic() + MAX_OUTAGE_PAUSE, ""
     while True:
@@ -81,7 +82,7 @@ def persist(write: Callable[[], T], watch: LeaseKeeper) -> T:
 
 
 def _report_outage(database: Database, outage: Unavailable) -> str:
-    """Note what this host waits for where others see it, if they can; return its code."""
+    """Record for other hosts, if possible, what this host waits for; return the outage's code."""
     if not isinstance(outage, DatabaseUnreachable):
         with suppress(GarmentqError):
             note_outage(database, socket.gethostname(), outage.code)
@@ -90,7 +91,7 @@ def _report_outage(database: Database, outage: Unavailable) -> str:
 
 @contextmanager
 def tolerate_outage(job: str, note: dict[str, Any]) -> Iterator[None]:
-    """Go on without a report or checkpoint while database or store is away; the watch tells when that lasts too long.
+    """Continue without a report or checkpoint during an outage; the lease keeper limits its duration.
 
     Args:
         job: The job's id.
@@ -101,4 +102,4 @@ def tolerate_outage(job: str, note: dict[str, Any]) -> Iterator[None]:
     except Exception as error:
         if find_outage(error) is None:
             raise
-        log.warning("job %s goes on: %s", job, error, extra=note)
+        log.warning("job %s continues: %s", job, error, extra=note)

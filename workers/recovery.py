@@ -1,4 +1,4 @@
-"""One job in a pool child: claim it, run the pipeline on it, keep what it found."""
+"""One job in a child process of the pool: claim it, run its kind, store its result."""
 
 from __future__ import annotations
 
@@ -46,29 +46,29 @@ from .watch import JobTooLong, LeaseKeeper
 log = logging.getLogger(__name__)
 
 REPORT_SECONDS = 0.5
-"""Shortest time between two progress events of one stage [s]; more often is not seen, and each is a row."""
+"""Shortest time between two progress events of one stage [s]; each event is a row of the database."""
 
 MEMORY = "job.out_of_memory"
-"""Code of a job that met the limit of its process."""
+"""Code of a job that exceeded the memory limit of its process."""
 
 FORCED_EXIT_STATUS = 75
-"""Exit status of a child that ended under its job; the conventional one for `try again later`."""
+"""Exit status of a child process that ended before its job did; EX_TEMPFAIL of sysexits.h."""
 
 
 def run_job(
     settings: ServiceSettings, database: Database, wakeup: str, is_draining: Callable[[], bool], mark: str = ""
 ) -> str:
-    """Work on the most urgent job of the woken job's queue, if there is one to claim.
+    """Claim and run the most urgent job of the queue of a wake-up's job, if there is one.
 
     Args:
-        settings: Where everything is.
-        database: Where the job is.
-        wakeup: The job id that the broker's message carries.
-        is_draining: Tells whether this worker was told to stop.
-        mark: Ends the owner's name, so that the parent finds what a dead child held.
+        settings: Settings of the home.
+        database: The jobs' database.
+        wakeup: The job id in the broker's message.
+        is_draining: Returns whether this worker must stop.
+        mark: End of the owner's name, by which the parent finds the claim of a dead child.
 
     Returns:
-        What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `reschedule` or `lost`.
+        The outcome: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `put_off` or `lost`.
     """
     if is_draining():
         return "unclaimed"  # the job stays queued, and another worker's reaper publishes it again
@@ -78,7 +78,7 @@ def run_job(
         ready = wait_for_store(settings, database, store, is_draining)
         held = claim_next(database, wakeup, owner, settings.lease_seconds) if ready else None
     except (DatabaseUnreachable, RowDamaged) as error:
-        log.warning("no job is begun: %s", error)
+        log.warning("no job is started: %s", error)
         held = None
     if held is None:
         return "unclaimed"
@@ -86,7 +86,7 @@ def run_job(
     log.info("job %s attempt %d starts", held.job, held.attempt, extra=note)
 
     def force(reason: str) -> None:
-        """End this process under a job that does not stop; what it did since its last checkpoint is lost."""
+        """End this process, whose job does not stop; its work since the last checkpoint is lost."""
         log.warning("job %s does not stop (%s): its process ends", held.job, reason, extra=note)
         try:
             _stop(database, held, reason, settings.max_seconds)
@@ -144,7 +144,7 @@ def _work(services: Services, held: Claim, watch: LeaseKeeper) -> str:
 def _begin(
     services: Services, held: Claim, watch: LeaseKeeper, folder: Path
 ) -> tuple[Kind, Any, RunContext, KindChange | None]:
-    """Unpack and check a job's files, and find out whether they are what another kind works on."""
+    """Copy and check a job's files, and find whether they belong to another kind."""
     settings, database = services.settings, services.database
     kind = find_kind(settings, held.kind)
     request = read_request(kind.request, held.request)
@@ -158,14 +158,14 @@ def _begin(
 
 
 def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
-    """End an attempt that was told to stop."""
+    """End an attempt that must stop."""
     if reason == "cancelled":
         end_cancelled(database, held)
     elif reason == "released":
         release(database, held)
     elif reason == "too_long":
         message = (
-            f"the job took longer than {seconds:g} s; ask for less (fewer --vertices, a shorter motion), "
+            f"the job took longer than {seconds:g} s; use fewer --vertices or a shorter motion, "
             "or raise GARMENTQ_MAX_SECONDS."
         )
         fail(database, held, JobTooLong.code, message, bad_input=False)
@@ -176,8 +176,8 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
 def _reschedule(
     settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: LeaseKeeper
 ) -> str:
-    """Put a job back that met an outage, and say so where the workers are shown."""
-    log.warning("job %s is put off: %s", held.job, outage, extra=make_note(held))
+    """Return a job that met an outage to the queue, and record the outage for the display of workers."""
+    log.warning("job %s is rescheduled: %s", held.job, outage, extra=make_note(held))
     persist(partial(note_outage, database, socket.gethostname(), outage.code), watch)
     persist(partial(reschedule, database, held, outage, settings.pause_seconds), watch)
     return "put_off"
@@ -201,7 +201,7 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
 
 @contextmanager
 def work_folder(root: Path, job: str) -> Iterator[Path]:
-    """Make an empty folder for a job for the block; what an attempt that was killed left behind is removed first."""
+    """Yield an empty folder for a job; what a killed attempt left behind is removed first."""
     make_private(root)
     for left in root.glob(f"{job}-*"):
         shutil.rmtree(left, ignore_errors=True)
@@ -210,10 +210,10 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
 
 
 def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: Any) -> RunContext:
-    """Put a job's files into a folder, each alone in a folder of its own, and what it reads of other jobs' results.
+    """Copy a job's files, each into a folder of its own, and the results of other jobs that it reads.
 
     Raises:
-        ResultMissing: where a job that is read has no result.
+        ResultMissing: if a job that is read has no result.
     """
     work = RunContext(services.settings, folder / "files", {}, folder / "result")
     work.out.mkdir(parents=True)
@@ -227,7 +227,7 @@ def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: A
 
 
 def make_hooks(database: Database, store: Store, held: Claim, watch: LeaseKeeper, pace: Pace = Pace()) -> Hooks:  # noqa: B008
-    """Connect a pipeline's four calls to the job's row; `pace` tells how far a stage brings the whole."""
+    """Return hooks that write progress and checkpoints to the job's row; `pace` estimates the overall progress."""
     pacer = ProgressEstimator(pace)
     last: dict[str, Any] = {"stage": "", "at": 0.0}
 

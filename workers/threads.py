@@ -1,4 +1,4 @@
-"""How many threads the numeric libraries of one process may use."""
+"""Number of threads that the numeric libraries of one process may use."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMB
 
 
 def limit_threads(count: int) -> None:
-    """Limit libraries not yet loaded by their variables, and torch by its own call where it is loaded."""
+    """Limit the threads of libraries that are not loaded yet by variables, and of a loaded torch by its API."""
     os.environ.update(dict.fromkeys(VARIABLES, str(count)))
     torch = sys.modules.get("torch")
     if torch is not None:
@@ -17,7 +17,7 @@ def limit_threads(count: int) -> None:
 
 
 def count_cores() -> int:
-    """Count the cores that this process may use: its affinity, and the quota of its control group."""
+    """Count the cores that this process may use, by its CPU affinity and the quota of its control group."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:
         with open("/sys/fs/cgroup/cpu.max", encoding="ascii") as stream:

@@ -1,4 +1,4 @@
-"""The thread beside a running job: renews its lease, and learns whether the job must stop."""
+"""The thread beside a running job: it renews the job's lease and detects that the job must stop."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class JobTooLong(GarmentqError):
 
 
 def _do_nothing(reason: str) -> None:
-    """Do not force anything."""
+    """Do nothing."""
 
 
 class LeaseKeeper:
-    """Keep a claim alive in the background.
+    """Renew a claim's lease in a background thread.
 
     Attributes:
-        reason: Empty while the job may go on; else `lost`, `cancelled`, `released` or `too_long`.
-        database: Where the job is.
+        reason: Empty while the job may continue; else `lost`, `cancelled`, `released` or `too_long`.
+        database: The job's database.
     """
 
     def __init__(
@@ -46,7 +46,15 @@ class LeaseKeeper:
     ) -> None:
         """Prepare the thread; `with` runs it.
 
-        `force` is called with the reason where the job has not stopped `grace_seconds` after it was told to.
+        Args:
+            database: The job's database.
+            claim: The claim that is renewed.
+            lease_seconds: Duration of a lease [s].
+            poll_seconds: Interval of the checks whether the job was cancelled [s].
+            max_seconds: Longest time of the attempt [s].
+            is_draining: Returns whether the worker must stop.
+            grace_seconds: Time that the job has to stop [s].
+            force: Called with the reason if the job has not stopped after `grace_seconds`.
         """
         self.reason = ""
         self.database = database
@@ -85,7 +93,7 @@ class LeaseKeeper:
                     if is_due
                     else read_cancel_flag(self.database, self._claim)
                 )
-            except GarmentqError:  # the database is away; once it is back the fence tells whose the job is
+            except GarmentqError:  # the database is unavailable; the fence will show whose the job is
                 pulse = HeartbeatResult(is_owner=True, is_cancelled=False)
             else:
                 renewed = now if is_due else renewed
@@ -104,7 +112,7 @@ class LeaseKeeper:
         return "too_long" if seconds > self._max else ""
 
     def _keep_alive(self, renewed: float) -> None:
-        """Go on renewing while the stage finds its way out, and force it where it does not."""
+        """Continue to renew the lease while the stage stops, and call `force` if it does not."""
         deadline = time.monotonic() + self._grace
         while time.monotonic() < deadline:
             if self._ended.wait(min(self._grace, self._lease / BEATS_PER_LEASE)):

@@ -1,6 +1,6 @@
-"""A Celery worker: prefork children that run jobs, and in the parent's own loop the dispatcher and the reaper.
+"""The Celery worker: child processes run the jobs; the parent's event loop runs the dispatcher and the reaper.
 
-The two loops are timers of the parent's event loop, not threads: a fork beside a running thread could copy a held lock.
+Both are timers of the event loop, not threads: a fork beside a running thread could copy a locked lock.
 """
 
 from __future__ import annotations
@@ -56,28 +56,28 @@ from .threads import limit_threads
 log = logging.getLogger(__name__)
 
 LIFE_SECONDS = 5.0
-"""How often a worker says that it lives [s]."""
+"""Interval between a worker's heartbeats [s]."""
 
 IDLE_CHECK_SECONDS = 5.0
-"""Longest period of the look whether an embedded worker may go home [s]."""
+"""Longest interval between the checks whether an embedded worker is idle and may stop [s]."""
 
 FORGET_OLD_SECONDS = 3600.0
-"""How often old rows of the audit log and of sent messages are removed [s]: they are kept for days."""
+"""Interval at which old rows of the audit log and of sent messages are deleted [s]; rows are kept for days."""
 
 
 class DispatcherStep(bootsteps.StartStopStep):
-    """Dispatch and reap from the parent's event loop, where this worker holds the duty."""
+    """Run dispatcher and reaper in the parent's event loop while this worker has the leader lease."""
 
     requires = ("celery.worker.components:Timer", "celery.worker.components:Pool")
 
     def start(self, parent: Any) -> None:
-        """Begin the rounds."""
+        """Start the timers."""
         self.settings: ServiceSettings = parent.app.garmentq_settings
         self.database = Database(self.settings.database, pooled=False)
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
-        # A dying child's pipe closes a moment before the system tells of its end; Celery then looks again after 5 s.
+        # A dying child's pipe closes a moment before the system reports its end; Celery would check again after 5 s.
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
         self.showed, self.forgot = 0.0, -FORGET_OLD_SECONDS
         self.courier: int | None = None
@@ -88,15 +88,15 @@ class DispatcherStep(bootsteps.StartStopStep):
             parent.timer.call_repeatedly(period, self._go_home_if_idle)
 
     def stop(self, parent: Any) -> None:
-        """Hand the duties to another worker at once; the parent's timers go on while its children finish."""
+        """Release the leader lease at once; the parent's timers continue while its children finish."""
         self.rounds.cancel()
         if self.courier is not None and not has_ended(self.courier):
-            end_group(self.courier)  # what it has not sent stays owed
+            end_group(self.courier)  # messages that it has not sent stay pending
         try:
             remove_worker(self.database, self.name)
             release_leader_lease(self.database, DISPATCHER_LEASE, self.name)
         except GarmentqError as error:
-            log.warning("the duty could not be dropped: %s", error)
+            log.warning("the leader lease could not be released: %s", error)
 
     def _round(self) -> None:
         try:
@@ -126,12 +126,12 @@ class DispatcherStep(bootsteps.StartStopStep):
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
 
     def _send_messages(self) -> None:
-        """Let a courier send what is owed to webhooks, one courier at a time, unless one runs apart."""
+        """Start a courier if webhook messages are due and none runs, unless a separate courier sends them."""
         if self.settings.send_messages and (self.courier is None or has_ended(self.courier)) and has_due(self.database):
             self.courier = start_courier(self.settings, dict(os.environ))
 
     def _go_home_if_idle(self) -> None:
-        """Stop where nothing happened for long; a worker waits as long for its first job, whatever lies behind."""
+        """Stop an embedded worker after `idle_seconds` without a job, counted from its start at the earliest."""
         if time.monotonic() - self.began < self.settings.idle_seconds:
             return
         try:
@@ -145,21 +145,20 @@ class DispatcherStep(bootsteps.StartStopStep):
 def run_worker(
     settings: ServiceSettings, concurrency: int, lock: int | None = None, queues: Sequence[str] = QUEUES
 ) -> int:
-    """Run a worker in this process until SIGTERM, SIGHUP or SIGINT; more of them change nothing.
+    """Run a worker in this process until SIGTERM, SIGHUP or SIGINT; further signals have no effect.
 
     Args:
-        settings: Where everything is.
-        concurrency: Pool children, each with one job at a time.
+        settings: Settings of the home.
+        concurrency: Number of child processes, each with one job at a time.
         lock: Descriptor of the embedded worker's lock; such a worker stops after `idle_seconds` without a job.
-
-        queues: Which queues of jobs it serves.
+        queues: The queues of jobs that it serves.
 
     Returns:
         Exit status.
     """
     in_use = use_home(settings)
     set_up_logs(bool(settings.log_json))
-    # Root is safe here: nothing but JSON is accepted, so a message can start nothing but a job.
+    # Running as root is safe here: only JSON is accepted, so a message can only start a job.
     warnings.simplefilter("ignore", SecurityWarning)
     limit_threads(settings.threads)
     open_database(settings, pooled=False).dispose()
@@ -190,16 +189,16 @@ def run_worker(
 
 
 def _make_worker(app: Celery, **options: Any) -> Any:
-    """Return a worker that stops in order whichever signal tells it to, and however often.
+    """Return a worker that stops gracefully on each stop signal, however often it comes.
 
-    Celery's own ends its jobs at the second SIGINT, and starts itself anew at a SIGHUP.
+    Celery's own worker aborts its jobs at the second SIGINT, and restarts itself at a SIGHUP.
     """
 
     class Worker(app.Worker):
-        """Work until told to stop."""
+        """Stop gracefully on SIGTERM, SIGINT and SIGHUP."""
 
         def install_platform_tweaks(self, worker: Any) -> None:
-            """Listen to all as to SIGTERM; one that is ignored stays so (nohup)."""
+            """Handle SIGINT and SIGHUP as SIGTERM; an ignored SIGHUP stays ignored (nohup)."""
             is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
             super().install_platform_tweaks(worker)
             stop = signal.getsignal(signal.SIGTERM)
@@ -210,7 +209,7 @@ def _make_worker(app: Celery, **options: Any) -> Any:
 
 
 def limit_job_memory(megabytes: int) -> None:
-    """Limit what this process may allocate; libraries that are only mapped do not count, nor do its own children."""
+    """Limit the memory that this process may allocate; mapped libraries and child processes do not count."""
     if megabytes and sys.platform == "linux":
         hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
         wanted = megabytes * 10**6
@@ -219,16 +218,16 @@ def limit_job_memory(megabytes: int) -> None:
 
 
 def _ignore_signal(number: int, frame: object) -> None:
-    """Do nothing about a signal; unlike one that is ignored it does not stay so in a program that is started."""
+    """Do nothing; unlike SIG_IGN, this handler is not inherited by a program that is started."""
 
 
 def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int | None) -> None:
-    """Add the task, and what a child does first; `draining` is memory that parent and children share."""
+    """Add the task and the initialisation of a child; `draining` is memory that parent and children share."""
     held: dict[str, Database] = {}
 
     @app.task(name=TASK, ignore_result=True, bind=True)
     def recover(task: Any, job: str) -> str:
-        for number in (signal.SIGTERM, signal.SIGHUP):  # may be sent to all of a unit or terminal; the parent tells us
+        for number in (signal.SIGTERM, signal.SIGHUP):  # sent to a whole unit or terminal; the parent stops us
             signal.signal(number, _ignore_signal)
         return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
 
@@ -247,7 +246,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
     @signals.worker_process_init.connect(weak=False)
     def begin(**_: Any) -> None:
         if lock is not None:
-            os.close(lock)  # a child that outlives a killed parent must not look like a living worker
+            os.close(lock)  # a child that outlives a killed parent must not pass for a running worker
         limit_threads(settings.threads)
         limit_job_memory(settings.job_memory_mb)
         held["database"] = Database(settings.database)

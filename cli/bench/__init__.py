@@ -1,4 +1,4 @@
-"""Recover target packs in a folder, and compare with the truth."""
+"""Recover target packs in a folder, and compare the results with the truth."""
 
 from .run import command
 

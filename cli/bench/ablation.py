@@ -1,4 +1,4 @@
-"""Switch off one part of the inverse loop or the deformer at a time, in a process of its own (thesis tables 3.4, 4.3).
+"""Run the inverse loop or the deformer without one part at a time, in a process of its own (thesis tables 3.4, 4.3).
 
 python -m garmentq.cli.bench.ablation ORDER.json LINES.jsonl
 """
@@ -25,28 +25,28 @@ if TYPE_CHECKING:
     from .packs import Pack
 
 ABLATION_SAMPLE_COUNT = 10_000
-"""Number of samples of each surface for the distances: they then scatter by about a per cent."""
+"""Number of samples of each surface for the distances, which then scatter by about 1 %."""
 
 
 ABLATION_VERTEX_COUNT = 2000
 """Number of vertices of the meshes: half of a recovery's, so that nine runs take 2 minutes; every row has the same."""
 
 ABLATION_ADAM_ITERATIONS = (40, 30)
-"""Largest numbers of Adam's steps before and after the fabric joins in: enough for most of the descent; every row has
-the same."""
+"""Largest numbers of Adam's iterations before and after the fabric is optimised too: enough for most of the descent;
+every row has the same."""
 
 
 @dataclass(frozen=True)
 class Switch:
-    """Name one part and what switches it off.
+    """Describe one part and the settings that switch it off.
 
     Attributes:
-        name: As the thesis' table has it; `ours` is everything on.
+        name: As in the thesis' table; `ours` has every part on.
         table: `3.4` (the inverse loop, dress) or `4.3` (the deformer, S01).
         thesis: Chamfer distance [1e-3 m2] and normal similarity there.
-        descent: What changes in `InverseSettings`.
-        deforming: What changes in `DeformSettings`.
-        graded: False where the deformer starts from the drape of the base pattern.
+        descent: Changes of `InverseSettings`.
+        deforming: Changes of `DeformSettings`.
+        graded: False if the deformer starts from the drape of the base pattern.
     """
 
     name: str
@@ -70,12 +70,12 @@ SWITCHES = (
     Switch("w/o normal consistency", "4.3", (0.124, 0.173), deforming={"normal": 0.0}),
     Switch("w/o bending loss", "4.3", (0.158, 0.052), deforming={"bending": 0.0}),
 )
-"""Every row of both tables. Without physics the later steps are taken all the same, with the fabric as it is."""
+"""Every row of both tables. Without physics the later iterations run with the fabric unchanged."""
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """Choose what is switched off.
+    """Describe the runs of an ablation.
 
     Attributes:
         pack: The target's folder.
@@ -89,7 +89,7 @@ class Ablation:
 
 
 def empty_line(target: str, switch: Switch | None = None) -> Line:
-    """Return the line of a run of which nothing is known yet."""
+    """Return the line of a run without results yet."""
     return {
         "target": target,
         "table": None if switch is None else switch.table,
@@ -103,11 +103,11 @@ def empty_line(target: str, switch: Switch | None = None) -> Line:
 
 
 KEY_METRICS = ("chamfer_vertex_m2e3", "normal_cosine")
-"""What the thesis' tables hold; of the simulation mesh in 3.4, of the detail mesh in 4.3."""
+"""The measures of the thesis' tables; of the simulation mesh in 3.4, of the detail mesh in 4.3."""
 
 
 def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
-    """Recover a pack with everything on, and with each part off; hand each line to `write` as soon as it is known.
+    """Recover a pack with every part on, and with each part off; pass each line to `write` as soon as it is known.
 
     All runs share the body, the graded drape and its mesh.
     """
@@ -126,7 +126,7 @@ def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
 
 
 def _run(stage: _Stage, switch: Switch) -> Line:
-    """Run one row; an error is in its line."""
+    """Run one row; an error is stored in its line."""
     line = empty_line(stage.pack.name, switch)
     with keep_failure(line):
         line["metrics"] = stage.descend(switch) if switch.table == "3.4" else stage.deform(switch)
@@ -136,7 +136,7 @@ def _run(stage: _Stage, switch: Switch) -> Line:
 
 @dataclass(frozen=True)
 class _Stage:
-    """What all rows of a pack share: the graded drape, and that of the base pattern beside it."""
+    """Describe what all rows of a pack share: the graded drape, and the drape of the base pattern."""
 
     pack: Pack
     case: Case
@@ -146,7 +146,7 @@ class _Stage:
 
     @classmethod
     def of(cls, pack: Pack, preset: str) -> _Stage:
-        """Go as far as the graded drape, and drape the base pattern beside it."""
+        """Run the steps up to the graded drape, and drape the base pattern."""
         from ...core.recover.deform.settings import DeformSettings
         from ...core.recover.drape.stage import drape_graded, drape_template, remesh
         from ...core.recover.methods import GRADING_STEPS
@@ -203,7 +203,7 @@ class _Stage:
 
 
 def print_ablation(lines: Sequence[Line]) -> None:
-    """Print both tables, the thesis' figures beside ours, and whether each row's direction is the thesis'."""
+    """Print both tables, the thesis' figures beside ours, and whether each row changes in the thesis' direction."""
     for table, title in (("3.4", "the inverse loop, simulation mesh"), ("4.3", "the deformer, detail mesh")):
         rows: list[list[object]] = []
         for line, holds in judge_rows([line for line in lines if line["table"] == table]):
@@ -233,7 +233,7 @@ def print_ablation(lines: Sequence[Line]) -> None:
 
 
 def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
-    """Find for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
+    """Yield for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
     ours = {line["target"]: line["metrics"] for line in lines if line["setting"] == OURS and line["ok"]}
     for line in lines:
         known = ours.get(line["target"])

@@ -1,4 +1,4 @@
-"""The CPU time that numba takes to compile kernels: once an installation, and no part of what a recovery costs."""
+"""The CPU time that numba takes to compile kernels, once an installation: it is not part of a recovery's cost."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numba.core import event
 
 
 class CompileClock(event.Listener):
-    """Sum the CPU seconds of compilations; one inside another counts once, and what is read from the cache does not.
+    """Sum the CPU seconds of compilations; nested ones count once, and kernels read from the cache do not count.
 
     Attributes:
         seconds: CPU seconds so far.
@@ -23,13 +23,13 @@ class CompileClock(event.Listener):
         self._start = 0.0
 
     def on_start(self, event: Any) -> None:
-        """Begin with the outermost compilation."""
+        """Start the clock at the outermost compilation."""
         if self._depth == 0:
             self._start = time.process_time()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """End with the outermost compilation."""
+        """Stop the clock at the outermost compilation."""
         self._depth -= 1
         if self._depth == 0:
             self.seconds += time.process_time() - self._start
@@ -37,7 +37,7 @@ class CompileClock(event.Listener):
 
 @contextmanager
 def time_compiling() -> Iterator[CompileClock]:
-    """Measure what is compiled while the context lasts."""
+    """Measure the compilations within the block."""
     clock = CompileClock()
     event.register("numba:compile", clock)  # type: ignore[no-untyped-call]
     try:

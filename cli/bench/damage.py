@@ -1,4 +1,4 @@
-"""Damage a target as scanners and exporters do, so that `garmentq bench --damage` can say what a recovery stands."""
+"""Damage a target as scanners and exporters do, to measure for `garmentq bench --damage` how robust a recovery is."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ...core.geometry.geometry import face_areas
 Mesh = tuple[np.ndarray, np.ndarray]
 
 HOLE_RADII = (0.02, 0.05)
-"""Radii of holes [m]: an armpit's shadow and the largest patch that a hand or a lock of hair hides."""
+"""Radii of holes [m]: the occlusion at an armpit, and the largest patch that a hand or a lock of hair hides."""
 OUTLIER_DISTANCE = 0.05
-"""Distance of an outlier from its place [m], in a random direction. Stray points further off form pieces of their own,
-which every scanner's software drops."""
+"""Distance of an outlier from its original position [m], in a random direction. Points further away form separate
+pieces, which every scanner's software drops."""
 HEM_CUT_HEIGHT = 0.08
 """Height by which a hem is cut off [m]."""
 HEM_CUT_SLOPE = 0.1
@@ -24,13 +24,13 @@ HEM_CUT_SLOPE = 0.1
 
 @dataclass(frozen=True)
 class Damage:
-    """Name one damage and what it does.
+    """Describe one kind of damage.
 
     Attributes:
         name: Stable name, `noise_5mm`.
-        text: What it does, for a table.
+        text: Description, for a table.
         apply: From positions [m], faces and a generator to the damaged mesh.
-        moves_body: True where the file of the wearer's body is damaged alike: units and axes are a scene's.
+        moves_body: True if the file of the wearer's body is changed too: units and axes apply to the whole scene.
     """
 
     name: str
@@ -76,7 +76,7 @@ def add_outliers(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Ge
 
 
 def flip_faces(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Generator], Mesh]:
-    """Turn a share of the faces, drawn one by one; 1 turns all."""
+    """Flip a share of the faces, drawn one by one; 1 flips all."""
 
     def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
         turned = rng.random(len(faces)) < share
@@ -86,8 +86,8 @@ def flip_faces(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Gene
 
 
 def cut_hem(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Remove the faces below a plane `HEM_CUT_HEIGHT` above the lowest point, sloping by `HEM_CUT_SLOPE` to a random
-    side.
+    """Remove the faces below a randomly turned plane of slope `HEM_CUT_SLOPE`, `HEM_CUT_HEIGHT` above the
+    lowest point.
     """
     side = rng.uniform(0.0, 2.0 * np.pi)
     middle = vertices.mean(axis=0)
@@ -97,12 +97,12 @@ def cut_hem(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -
 
 
 def to_centimetres(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Return the file's numbers in centimetres."""
+    """Return the coordinates in centimetres."""
     return 100.0 * vertices, faces
 
 
 def to_z_up(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Return the file's axes with z up: (x, y, z) becomes (x, -z, y)."""
+    """Return the coordinates with z up: (x, y, z) becomes (x, -z, y)."""
     return np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], axis=1), faces
 
 
@@ -112,11 +112,11 @@ DAMAGES = (
     Damage("noise_10mm", "Gaussian noise of 10 mm in every coordinate", add_noise(0.010)),
     Damage("holes_5", "5 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.05)),
     Damage("holes_10", "10 % of the area lost in holes of 2 to 5 cm radius", cut_holes(0.10)),
-    Damage("outliers_3", "3 % of the vertices thrown 5 cm away", add_outliers(0.03)),
-    Damage("flipped_all", "all faces turned", flip_faces(1.0)),
-    Damage("flipped_30", "30 % of the faces turned at random", flip_faces(0.3)),
+    Damage("outliers_3", "3 % of the vertices moved by 5 cm", add_outliers(0.03)),
+    Damage("flipped_all", "all faces flipped", flip_faces(1.0)),
+    Damage("flipped_30", "30 % of the faces flipped at random", flip_faces(0.3)),
     Damage("hem_cut", "the lowest 8 cm cut off along a sloping plane", cut_hem),
     Damage("cm", "numbers in centimetres", to_centimetres, moves_body=True),
     Damage("z_up", "z axis up", to_z_up, moves_body=True),
 )
-"""Every damage of the study; the first is none."""
+"""Every kind of damage of the study; the first is none."""

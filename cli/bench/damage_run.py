@@ -1,4 +1,4 @@
-"""Recover one target pack under every damage, in a process of its own; print what became of it beside the clean run.
+"""Recover one target pack under every damage, in a process of its own; print the results beside the clean run.
 
 python -m garmentq.cli.bench.damage_run ORDER.json LINES.jsonl
 """
@@ -32,7 +32,7 @@ SHOWN_METRICS = (
     "flipped_faces",
     "self_intersecting_faces",
 )
-"""What a line tells of a result, all against the clean truth."""
+"""Metrics of a line, all against the clean truth."""
 
 SAME_TARGET_TOLERANCE = 1e-6
 """Distance of positions below which two targets are the same [m]: float32 in another unit or axis rounds to a tenth of
@@ -41,13 +41,13 @@ it."""
 
 @dataclass(frozen=True)
 class DamageOrder:
-    """Choose the runs of a study.
+    """Describe the runs of a study.
 
     Attributes:
         pack: The target's folder.
         damages: Names of damages; empty: every one.
         presets: Weights of the deformation.
-        seed: Of the damages and the recovery.
+        seed: Seed of the damages and the recovery.
     """
 
     pack: str
@@ -57,11 +57,11 @@ class DamageOrder:
 
 
 def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
-    """Recover a pack under every damage and preset; hand each line to `write` as soon as it is known.
+    """Recover a pack under every damage and preset; pass each line to `write` as soon as it is known.
 
-    The body is registered once where its file is the same. A damage whose target comes out of the repair as the clean
-    one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
-    and is shared between presets. All else is run again.
+    The body is registered once if its file is the same. A damage whose repaired target equals the clean one, vertex by
+    vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset and is shared
+    between presets. Everything else is computed again.
     """
     from .damage import DAMAGES
     from .packs import read_packs
@@ -78,7 +78,7 @@ def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
 
 
 def empty_line(target: str, damage: str, preset: str) -> Line:
-    """Return the line of a run of which nothing is known yet."""
+    """Return the line of a run without results yet."""
     return {
         "target": target,
         "damage": damage,
@@ -94,14 +94,14 @@ def empty_line(target: str, damage: str, preset: str) -> Line:
 
 @dataclass
 class _Study:
-    """Recover one pack again and again, and keep what the runs share.
+    """Recover one pack repeatedly, and keep what the runs share.
 
     Attributes:
         pack: The target.
-        seed: Of the damages and the recovery.
-        folder: For the damaged files.
+        seed: Seed of the damages and the recovery.
+        folder: Folder for the damaged files.
         clean: The undamaged scan after its repair.
-        lines: What is known of the runs, by damage and preset.
+        lines: Results of the runs so far, by damage and preset.
         checkpoints: Arrays that the runs share, by name.
     """
 
@@ -149,7 +149,7 @@ class _Study:
 
 
 def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple[Path, Path | None]:
-    """Write the damaged garment, and where it moves with it the body; give both paths."""
+    """Write the damaged garment, and the body if the damage changes it; return both paths."""
     from ...core.deliver.export.meshes import write_ply
     from .packs import read_true_mesh
 
@@ -165,7 +165,7 @@ def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple
 
 
 def _is_same_target(scan: Scan, clean: Scan) -> bool:
-    """Return whether two scans are one: the same faces on the same places."""
+    """Return whether two scans have the same faces at the same positions."""
     return (
         scan.vertices.shape == clean.vertices.shape
         and np.array_equal(scan.faces, clean.faces)
@@ -188,7 +188,7 @@ def print_study(lines: Sequence[Line]) -> None:
         note = own["error"]["code"] if own["error"] else "as clean" if own["same_as_clean"] else ""
         rows.append([*row, ", ".join([note, *own["untrusted"]]).strip(", ")])
     columns = ["target", "damage", *(f"{preset} {name}" for preset in presets for name in ("s2t", "t2s", "normal"))]
-    print_table([*columns, "note"], rows, title="Damage (mm to the clean truth; contours named are not trusted)")
+    print_table([*columns, "note"], rows, title="Damage (mm to the clean truth; listed contours are not trusted)")
     for preset in presets:
         worst = mean([line["cpu_seconds"] for line in lines if line["preset"] == preset and not line["same_as_clean"]])
         print_table(["preset", "mean CPU s of a run"], [[preset, worst and round(worst, 1)]])

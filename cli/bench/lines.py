@@ -1,4 +1,4 @@
-"""The lines of a bench: a failure is told in its line, and a line is on the disk as soon as it is known."""
+"""The lines of a bench: a failure is stored in its line, and a line is written to the disk as soon as it is known."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 @contextmanager
 def keep_failure(line: Line) -> Iterator[None]:
-    """Run what fills a line; note its CPU seconds, and a failure, which must not hide the other lines, in it."""
+    """Run the code that fills a line; store its CPU seconds, or its failure, so that the other lines are not lost."""
     started = time.process_time()
     try:
         yield
@@ -33,7 +33,7 @@ def keep_failure(line: Line) -> Iterator[None]:
 
 @contextmanager
 def append_lines(path: Path) -> Iterator[Callable[[Line], None]]:
-    """Yield what appends a line to a file of lines of JSON and brings it to the disk."""
+    """Yield a function that appends a line to a file of JSON lines and flushes it."""
     with path.open("a", encoding="utf-8") as out:
 
         def write(line: Line) -> None:
@@ -48,8 +48,8 @@ def answer_order(arguments: Sequence[str], kind: type[T], run: Callable[[T], Lin
 
     Args:
         arguments: ORDER.json and LINE.json.
-        kind: The dataclass that the order is of.
-        run: Does it.
+        kind: The dataclass of the order.
+        run: Runs the order.
     """
     given, answer = (Path(name) for name in arguments)
     line = run(kind(**json.loads(given.read_text(encoding="utf-8"))))

@@ -1,4 +1,4 @@
-"""Read target packs: garments of others with their true patterns, as `garmentq bench` measures us on them."""
+"""Read target packs: garments of other authors with their true patterns, against which `garmentq bench` measures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
 from ...core.run.errors import BadInput, NotFound
 
 FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
-"""Parameters of a fabric that a pack may know, in the simulator's units (N/m, N m, kg/m2)."""
+"""Parameters of a fabric that a pack may have, in the simulator's units (N/m, N m, kg/m2)."""
 
 
 class PacksMissing(NotFound):
@@ -23,7 +23,7 @@ class PacksMissing(NotFound):
 
 
 class PackUnknown(NotFound):
-    """No pack of that name is there; list the folder to see their names."""
+    """There is no pack of that name; list the folder to see the names."""
 
     code = "bench.unknown_pack"
 
@@ -36,20 +36,20 @@ class PackBad(BadInput):
 
 @dataclass(frozen=True)
 class Pack:
-    """Name the files of one target.
+    """Describe the files of one target.
 
     Attributes:
         name: The folder's name.
-        folder: Where it is.
-        category: What its author calls it; only for the table, a recovery never sees it.
+        folder: The folder.
+        category: The author's category; only for the table, it is not passed to a recovery.
         garment: The target's surface.
         body: The wearer's mesh, or None.
         template: The base pattern, or None.
         scan: The fused scan of person and garment that is the input instead of `garment`, or None.
         labels: Which of its vertices are the garment (`is_garment`, 0 or 1), or None.
         truth_body: The person below the cloth, only to measure, or None.
-        fabric: What is known of the true cloth, by the names of the fabric's parameters (N/m, N m, kg/m2); only to
-            measure. Empty where the author has other units, or did not say.
+        fabric: Known parameters of the true cloth, by name (N/m, N m, kg/m2); only to measure. Empty if the author has
+            other units, or does not give them.
     """
 
     name: str
@@ -65,16 +65,16 @@ class Pack:
 
 
 def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
-    """Read the packs of single garments in a folder, in the order of their names; raw packs are passed over.
+    """Read the packs of single garments in a folder, in the order of their names; raw packs are skipped.
 
     Args:
-        folder: Holds one folder per pack; or is itself a pack.
-        only: Names to keep; all where empty.
+        folder: Folder with one folder per pack; or itself a pack.
+        only: Names to keep; empty: all.
 
     Raises:
-        PacksMissing: where no folder has a meta.json.
-        PackUnknown: where a name in `only` is not there.
-        PackBad: where a meta.json is no JSON object.
+        PacksMissing: if no folder has a meta.json.
+        PackUnknown: if a name in `only` does not exist.
+        PackBad: if a meta.json is not a JSON object.
     """
     return tuple(_read_pack(path) for path in find_packs(folder, only) if not is_raw_pack(path))
 
@@ -83,12 +83,12 @@ def find_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Path, ...]:
     """Find the folders of packs of any kind, in the order of their names.
 
     Raises:
-        PacksMissing: where no folder has a meta.json.
-        PackUnknown: where a name in `only` is not there.
+        PacksMissing: if no folder has a meta.json.
+        PackUnknown: if a name in `only` does not exist.
     """
     folders = [folder] if (folder / "meta.json").is_file() else sorted(p.parent for p in folder.glob("*/meta.json"))
     if not folders:
-        raise PacksMissing(f"'{folder}' holds no folder with a meta.json; give the folder that holds the target packs.")
+        raise PacksMissing(f"'{folder}' has no folder with a meta.json; give the folder that holds the target packs.")
     unknown = sorted(set(only) - {path.name for path in folders})
     if unknown:
         names = ", ".join(path.name for path in folders)
@@ -107,13 +107,13 @@ def read_true_mesh(pack: Pack, path: Path | None = None) -> tuple[np.ndarray, np
 
 
 def read_mesh_file(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Read a surface as it is: nothing merged, nothing repaired.
+    """Read a surface unchanged: nothing merged, nothing repaired.
 
     Returns:
         Positions [m], shape [n, 3], and faces, shape [m, 3].
 
     Raises:
-        PackBad: where the file is no triangle mesh.
+        PackBad: if the file is not a triangle mesh.
     """
     import trimesh
 
@@ -124,15 +124,15 @@ def read_mesh_file(path: Path) -> tuple[np.ndarray, np.ndarray]:
     except Exception as error:  # trimesh raises whatever its reader raised
         raise PackBad(f"the truth '{path}' cannot be read as a triangle mesh.") from error
     if not len(faces) or not np.isfinite(vertices).all():
-        raise PackBad(f"the truth '{path}' has no faces, or positions that are no numbers.")
+        raise PackBad(f"the truth '{path}' has no faces, or positions that are not numbers.")
     return vertices, faces
 
 
 def read_true_pattern(pack: Pack) -> TruePattern | None:
-    """Read the truth's pattern, or None where the pack has none.
+    """Read the truth's pattern, or return None if the pack has none.
 
     Raises:
-        PackBad: where pattern.json does not have the format of target packs.
+        PackBad: if pattern.json does not have the format of target packs.
     """
     path = pack.folder / "pattern.json"
     return read_pattern_file(path) if path.is_file() else None
@@ -142,7 +142,7 @@ def read_pattern_file(path: Path) -> TruePattern:
     """Read a true pattern, panels as outlines in metres.
 
     Raises:
-        PackBad: where the file does not have the format of target packs.
+        PackBad: if the file does not have the format of target packs.
     """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
@@ -172,7 +172,7 @@ def _read_pack(folder: Path) -> Pack:
         category = str(meta.get("category", ""))
         fabric = {name: float(meta["fabric"][name]) for name in FABRIC_PARAMETERS if name in (meta.get("fabric") or {})}
     except (ValueError, TypeError, AttributeError, OSError) as error:
-        raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/reference/files.md.") from error
+        raise PackBad(f"'{folder / 'meta.json'}' is not a JSON object; see docs/reference/files.md.") from error
 
     def find(name: str) -> Path | None:
         return folder / name if (folder / name).is_file() else None

@@ -1,4 +1,4 @@
-"""A process of its own for each target of a bench: its memory and seconds are its own, and a crash is one line."""
+"""Run each target of a bench in a process of its own, to measure its memory and time and to survive a crash."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .lines import Line
 
 
 def run_in_process(module: str, order: Any, line: Line, timeout: float) -> Line:
-    """Run one target in a process of its own; whatever becomes of it, return its line.
+    """Run one target in a process of its own, and return its line in every case.
 
     Args:
-        module: Of this room: reads ORDER.json and writes LINE.json.
+        module: Module of this package that reads ORDER.json and writes LINE.json.
         order: The record that the module reads.
-        line: What is returned where the process leaves none, with the error and the CPU seconds in it.
+        line: Returned, with the error and the CPU seconds, if the process writes no line.
         timeout: Time limit [s].
     """
     before = _children_seconds()
@@ -42,7 +42,7 @@ def run_in_process(module: str, order: Any, line: Line, timeout: float) -> Line:
             return finished
         except subprocess.TimeoutExpired:
             line["error"] = {"code": "bench.timed_out", "message": f"stopped after {timeout:.0f} s; raise --timeout."}
-        except (OSError, ValueError):  # it left no line, or half of one
+        except (OSError, ValueError):  # it wrote no line, or an incomplete one
             words = paths[2].read_text(encoding="utf-8", errors="replace").strip().splitlines()
             message = ": ".join([f"the process ended with {status}", *words[-1:]])
             line["error"] = {"code": "bench.crashed", "message": message}

@@ -1,4 +1,4 @@
-"""Measure how far the found contours of the garments lie from the true ones, on the scan itself."""
+"""Measure the distance between the found and the true contours of the garments, on the scan itself."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ CLOUD_EDGE_COUNT = 8
 gaps."""
 
 MAX_CLOUD_EDGE_RATIO = 3.0
-"""Largest ratio of the distance of a neighbour in a cloud to the median distance. A neighbour further off lies across a
+"""Largest ratio of the distance of a neighbour in a cloud to the median distance. A neighbour further away is across a
 gap."""
 
 
 @dataclass(frozen=True)
 class BorderScore:
-    """Compare the contours of garments.
+    """Describe the distances between the contours of garments.
 
     Attributes:
-        median: Half of all border points are closer to the other labelling's border [m]; inf where half have none.
-        p95: 95 % of them are.
-        by_part: The median of each garment by its word; inf where only one labelling has it.
+        median: Median distance of all border points to the other labelling's border [m]; inf if half have none.
+        p95: 95th percentile of it [m].
+        by_part: The median of each garment by its word; inf if only one labelling has it.
     """
 
     median: float
@@ -36,11 +36,11 @@ class BorderScore:
 
 
 def find_edges(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Find which points of a scan are neighbours: a mesh's edges, or in a cloud each point's nearest ones.
+    """Find the neighbouring points of a scan: a mesh's edges, or in a cloud each point's nearest ones.
 
     Args:
         points: Positions [m], shape [n, 3].
-        faces: Triangles, shape [m, 3]; of a cloud none.
+        faces: Triangles, shape [m, 3]; empty for a cloud.
 
     Returns:
         Pairs of points, shape [edge_count, 2].
@@ -57,10 +57,10 @@ def find_edges(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 def measure_borders(points: np.ndarray, edges: np.ndarray, truth: np.ndarray, found: np.ndarray) -> BorderScore:
     """Measure the distance between the true and the found contours of every garment.
 
-    A garment's border is the set of middles of those edges that lead from it to another part. Its contour is its border
-    without what leads to hair or to things that are no part of the person: these lie over the garment and end it
-    nowhere. Distances are taken from every point of the true contours to the nearest point of the found border of the
-    same garment, and from every point of the found contours to the true border, and both are pooled.
+    A garment's border is the set of midpoints of the edges that lead from it to another part. Its contour is its border
+    without edges to hair or to objects that are not part of the person: these cover the garment and do not end it.
+    Distances are measured from every point of the true contours to the nearest point of the found border of the same
+    garment, and from every point of the found contours to the true border, and both are pooled.
 
     Args:
         points: Positions [m], shape [n, 3].

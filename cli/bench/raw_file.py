@@ -1,4 +1,4 @@
-"""A raw scan's PLY file as arrays and back, nothing merged and nothing turned: states of a pack are written with it."""
+"""Read and write a raw scan's PLY file as arrays, without merging or rotation, for the states of a pack."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .packs import PackBad
 
 @dataclass(frozen=True)
 class RawFile:
-    """What a raw scan's file holds, in its own unit and axes.
+    """Describe the contents of a raw scan's file, in its own unit and axes.
 
     Attributes:
         points: Positions, float64, shape [n, 3].
-        faces: Triangles, shape [m, 3]; of a cloud none, shape [0, 3].
+        faces: Triangles, shape [m, 3]; for a cloud empty, shape [0, 3].
         normals: Shape [n, 3], or None.
         colours: RGB, uint8, shape [n, 3], or None.
     """
@@ -44,7 +44,7 @@ def read_raw_file(path: Path) -> RawFile:
     """Read a mesh or a cloud.
 
     Raises:
-        PackBad: where it is neither.
+        PackBad: if it is neither.
     """
     import trimesh
 

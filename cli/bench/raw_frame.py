@@ -1,4 +1,4 @@
-"""Bring what was found in a raw scan into the frame of its truth."""
+"""Transform results of a raw scan into the frame of its truth."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...core.scan.raw import RawScan
 
 @dataclass(frozen=True)
 class TruthFrame:
-    """The way from the coordinates of a `RawScan` to those of the truth, both in metres.
+    """Describe the rigid transform from the coordinates of a `RawScan` to those of the truth, both in metres.
 
     Attributes:
         rotation: R, shape [3, 3].
         shift: t [m], shape [3].
-        error: RMS distance of the scan's points from where the truth has them [m]: what the reader moved.
+        error: RMS distance of the transformed points from the truth [m]: what the reader changed.
     """
 
     rotation: np.ndarray
@@ -25,12 +25,12 @@ class TruthFrame:
     error: float
 
     def apply(self, points: np.ndarray) -> np.ndarray:
-        """Move positions [m], shape [n, 3]."""
+        """Transform positions [m], shape [n, 3]."""
         return np.asarray(points @ self.rotation.T + self.shift)
 
 
 def find_frame(raw: RawScan, true_points: np.ndarray) -> TruthFrame:
-    """Find the motion between a scan as it was read and its truth, from the points themselves.
+    """Fit the rigid transform between a scan as it was read and its truth, from the points themselves.
 
     Args:
         raw: The scan as it was read.

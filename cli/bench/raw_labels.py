@@ -1,4 +1,4 @@
-"""Measure the labels of a raw scan against the true ones: overlap of the parts, and what the confidence is worth."""
+"""Measure the labels of a raw scan against the true ones: overlap of the parts, and calibration of the confidence."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from ...core.people.part import GARMENTS, Part
 
 PERSON_PARTS = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
-"""The parts that count: what is no person is left out, wherever it is so in truth."""
+"""The parts that count; points that truly are not part of the person are left out."""
 
 MIN_SURE_CONFIDENCE = 0.9
-"""Least confidence (probability of the label) at which a point is called sure."""
+"""Least confidence (probability of the label) at which a point counts as sure."""
 
 CALIBRATION_BIN_COUNT = 15
 """Number of bins of confidence, of equal width, as the expected calibration error is usually stated (Guo et al.
@@ -22,12 +22,12 @@ CALIBRATION_BIN_COUNT = 15
 
 @dataclass(frozen=True)
 class LabelScore:
-    """Compare labels with the true ones, over the points that belong to the person in truth.
+    """Describe how labels agree with the true ones, over the points that truly belong to the person.
 
     Attributes:
         accuracy: Share of the points whose part is right.
-        cloth_iou: Overlap of all garments together against the rest.
-        part_iou: Overlap of each part that is there in truth, or was found, by its word.
+        cloth_iou: Intersection over union of all garments together against the rest.
+        part_iou: Intersection over union of each part that exists in truth, or was found, by its word.
         mean_iou: Unweighted mean of `part_iou`.
     """
 
@@ -39,14 +39,14 @@ class LabelScore:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Compare the confidence of labels with how often they are right.
+    """Describe how the confidence of labels agrees with how often they are right.
 
     Attributes:
         error: Expected calibration error: mean over `CALIBRATION_BIN_COUNT` bins of |share right - mean confidence|,
             weighted by points.
         sure: Share of the points at `MIN_SURE_CONFIDENCE` or above.
-        sure_right: Share of these that are right; None where there are none.
-        least_sure_right: Share of the others that are right; None likewise.
+        sure_right: Share of these that are right; None if there are none.
+        least_sure_right: Share of the others that are right; None if there are none.
     """
 
     error: float
@@ -71,7 +71,7 @@ def measure_labels(truth: np.ndarray, found: np.ndarray) -> LabelScore:
 
 
 def measure_overlap(truth: np.ndarray, found: np.ndarray, parts: Iterable[int]) -> float | None:
-    """Measure the intersection over union of some parts taken together; None where neither labelling has them."""
+    """Measure the intersection over union of some parts taken together; None if neither labelling has them."""
     wanted = [int(part) for part in parts]
     one, other = np.isin(truth, wanted), np.isin(found, wanted)
     either = int(np.sum(one | other))

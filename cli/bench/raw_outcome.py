@@ -1,4 +1,4 @@
-"""Judge what became of one raw scan: the right garments, a refusal, a doubt, or a wrong answer that nobody notices."""
+"""Judge the outcome of one raw scan: the right garments, a refusal, a doubt, or a wrong result without a warning."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ what is recovered is not the garment."""
 
 
 class Outcome(Enum):
-    """Name what became of a scan; only `WRONG` misleads."""
+    """Outcome of a scan; only `WRONG` misleads."""
 
     RIGHT = "right"
     DOUBTFUL = "doubtful"
@@ -24,13 +24,13 @@ class Outcome(Enum):
 def judge_outcome(
     truth: Mapping[Part, str], found: Mapping[Part, str], overlaps: Mapping[str, float], code: str | None, refused: bool
 ) -> Outcome:
-    """Judge one separation.
+    """Judge one labelling.
 
     Args:
         truth: Category of each garment that is worn.
         found: Category of each garment that was found.
         overlaps: Intersection over union of each part by its word.
-        code: Of the refusal, or of the doubt that the separation has about itself; None where it is sure.
+        code: Code of the refusal, or of the labelling's own doubt; None if it is sure.
         refused: Whether nothing was delivered.
     """
     if refused:

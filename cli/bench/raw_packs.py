@@ -1,4 +1,4 @@
-"""Read raw packs: a dressed person as the scanner gave it, with the truth of what is worn and who wears it."""
+"""Read raw packs: the raw scan of a dressed person, with the true garments, labels and body."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from ...core.people.part import Part
 from .packs import PackBad, find_packs, is_raw_pack, read_pattern_file
 
 ROLES = {"upper": Part.UPPER, "lower": Part.LOWER, "onepiece": Part.ONE_PIECE, "outer": Part.OUTER}
-"""What a garment of a raw pack is called in the names of its files."""
+"""Words for a garment in the file names of a raw pack."""
 
 
 @dataclass(frozen=True)
 class TrueGarment:
-    """Name the files of one garment that is worn in truth.
+    """Describe the files of one true garment.
 
     Attributes:
-        part: Which it is.
-        category: What its author calls it.
+        part: The garment's part.
+        category: The author's category.
         mesh: Its whole drape, hidden parts included, in the truth's frame.
         visible: Array `visible`: True at the vertices of `mesh` that the scan shows.
         pattern: The true pattern, or None.
-        template: The base pattern that a recovery may be given, or None.
+        template: The base pattern that a recovery may use, or None.
     """
 
     part: Part
@@ -40,14 +40,14 @@ class TrueGarment:
 
 @dataclass(frozen=True)
 class RawPack:
-    """Name the files of one raw scan and its truth.
+    """Describe the files of one raw scan and its truth.
 
     Attributes:
         name: The folder's name.
-        folder: Where it is.
-        scan: All that a recovery sees.
+        folder: The folder.
+        scan: The only file that is passed to a recovery.
         to_truth: Affine map from the scan's coordinates to the truth's (metres, y up), shape [4, 4].
-        garments: What is worn.
+        garments: The worn garments.
         labels: Array `label`: a `Part` of each vertex of the scan.
         body: The naked body in its pose, in the truth's frame.
         cover: Array `cover`: the `Part` that covers each vertex of `body`, 0 where it is bare.
@@ -64,15 +64,15 @@ class RawPack:
 
 
 def read_raw_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[RawPack, ...]:
-    """Read the raw packs in a folder, in the order of their names; others are passed over.
+    """Read the raw packs in a folder, in the order of their names; others are skipped.
 
     Args:
-        folder: Holds one folder per pack; or is itself a pack.
-        only: Names to keep; all where empty.
+        folder: Folder with one folder per pack; or itself a pack.
+        only: Names to keep; empty: all.
 
     Raises:
         PacksMissing, PackUnknown: as `read_packs`.
-        PackBad: where the truth's files are not those of a raw pack.
+        PackBad: if the truth's files are not those of a raw pack.
     """
     return tuple(_read_pack(path) for path in find_packs(folder, only) if is_raw_pack(path))
 
@@ -93,7 +93,7 @@ def read_visible(garment: TrueGarment) -> np.ndarray:
 
 
 def read_garment_pattern(garment: TrueGarment) -> TruePattern | None:
-    """Read the true pattern of a garment, or None where the pack has none."""
+    """Read the true pattern of a garment, or return None if the pack has none."""
     return None if garment.pattern is None else read_pattern_file(garment.pattern)
 
 
@@ -102,7 +102,7 @@ def _read_array(path: Path, name: str) -> np.ndarray:
         with np.load(path, allow_pickle=False) as arrays:
             return np.asarray(arrays[name]).ravel()
     except (OSError, ValueError, KeyError) as error:
-        raise PackBad(f"'{path}' holds no array '{name}'; see docs/reference/files.md.") from error
+        raise PackBad(f"'{path}' has no array '{name}'; see docs/reference/files.md.") from error
 
 
 def _read_pack(folder: Path) -> RawPack:
@@ -113,7 +113,9 @@ def _read_pack(folder: Path) -> RawPack:
         to_truth = np.asarray(meta["scan_to_truth"], dtype=np.float64).reshape(4, 4)
         garments = tuple(_name_garment(truth, each) for each in worn)
     except (ValueError, KeyError, TypeError, OSError) as error:
-        raise PackBad(f"'{folder}' is no raw pack: meta.json, truth/garments.json; docs/reference/files.md.") from error
+        raise PackBad(
+            f"'{folder}' is not a raw pack: meta.json, truth/garments.json; docs/reference/files.md."
+        ) from error
     return RawPack(
         name=folder.name,
         folder=folder,

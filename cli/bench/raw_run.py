@@ -1,4 +1,4 @@
-"""The raw packs of a bench: each scan of a dressed person is taken apart, and its garments are recovered."""
+"""The raw packs of a bench: each scan of a dressed person is segmented, and its garments are recovered."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .raw_packs import RawPack
 
 STATE_NAMES = ("as_is", "noise_5mm", "holes_10", "no_colours", "decimated_10k", "cloud_50k")
-"""The states of a raw scan, named here so that the options need not load what makes them."""
+"""The states of a raw scan, listed here so that the options need not import the module that creates them."""
 
 COLUMNS = (
     ("cloth IoU", "labels.cloth_iou"),
@@ -30,15 +30,15 @@ COLUMNS = (
     ("CPU s", "cpu_seconds"),
     ("MB", "peak_mb"),
 )
-"""What a scan is judged by; distances in mm."""
+"""Columns of the table of scans; distances in mm."""
 
 
 @dataclass(frozen=True)
 class RawChoice:
-    """Choose how raw packs are run; fields as in `RawOrder`.
+    """Describe how raw packs are run; fields as in `RawOrder`.
 
     Attributes:
-        states: Names of the states that each scan is brought into.
+        states: Names of the states into which each scan is brought.
         timeout: Time limit of each run [s].
     """
 
@@ -84,13 +84,13 @@ def order_of(pack: RawPack, state: str, choice: RawChoice) -> RawOrder:
 
 
 def run_raw_pack(pack: RawPack, order: RawOrder, timeout: float) -> Line:
-    """Run one raw pack in a process of its own; whatever becomes of it, return its line."""
+    """Run one raw pack in a process of its own, and return its line in every case."""
     line = empty_line(pack.name, order) | {"outcome": "failed"}
     return run_in_process("raw_target", order, line, timeout)
 
 
 def summarise(line: Line) -> str:
-    """Describe in one line how a run went."""
+    """Return the outcome of a run as one line."""
     name = line["target"] + ("" if line["state"] == STATE_NAMES[0] else f" ({line['state']})")
     if line["error"]:
         return f"{name}: {line['outcome']}: {line['error']['code']}: {line['error']['message']}"
@@ -105,7 +105,7 @@ def zip_columns(line: Line) -> list[tuple[str, float | None]]:
 
 
 def pick(line: Line, path: str) -> Any:
-    """Return what a line has at a dotted path, or None."""
+    """Return the value of a line at a dotted path, or None."""
     found: Any = line
     for name in path.split("."):
         found = found.get(name) if isinstance(found, dict) else None
@@ -113,7 +113,7 @@ def pick(line: Line, path: str) -> Any:
 
 
 def print_raw_tables(lines: Sequence[Line]) -> None:
-    """Print the scans, the garments, and how many of the runs went right."""
+    """Print the scans, the garments, and the number of runs by outcome."""
     from ..terminal import print_table
 
     rows: list[list[object]] = []
@@ -149,4 +149,4 @@ def print_raw_tables(lines: Sequence[Line]) -> None:
 
 
 OUTCOMES = ("right", "doubtful", "refused", "wrong", "failed")
-"""What may become of a run; `failed` is a fault of ours."""
+"""Possible outcomes of a run; `failed` is a fault of garmentq."""

@@ -1,4 +1,4 @@
-"""Measure the wearer and the garments that were recovered from a raw scan against the true ones."""
+"""Measure the estimated wearer and the garments recovered from a raw scan against the true ones."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ...core.people.part import GARMENTS, Part
 
 @dataclass(frozen=True)
 class BodyScore:
-    """Measure the distance from the true body to the found one over some part of its surface.
+    """Describe the distance from the true body to the estimated one over some part of its surface.
 
     Attributes:
         mean: Area-weighted mean [m].
-        p95: 95 % of the area is closer [m].
+        p95: Area-weighted 95th percentile [m].
     """
 
     mean: float
@@ -26,13 +26,13 @@ class BodyScore:
 
 @dataclass(frozen=True)
 class VisibleScore:
-    """Measure a detail mesh against what the scan shows of the true garment.
+    """Describe the distances between a detail mesh and the visible part of the true garment.
 
     Attributes:
         s2t: RMS distance from the detail mesh to the truth [m], where the nearest point of the truth is visible.
         t2s: RMS distance from the truth's visible surface to the detail mesh [m].
-        s2t_p95: 95 % of the detail mesh is closer [m].
-        t2s_p95: 95 % of the visible truth is closer [m].
+        s2t_p95: 95th percentile of the former [m].
+        t2s_p95: 95th percentile of the latter [m].
     """
 
     s2t: float
@@ -52,7 +52,7 @@ def measure_true_body(
         body: Our body's positions [m] in the same frame, and faces.
 
     Returns:
-        Scores of `all`, `covered` (below garments), `bare` and `hidden` (below hair or shoes), those that there are.
+        Scores of `all`, `covered` (below garments), `bare` and `hidden` (below hair or shoes), those that exist.
     """
     surface = TriangleSurface(*truth)
     distance = TriangleSurface(*body).distance(surface.vertices)
@@ -82,15 +82,15 @@ def measure_visible(
 ) -> VisibleScore:
     """Measure a detail mesh against a true garment that the scan shows only in part.
 
-    A face of the truth counts as visible where its three corners are. What the recovery makes of hidden cloth is left
-    out of both directions.
+    A face of the truth counts as visible if its three corners are. What the recovery makes of hidden cloth is left out
+    in both directions.
 
     Args:
         detail: Our mesh's positions [m] and faces, in the truth's frame.
-        truth: The true garment's.
+        truth: Positions [m] and faces of the true garment.
         visible: True at the truth's vertices that the scan shows, shape [n].
-        seed: Seeds the samples.
-        samples: On each surface.
+        seed: Seed of the samples.
+        samples: Number of samples on each surface.
     """
     rng = np.random.default_rng(seed)
     ours, true = TriangleSurface(*detail), TriangleSurface(*truth)

@@ -1,4 +1,4 @@
-"""Worsen a raw scan as other scanners and exporters would, so that the bench can say what the separation stands."""
+"""Degrade a raw scan as other scanners and exporters would, to measure how robust the labelling is."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ DRAWN_CLOUD_POINT_COUNT = 50_000
 
 @dataclass(frozen=True)
 class ScanState:
-    """Name one state of a raw scan.
+    """Describe one state of a raw scan.
 
     Attributes:
         name: Stable name, `noise_5mm`.
-        text: What is done, for a table.
-        apply: From the file, with positions in metres, its labels and a generator, to the worse file and its labels.
+        text: Description, for a table.
+        apply: From the file, with positions in metres, its labels and a generator, to the degraded file and its labels.
     """
 
     name: str
@@ -49,9 +49,9 @@ def degrade_scan(
     Args:
         raw: The scan as it is.
         labels: True label of each of its points, shape [n].
-        state: What to do to it.
+        state: The state.
         metre: Metres in one unit of the file.
-        seed: Seeds what is drawn.
+        seed: Seed of the random numbers.
     """
     in_metres = replace(raw, points=metre * raw.points)
     worse, kept = state.apply(in_metres, labels, np.random.default_rng(seed))
@@ -63,7 +63,7 @@ def _keep_unchanged(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) 
 
 
 def _add_noise(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
-    """Move every point; normals go, since they would still be those of the smooth surface."""
+    """Move every point; normals are dropped, because they would still be those of the smooth surface."""
     return replace(raw, points=raw.points + rng.normal(0.0, POINT_NOISE_STD, raw.points.shape), normals=None), labels
 
 
@@ -85,9 +85,7 @@ def _drop_colours(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) ->
 
 
 def _decimate(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
-    """Collapse the edges of a mesh by quadric error until it has `DECIMATED_VERTEX_COUNT` vertices; draw as many points
-    of a cloud.
-    """
+    """Collapse a mesh's edges by quadric error to `DECIMATED_VERTEX_COUNT` vertices; draw as many points of a cloud."""
     if not len(raw.faces):
         kept = np.sort(rng.choice(len(raw.points), min(DECIMATED_VERTEX_COUNT, len(raw.points)), replace=False))
         return raw.take(kept), labels[kept]
@@ -101,7 +99,7 @@ def _collapse(points: np.ndarray, faces: np.ndarray, count: int) -> tuple[np.nda
     """Collapse edges until about `count` vertices are left: a closed surface has two faces a vertex."""
     import igl
 
-    whole = repair_surface(points, faces)  # the collapse takes manifolds only
+    whole = repair_surface(points, faces)  # the collapse needs a manifold
     corners = np.asfortranarray(whole.faces, np.int32)
     points, faces, *_ = igl.qslim(np.asfortranarray(whole.vertices), corners, 2 * count, False)
     used = np.unique(faces)
@@ -111,7 +109,7 @@ def _collapse(points: np.ndarray, faces: np.ndarray, count: int) -> tuple[np.nda
 
 
 def _to_cloud(raw: RawFile, labels: np.ndarray, rng: np.random.Generator) -> tuple[RawFile, np.ndarray]:
-    """Draw points evenly from the surface, or of the points of a cloud; no normals are handed on."""
+    """Draw points evenly from the surface, or of the points of a cloud; normals are dropped."""
     if not len(raw.faces):
         kept = np.sort(rng.choice(len(raw.points), min(DRAWN_CLOUD_POINT_COUNT, len(raw.points)), replace=False))
         return replace(raw.take(kept), normals=None), labels[kept]
@@ -131,4 +129,4 @@ SCAN_STATES = (
     ScanState("decimated_10k", "decimated to 10 000 vertices", _decimate),
     ScanState("cloud_50k", "50 000 points of the surface, without normals", _to_cloud),
 )
-"""Every state; the first is the scan as it is."""
+"""Every state; the first is the scan unchanged."""

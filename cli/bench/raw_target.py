@@ -1,4 +1,4 @@
-"""Take one raw pack apart and recover its garments, in a process of its own, and measure all of it against the truth.
+"""Segment one raw pack and recover its garments, in a process of its own, and measure the results against the truth.
 
 python -m garmentq.cli.bench.raw_target ORDER.json LINE.json
 """
@@ -30,17 +30,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RawOrder:
-    """Choose how a raw pack is run.
+    """Describe how a raw pack is run.
 
     Attributes:
         pack: Its folder.
         method: Recovery method.
         preset: Weights of the deformation.
-        shipped: True where the pack's base patterns are not used.
+        shipped: True if the pack's base patterns are not used.
         out: Folder for the results, or None.
-        state: Name of the state that the scan is brought into.
+        state: Name of the state into which the scan is brought.
         labels_only: Stop after the labels.
-        true_labels: Hand the true labels over.
+        true_labels: Use the true labels instead of labelling.
     """
 
     pack: str
@@ -54,7 +54,7 @@ class RawOrder:
 
 
 def empty_line(target: str, order: RawOrder) -> Line:
-    """Return the line of a raw pack of which nothing is known yet."""
+    """Return the line of a raw pack without results yet."""
     return {
         "target": target,
         "state": order.state,
@@ -87,7 +87,7 @@ def run_pack(order: RawOrder) -> Line:
     """Run a raw pack and measure it.
 
     Returns:
-        The line that `garmentq bench --json` prints; an error is in it, never raised.
+        The line that `garmentq bench --json` prints; an error is stored in it, never raised.
     """
     from ...core.deliver.export.result import to_plain_json
     from .compiling import time_compiling
@@ -100,17 +100,17 @@ def run_pack(order: RawOrder) -> Line:
         line["cpu_seconds"] = spent_seconds() - started - compiling.seconds
     line["peak_mb"] = peak_mb()
     if line["error"] is not None and line["error"]["code"].startswith("bench."):
-        line["outcome"] = "failed"  # a bug is no refusal
+        line["outcome"] = "failed"  # a bug is not a refusal
     found: Line = to_plain_json(line)
     return found
 
 
 class _Run:
-    """Run one raw pack; what is known so far is in the line.
+    """Run one raw pack; results so far are in the line.
 
     Attributes:
-        order: What was asked for.
-        line: What is known.
+        order: The order.
+        line: The results so far.
         pack: The pack.
         clock: CPU seconds by stage.
     """
@@ -124,7 +124,7 @@ class _Run:
         line["true_outfit"] = [_name(each.part, each.category) for each in self.pack.garments]
 
     def run(self) -> None:
-        """Bring the scan into its state, take it apart, and recover every garment that was found."""
+        """Bring the scan into its state, segment it, and recover every garment that was found."""
         from .raw_file import read_raw_file, write_raw_file
         from .raw_packs import read_true_labels
         from .raw_states import SCAN_STATES, degrade_scan
@@ -172,7 +172,7 @@ class _Run:
             write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply")
 
     def _folder(self, *names: str) -> Path | None:
-        """Return a folder of this run's results, made where it is not there; None where none are kept."""
+        """Return a folder of this run's results, created if it is missing; None if results are not kept."""
         if self.order.out is None:
             return None
         state = "" if self.order.state == "as_is" else f"@{self.order.state}"
@@ -280,14 +280,14 @@ def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, 
     line: Line = {f"{name}_mm": MM_PER_M * value for name, value in asdict(score).items()}
     pattern = read_garment_pattern(truth)
     if pattern is not None and (own_template or is_same_cut(recovery.pattern, pattern)):
-        pattern = replace(pattern, seams=())  # the outlines of a raw pack have no edges that a seam could name
+        pattern = replace(pattern, seams=())  # a raw pack's outlines have no edges for a seam to name
         line["pattern"] = measure_pattern(recovery.pattern, pattern, own_template)
         line["panels"] = measure_panels(recovery.pattern, pattern, own_template)
     return line
 
 
 class StageClock:
-    """Sum CPU seconds by stage, and within one by the names under which it reports its progress."""
+    """Sum CPU seconds by stage, and within a stage by the names of its progress reports."""
 
     def __init__(self, seconds: dict[str, float]) -> None:
         self.seconds = seconds
@@ -317,7 +317,7 @@ class StageClock:
 
 
 def spent_seconds() -> float:
-    """Return the CPU seconds of this process and of those that it has waited for, which read the files."""
+    """Return the CPU seconds of this process and of its finished children, which read the files."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(each.ru_utime + each.ru_stime for each in used)
 
@@ -341,7 +341,7 @@ def _name(part: Any, category: str) -> str:
 
 
 def _share_of_best(scores: list[float]) -> float | None:
-    """Return the probability of the best of some readings, by their log-probabilities up to a constant."""
+    """Return the probability of the best of some readings, from their log-probabilities up to a constant."""
     if not scores:
         return None
     weights = np.exp(np.array(scores) - max(scores))

@@ -1,4 +1,4 @@
-"""`garmentq bench`: recover target packs and compare with their truth."""
+"""`garmentq bench`: recover target packs and compare the results with their truth."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from .packs import Pack
 
 BENCH_TARGET_TIMEOUT = 1800.0
-"""Time limit of one target [s]: thirty times what a recovery should take, so that only one that hangs is stopped."""
+"""Time limit of one target [s]: thirty times the usual time of a recovery, so that only one that hangs is stopped."""
 
 
 @dataclass(frozen=True)
 class BenchOptions:
-    """Describe what was typed about a bench; each field is the option of its name."""
+    """Describe the options of a bench; each field is the option of its name."""
 
     method: str
     preset: str
@@ -50,10 +50,10 @@ bench_options = gather(
     BenchOptions,
     [
         *method_options(),
-        click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times."),
+        click.option("--only", multiple=True, metavar="NAME", help="Run only this pack; may be repeated."),
         click.option("--library", "shipped", is_flag=True, help="Use the shipped templates, not the packs' own."),
         click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),
-        click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time."),
+        click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop or deformer at a time."),
         click.option("--out", type=NewFolder(), help="Keep each result in OUT/TARGET/."),
         click.option(
             "--timeout",
@@ -62,15 +62,16 @@ bench_options = gather(
             show_default=True,
             help="Time limit of a target [s].",
         ),
-        click.option("--labels-only", is_flag=True, help="Raw scans: stop when the person is taken apart."),
-        click.option("--true-labels", is_flag=True, help="Raw scans: hand the true labels over."),
+        click.option("--labels-only", is_flag=True, help="Raw scans: stop after the labelling."),
+        click.option("--true-labels", is_flag=True, help="Raw scans: use the true labels."),
+        click.option("--states", is_flag=True, help="Raw scans: with noise, holes, no colours, ...; labels only."),
         click.option(
-            "--states", is_flag=True, help="Raw scans: as noisy, with holes, without colours, ...; labels only."
+            "--state",
+            multiple=True,
+            type=click.Choice(STATE_NAMES),
+            help="Raw scans: only this state; may be repeated.",
         ),
-        click.option(
-            "--state", multiple=True, type=click.Choice(STATE_NAMES), help="Raw scans: this state; several times."
-        ),
-        click.option("--whole", is_flag=True, help="Raw scans: recover the garments of each state, too."),
+        click.option("--whole", is_flag=True, help="Raw scans: also recover the garments of each state."),
     ],
 )
 
@@ -85,11 +86,12 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json; or a raw pack:
     scan.ply, the scan of a dressed person, and truth/ (docs/reference/files.md).
-    Each target runs in a process of its own. The exit status is 5 when any target failed, or a person's
-    outfit was told wrongly without a warning. With --damage each target is
-    recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets. With
-    --ablate the inverse loop runs without curvature weights, seam loss and materials, and the deformer without grading,
-    contours, normals and bending, one by one, beside the thesis' tables 3.4 and 4.3.
+
+    Each target runs in a process of its own. The exit status is 5 if any target failed, or if a person's outfit is
+    wrong without a warning. With --damage each target is recovered under noise, holes, outliers, flipped faces, a cut
+    hem, other units and axes, with both presets. With --ablate the inverse loop runs without curvature weights, seam
+    loss or materials, and the deformer without grading, contours, normals or bending, one at a time, beside the thesis'
+    tables 3.4 and 4.3.
 
     \b
     Example:
@@ -125,7 +127,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
 
 
 def _raw_choice(options: BenchOptions, out: str | None) -> RawChoice:
-    """Return how raw packs are run: as they are to the end, or in some states to the labels."""
+    """Return how raw packs are run: unchanged and completely, or in some states up to the labels."""
     states = options.state or (STATE_NAMES[1:] if options.states else STATE_NAMES[:1])
     is_study = options.states or bool(options.state)
     return RawChoice(
@@ -141,16 +143,16 @@ def _raw_choice(options: BenchOptions, out: str | None) -> RawChoice:
 
 
 def run_target(pack: Pack, order: TargetOrder, timeout: float) -> Line:
-    """Run one target in a process of its own; whatever becomes of it, return its line."""
+    """Run one target in a process of its own, and return its line in every case."""
     return run_in_process("target", order, empty_line(pack.name, order.method), timeout)
 
 
 @dataclass(frozen=True)
 class _Study:
-    """Name a study of packs that runs each of them many times.
+    """Describe a study that runs each pack many times.
 
     Attributes:
-        module: Runs one pack: ORDER.json in, LINES.jsonl out.
+        module: Module that runs one pack: ORDER.json in, LINES.jsonl out.
         runs: How often it recovers the pack: the time limit is for one.
     """
 
@@ -170,7 +172,7 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
     lines: list[Line] = []
     for pack in packs:
         if pack.body is None:
-            print_note(f"{pack.name}: passed over, it is a dressed person's scan")
+            print_note(f"{pack.name}: skipped, it is a dressed person's scan")
             continue
         order = {"pack": str(pack.folder.resolve())} | ({"preset": preset} if study is _ABLATION else {})
         found, error = _run_study(study, order, timeout)
@@ -187,7 +189,7 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
 
 
 def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[list[Line], dict[str, str] | None]:
-    """Study one pack in a process of its own; give its lines, and an error where it did not come to its end."""
+    """Run a study of one pack in a process of its own; return its lines, and the error if it did not finish."""
     with tempfile.TemporaryDirectory(prefix="garmentq-study-") as folder:
         given, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
         given.write_text(json.dumps(order), encoding="utf-8")
@@ -210,7 +212,7 @@ def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[li
 
 
 def _summary(line: Line) -> str:
-    """Describe in one line how a target went."""
+    """Return the outcome of a target as one line."""
     if not line["ok"]:
         error = line["error"] or {}
         return f"{line['target']}: {error.get('code')}: {error.get('message')}"

@@ -1,4 +1,4 @@
-"""The bench's tables: every target, every metric, and the thesis' numbers beside ours where they mean the same."""
+"""The bench's tables: every target, every metric, and the thesis' numbers beside ours where they are defined alike."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ KEY_COLUMNS = (
     ("sim.", "sim.crossing_faces"),
     ("redr.", "redrape.crossing_faces"),
 )
-"""The columns of the first table: what a result is judged by; distances in mm. The last three are faces that pass
-through others, of detail, simulation and re-draped mesh, but for those that the body itself pinches."""
+"""Columns of the first table; distances in mm. The last three are faces that pass through others, of detail, simulation
+and re-draped mesh, without those that the body itself pinches."""
 
 TARGETS_ABREAST = 6
-"""Targets beside each other in the table of all metrics: as many as a wide terminal shows."""
+"""Number of targets beside each other in the table of all metrics: as many as a wide terminal shows."""
 
 THESIS_METRICS = (
     "chamfer_vertex_m2e3",
@@ -37,8 +37,8 @@ THESIS_METRICS = (
     "sim.normal_cosine",
     "panel_area_error_all",
 )
-"""What we define as the thesis does (its surface error is over all panels), and the floor under the first. The detail
-mesh stands beside PhyDeformer's, the simulation mesh and the pattern beside IGPM's."""
+"""Metrics that are defined as in the thesis (its surface error is over all panels), and the floor of the first. The
+detail mesh is compared with PhyDeformer's, the simulation mesh and the pattern with IGPM's."""
 
 THESIS = {
     "T-shirt": (("tshirt", "long_sleeve_tshirt"), (0.101, 0.017), (0.112, 0.049), 0.09),
@@ -49,7 +49,7 @@ THESIS = {
 }
 """By the thesis' garment: our categories, Chamfer and normal of PhyDeformer (table 4.1), of IGPM (table 3.2; for the
 dress also the last row of table 3.4), and IGPM's surface error (table 3.3). Its turning numbers are defined otherwise
-and stay out."""
+and are left out."""
 
 
 def print_tables(lines: Sequence[Line], categories: dict[str, str]) -> None:
@@ -57,7 +57,7 @@ def print_tables(lines: Sequence[Line], categories: dict[str, str]) -> None:
 
     Args:
         lines: One line per target, as `--json` prints them.
-        categories: What each target is called by its author, for the comparison.
+        categories: Each target's category by its author, for the comparison.
     """
     done = [line for line in lines if line["ok"]]
     _print_targets(lines, done)
@@ -67,13 +67,13 @@ def print_tables(lines: Sequence[Line], categories: dict[str, str]) -> None:
 
 
 def mean(values: Sequence[float | None]) -> float | None:
-    """Return the unweighted mean of the values that are there, or None."""
+    """Return the unweighted mean of the known values, or None."""
     known = [value for value in values if value is not None and math.isfinite(value)]
     return sum(known) / len(known) if known else None
 
 
 def round_to_three_digits(values: Sequence[float | None]) -> list[float | None]:
-    """Round to three significant digits, as many as a table's reader compares."""
+    """Round to three significant digits."""
     return [None if value is None else float(f"{value:.3g}") for value in values]
 
 
@@ -101,7 +101,7 @@ def _print_targets(lines: Sequence[Line], done: Sequence[Line]) -> None:
 
 
 def _print_metrics(done: Sequence[Line]) -> None:
-    """Print every metric, seconds by stage and memory, a few targets abreast, and their means over all targets."""
+    """Print every metric, seconds by stage and memory of each target, a few beside each other, and their means."""
     flat = [
         line["metrics"]
         | {f"seconds.{stage}": seconds for stage, seconds in line["stage_seconds"].items()}

@@ -1,4 +1,4 @@
-"""Recover one target pack in a process of its own, so that its memory and CPU time are its own and a crash is one line.
+"""Recover one target pack in a process of its own, to measure its memory and CPU time and to survive a crash.
 
 python -m garmentq.cli.bench.target ORDER.json LINE.json
 """
@@ -14,13 +14,13 @@ from .lines import Line, answer_order, keep_failure
 
 @dataclass(frozen=True)
 class TargetOrder:
-    """Choose how a pack is recovered.
+    """Describe how a pack is recovered.
 
     Attributes:
         pack: Its folder.
         method: Recovery method.
         preset: Weights of the deformation.
-        shipped: True where the pack's own template is not used.
+        shipped: True if the pack's own template is not used.
         out: Folder for the result, or None.
     """
 
@@ -35,7 +35,7 @@ def recover_target(order: TargetOrder) -> Line:
     """Recover a pack and measure it against its truth.
 
     Returns:
-        The line that `garmentq bench --json` prints; an error is in it, never raised.
+        The line that `garmentq bench --json` prints; an error is stored in it, never raised.
     """
     line = empty_line(Path(order.pack).name, order.method)
     with keep_failure(line):
@@ -46,7 +46,7 @@ def recover_target(order: TargetOrder) -> Line:
 
 
 def empty_line(target: str, method: str) -> Line:
-    """Return the line of a target of which nothing is known yet."""
+    """Return the line of a target without results yet."""
     return {
         "target": target,
         "category": None,
@@ -79,7 +79,7 @@ def _recover(order: TargetOrder) -> Line:
     pack = read_packs(Path(order.pack))[0]
     template = None if order.shipped else pack.template
     settings = RecoverySettings(method=order.method, preset=order.preset)
-    # All that the recovery is told: never the category, the true pattern or the truth's body.
+    # All input of the recovery: never the category, the true pattern or the truth's body.
     if pack.scan is None:
         request = Request(scan=pack.garment, body=pack.body, template=template, settings=settings)
     else:

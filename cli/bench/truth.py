@@ -18,7 +18,7 @@ from ...core.run.units import MM_PER_M
 from .packs import Pack, read_true_mesh, read_true_pattern
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
-"""First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
+"""First words of metrics whose names depend on the truth: a recovery's own values of them are dropped."""
 
 REST_METRIC_SUFFIXES = ("residual", "residual_rms", "iterations", "at_rest")
 """Last words of the metrics of how far a drape is at rest (`Drape.measure`)."""
@@ -33,16 +33,16 @@ def measure_recovery(
     """Measure the meshes against the pack's garment.ply as it is, and the pattern against pattern.json.
 
     Args:
-        recovery: What was recovered; its contours' names are carried over to the truth's own boundary loops.
+        recovery: The recovery; its contours' names are transferred to the truth's own boundary loops.
         pack: The target.
-        own_template: True where the pack's own template was the base pattern; otherwise the 2D metrics are None unless
-            the wide panels of both patterns correspond one to one (`is_same_cut`).
-        seed: Seeds the samples.
+        own_template: True if the pack's own template was the base pattern; otherwise the 2D metrics are None unless the
+            wide panels of both patterns correspond one to one (`is_same_cut`).
+        seed: Seed of the samples.
         samples: Surface samples per direction.
 
     Returns:
-        The metrics, and the names of panels without a counterpart. What the recovery measured about itself (the drape's
-        residual, say) is kept where it does not depend on the truth.
+        The metrics, and the names of panels without a counterpart. The recovery's own metrics (the drape's residual,
+        for example) are kept if they do not depend on the truth.
     """
     vertices, faces = read_true_mesh(pack)
     target = recovery.target
@@ -70,10 +70,10 @@ def _is_of_truth(name: str) -> bool:
 
 
 def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, float | None]:
-    """Measure `material_log_error.NAME`, ln(estimate / truth), of each parameter that is known in truth.
+    """Measure `material_log_error.NAME`, ln(estimate / truth), of each parameter whose true value is known.
 
-    Where the true weight is known too, also `material_log_error.NAME_by_density`, that of the ratio to the weight: all
-    that a drape at rest can tell.
+    If the true weight is known too, also `material_log_error.NAME_by_density`, that of the ratio to the weight: only
+    these ratios can be identified from a drape at rest.
     """
     errors = {name: float(np.log(getattr(fabric, name) / value)) for name, value in truth.items() if value > 0.0}
     found: dict[str, float | None] = {f"material_log_error.{name}": error for name, error in errors.items()}
@@ -84,7 +84,7 @@ def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, floa
 
 
 def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
-    """Describe the detail mesh and the estimated body against the person that is below the cloth in truth."""
+    """Measure the detail mesh and the estimated body against the true person below the cloth."""
     vertices, faces = read_true_mesh(pack, pack.truth_body)
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
     distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).distance(points)

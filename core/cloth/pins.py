@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..garment.garment import Garment
 from ..run.errors import BadInput
 
 
@@ -39,25 +38,6 @@ class Pins:
             raise PinsBad("pins need one finite point for each node.")
         if self.stiffness is None and self.directions != (1.0, 1.0, 1.0):
             raise PinsBad("pins along some directions only need a stiffness.")
-
-    @classmethod
-    def of_contour(
-        cls,
-        garment: Garment,
-        name: str,
-        stiffness: float | None = None,
-        directions: tuple[float, float, float] = (1.0, 1.0, 1.0),
-    ) -> Pins:
-        """Pin a named contour of a garment at its present position.
-
-        Raises:
-            PinsBad: where the garment has no contour of that name.
-        """
-        contour = garment.contour(name)
-        if contour is None:
-            known = ", ".join(c.name for c in garment.contours) or "none"
-            raise PinsBad(f"the garment has no contour '{name}'; it has: {known}.")
-        return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
 
     def without(self, nodes: np.ndarray) -> Pins:
         """Return the pins without those of some nodes, shape [count]."""

@@ -289,17 +289,6 @@ def load_network(path: Path) -> Network | None:
         return Network(weights, float(kept["temperature"]))
 
 
-def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
-    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, without training heads."""
-    arrays: dict[str, np.ndarray] = {"version": np.array(FEATURE_LAYOUT_VERSION)}
-    for i, network in enumerate(committee.networks):
-        arrays[f"{i}.temperature"] = np.array(network.temperature)
-        for name, value in network.weights.items():
-            if name.split(".")[0] not in TRAINING_HEADS:
-                arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
-    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
-
-
 @cache
 def load_ensemble(path: Path = NETWORK_FILE) -> NetworkEnsemble:
     """Read the shipped networks.

@@ -142,11 +142,7 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 
 @dataclass(frozen=True)
 class FitShape:
-    """Refit the pattern to the registered cloth, by isometry and through the simulator.
-
-    Attributes:
-        settings: Settings of the fit through the simulator.
-    """
+    """Refit the pattern to the registered cloth, by isometry and through the simulator."""
 
     settings: ShapeSettings = field(default_factory=ShapeSettings)
 
@@ -165,11 +161,7 @@ class FitShape:
 
 @dataclass(frozen=True)
 class Descend:
-    """Descend from the graded pattern through the simulator (the thesis' loop).
-
-    Attributes:
-        settings: Weights and steps of the descent.
-    """
+    """Descend from the graded pattern through the simulator (the thesis' loop)."""
 
     settings: InverseSettings = field(default_factory=InverseSettings)
 

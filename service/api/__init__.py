@@ -1,1 +1,1 @@
-"""The HTTP API: one module per resource; what is known of a job is in the rooms above it, not here."""
+"""The HTTP API, one module per resource; the logic of jobs is in the other modules of `service`."""

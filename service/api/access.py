@@ -1,4 +1,4 @@
-"""What every route gets: the rooms it works with, and who asks."""
+"""Dependencies of every route: the application state and the authenticated caller."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from .threads import ThreadPools
 
 @dataclass(frozen=True)
 class AppState(Services):
-    """Gather what the routes work with: an open home, and what its callers may do.
+    """Describe what the routes work with: an open home, and the limits of its callers.
 
     Attributes:
-        limits: What a request may cost.
-        local_token: Makes its bearer the local user while there are no keys; empty: nobody is.
-        meter: Counts what each key asks for.
-        limited: Runs what calls a limited process.
-        lanes: Threads beside those of the routes.
+        limits: Limits of requests.
+        local_token: Token that authenticates the local user while no keys exist; empty: there is no local user.
+        meter: Counts the requests of each key.
+        limited: Runs functions that call a limited process.
+        lanes: Thread pools beside that of the routes.
     """
 
     limits: ApiLimits
@@ -47,7 +47,7 @@ bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys c
 
 
 async def get_app_state(request: Request) -> AppState:
-    """Return the rooms of the application."""
+    """Return the state of the application."""
     rooms: AppState = request.app.state.rooms
     return rooms
 
@@ -55,34 +55,34 @@ async def get_app_state(request: Request) -> AppState:
 async def get_caller(
     request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]
 ) -> Caller:
-    """Return who asks, whom the guard has let in; `described` only tells the OpenAPI page that a key is needed."""
+    """Return the caller that the guard has authenticated; `described` only declares in OpenAPI that a key is needed."""
     caller: Caller = request.scope[CALLER]
     return caller
 
 
 async def get_reader(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
-    """Ask for the scope `read`."""
+    """Require the scope `read`."""
     caller.must("read")
     return caller
 
 
 async def get_submitter(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
-    """Ask for the scope `submit`."""
+    """Require the scope `submit`."""
     caller.must("submit")
     return caller
 
 
 async def get_admin(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
-    """Ask for the scope `admin`."""
+    """Require the scope `admin`."""
     caller.must("admin")
     return caller
 
 
 async def refuse_unknown(request: Request) -> None:
-    """Refuse a query parameter that the route does not have: a misspelt filter would answer another question.
+    """Refuse a query parameter that the route does not have: a misspelt filter would change the result silently.
 
     Raises:
-        RequestBad: where there is one.
+        RequestBad: if there is one.
     """
     known = _find_parameters(request.scope["route"].dependant)
     unknown = sorted(set(request.query_params) - known)
@@ -91,17 +91,17 @@ async def refuse_unknown(request: Request) -> None:
 
 
 async def refuse_text(request: Request) -> None:
-    """Refuse a JSON body with a text that nothing can keep, wherever in it: any route hands some of it on.
+    """Refuse a JSON body with text that cannot be stored, anywhere in it.
 
     Raises:
-        TextBad: where there is one.
+        TextBad: if there is one.
     """
     if request.scope["route"].body_field is None:
         return
     try:
         body = await request.json()
     except (ValueError, RecursionError):
-        return  # no JSON, which the route refuses by itself
+        return  # not JSON: the route refuses it
     if has_unstorable_text(body):
         raise TextBad()
 
@@ -113,7 +113,7 @@ def _find_parameters(route: Dependant) -> set[str]:
 
 
 async def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
-    """Ask for the scope `metrics`."""
+    """Require the scope `metrics`."""
     caller.must("metrics")
     return caller
 
@@ -126,10 +126,10 @@ Admin = Annotated[Caller, Depends(get_admin)]
 
 
 def find_own(rooms: AppState, caller: Caller, job: str) -> JobRow:
-    """Return a job that the caller may see, by its id or its beginning; another key's job is as unknown as none.
+    """Return a job that the caller may see, by its id or the beginning of it; another key's job counts as unknown.
 
     Raises:
-        JobUnknown: where there is none.
+        JobUnknown: if there is none.
     """
     unknown = JobUnknown(f"there is no job '{job[:40]}'; `garmentq status` lists them all.")
     if not (job.isascii() and job.isalnum() and 4 <= len(job) <= 16):

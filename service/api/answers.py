@@ -1,4 +1,4 @@
-"""What the service answers, as the OpenAPI page describes it; a test holds every answer against this."""
+"""Response models of the service, as the OpenAPI document has them; a test checks every response against them."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .schemas import Sha256
 
 
 class Answer(BaseModel):
-    """Be the base of answers: each has its fields and no other."""
+    """Define a response model that has its own fields only."""
 
     model_config = ConfigDict(extra="forbid")
 
 
 def _make_model(record: type, identifier: str) -> Any:
-    """Return the model of a record whose `id` goes by another name in JSON."""
+    """Return the model of a record whose `id` has another name in JSON."""
     hints = get_type_hints(record)
     names = {identifier if item.name == "id" else item.name: (hints[item.name], ...) for item in fields(record)}
     return create_model(record.__name__, __base__=Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
@@ -35,7 +35,7 @@ Key: Any = _make_model(records.Key, "key")
 
 
 class Place(Answer):
-    """Point at a place of a pattern, by the document's numbers; the point in its unit and the panel's axes."""
+    """Describe a place of a pattern by the document's numbers; `point` is in its unit and the panel's axes."""
 
     panel: str
     edge: int | None
@@ -44,7 +44,7 @@ class Place(Answer):
 
 
 class Finding(Answer):
-    """Describe one thing that is wrong with a pattern: `code` is stable."""
+    """Describe one fault of a pattern; `code` is stable."""
 
     code: str
     severity: Literal["error", "warning"]
@@ -54,9 +54,9 @@ class Finding(Answer):
 
 
 class Problem(Answer):
-    """Describe what is wrong (RFC 9457): `code` is stable, `detail` names the next step.
+    """Describe an error (RFC 9457): `code` is stable, `detail` names the next step.
 
-    `findings` come with a pattern that cannot be draped.
+    `findings` are the faults of a pattern that cannot be draped.
     """
 
     type: str
@@ -68,7 +68,7 @@ class Problem(Answer):
 
 
 class Upload(Answer):
-    """Name a file that was uploaded: its hash, cleaned name, and size [bytes]."""
+    """Describe an uploaded file: its hash, cleaned name, and size [bytes]."""
 
     sha256: Sha256
     name: str
@@ -76,7 +76,7 @@ class Upload(Answer):
 
 
 class ScanRead(Answer):
-    """Describe a scan as it was read; `file_count` are the file's points before it was cleaned."""
+    """Describe a scan as it was read; `file_count` is the number of points in the file before cleaning."""
 
     name: str
     units: str
@@ -92,14 +92,14 @@ class ScanRead(Answer):
 
 
 class Need(Answer):
-    """Describe what a job would need beside the scan."""
+    """Describe what a job needs beside the scan."""
 
     code: str
     message: str
 
 
 class Inspection(BaseModel):
-    """Describe what is understood of a scan; `is_sure` is false where only the job will know what it is."""
+    """Describe what was detected in a scan; `is_sure` is false if only the job can distinguish person and garment."""
 
     model_config = ConfigDict(extra="forbid", populate_by_name=True, serialize_by_alias=True)
 
@@ -114,7 +114,7 @@ class Inspection(BaseModel):
 
 
 class Asked(Answer):
-    """Answer a request for a recovery; `is_new` is false where an equal job existed."""
+    """Answer a request for a job; `is_new` is false if an equal job existed."""
 
     job: str
     state: State
@@ -122,14 +122,14 @@ class Asked(Answer):
 
 
 class Changed(Answer):
-    """Return a job's state after what was asked."""
+    """Describe a job's state after the request."""
 
     job: str
     state: State
 
 
 class Result(Job):
-    """Show an ended job with its files."""
+    """Describe an ended job with its files."""
 
     files: list[Artifact]
 
@@ -141,7 +141,7 @@ class Jobs(Answer):
 
 
 class Briefs(Answer):
-    """List how far some jobs are; those that are unknown, or another key's, are left out."""
+    """List the progress of some jobs; unknown jobs and jobs of other keys are left out."""
 
     jobs: list[Brief]
 
@@ -159,7 +159,7 @@ class Versions(Answer):
 
 
 class Wearer(Answer):
-    """Show the wearer as a job saw it: joints [m] by name."""
+    """Describe the wearer as the job estimated it: joints [m] by name."""
 
     job: str
     source: str
@@ -175,7 +175,7 @@ class Templates(Answer):
 
 
 class Material(BaseModel):
-    """Show a fabric: H [N/m], k [N m], density [kg/m2], thickness [m], and where each number comes from."""
+    """Describe a fabric: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
 
     name: str
     title: str
@@ -197,7 +197,7 @@ class Materials(Answer):
 
 
 class NewKey(Key):
-    """Show a new API key, with its token this once."""
+    """Describe a new API key with its token, which is shown only here."""
 
     token: str
 
@@ -212,7 +212,7 @@ Webhook: Any = _make_model(WebhookRecord, "webhook")
 
 
 class NewWebhook(Webhook):
-    """Show a new webhook, with its secret this once."""
+    """Describe a new webhook with its secret, which is shown only here."""
 
     secret: str
 
@@ -224,9 +224,10 @@ class Webhooks(Answer):
 
 
 class Pair(Answer):
-    """Return how two panels differ: how they were paired, turning distance [rad], area of the first over the second's.
+    """Describe how two panels differ: pairing, turning distance [rad], area of the first over the second's.
 
-    The best fit turns the first over (x becomes -x) where `turned_over`, then by `angle`, and moves it by `shift`.
+    In the best fit the first panel is mirrored (x becomes -x) if `turned_over`, then rotated by `angle` and moved by
+    `shift`.
     """
 
     first: str
@@ -241,7 +242,7 @@ class Pair(Answer):
 
 
 class Match(Answer):
-    """Compare two patterns: their pairs of panels, and the panels that have no counterpart."""
+    """Describe how two patterns differ: their pairs of panels, and the panels that have no counterpart."""
 
     pairs: list[Pair]
     only_first: list[str]
@@ -251,14 +252,14 @@ class Match(Answer):
 
 
 class EdgeOf(Answer):
-    """Name an edge."""
+    """Describe an edge by panel and number."""
 
     panel: str
     edge: int
 
 
 class PanelMeasures(Answer):
-    """Measure a panel and its edges, in the document's order."""
+    """Describe the area and edge lengths of a panel, in the document's order."""
 
     panel: str
     area_cm2: float
@@ -266,7 +267,7 @@ class PanelMeasures(Answer):
 
 
 class SeamMeasures(Answer):
-    """Measure both sides of a seam; the mismatch is the first less the second."""
+    """Describe the lengths of both sides of a seam; the mismatch is the first less the second."""
 
     a: EdgeOf
     b: EdgeOf
@@ -276,8 +277,7 @@ class SeamMeasures(Answer):
 
 
 class MirrorImage(Answer):
-    """Pair the control points of two panels that are mirror images; a move of the source's times `matrix` is its
-    image's."""
+    """Describe control points of two mirrored panels; `matrix` maps a move of the source to one of the target."""
 
     source: str
     target: str
@@ -286,7 +286,7 @@ class MirrorImage(Answer):
 
 
 class PatternCheck(Answer):
-    """Find what is wrong with a pattern, and measure it."""
+    """Describe the faults of a pattern and its measures."""
 
     is_sound: bool
     findings: list[Finding]
@@ -296,22 +296,22 @@ class PatternCheck(Answer):
 
 
 class PatternEdited(PatternCheck):
-    """Return a changed pattern's document, with what is wrong with it and its measures."""
+    """Describe a changed pattern: its document, its faults and its measures."""
 
     pattern: dict[str, Any]
 
 
 class Health(Answer):
-    """Report that the process lives, and its version."""
+    """Report that the process is alive, and its version."""
 
     status: Literal["ok"]
     version: str
 
 
 class Readiness(Answer):
-    """Report `ok` of database and store; otherwise the answer is a problem.
+    """Report that database and store are `ok`; otherwise the answer is a problem.
 
-    `troubles` says in words what keeps accepted jobs from running: no worker, a silent dispatcher, an outage.
+    `troubles` lists what keeps accepted jobs from running: no worker, a silent dispatcher, an outage.
     """
 
     database: str

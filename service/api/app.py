@@ -1,4 +1,4 @@
-"""The application: rooms, routes, guard."""
+"""The FastAPI application: state, routes, guard."""
 
 from __future__ import annotations
 
@@ -50,25 +50,25 @@ from .threads import ThreadPools
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
 
-Upload a scan, ask for a job with its hash, follow the job's events, download its files. Errors are problem+json with a
+Upload a scan, create a job with its hash, follow the job's events, download its files. Errors are problem+json with a
 stable `code`."""
 
 
 def make_app(
     settings: ServiceSettings, limits: ApiLimits | None = None, is_open: bool = True, hosts: Collection[str] = ()
 ) -> FastAPI:
-    """Make the application of a home.
+    """Return the application of a home.
 
     Args:
-        settings: Which home.
-        limits: What a request may cost.
-        is_open: It listens on a loopback address. Without `hosts` the local user is then let in by the home's token
-            while there are no keys.
-        hosts: Names by which a proxy on this machine calls it.
+        settings: Settings of the home.
+        limits: Limits of requests.
+        is_open: True if it listens on a loopback address. Without `hosts`, the home's token then authenticates the
+            local user while no keys exist.
+        hosts: Host names under which a proxy on this machine calls it.
 
     Raises:
-        DatabaseUnreachable: where the database cannot be opened.
-        ServiceSettingBad: where the environment names an origin or a proxy that is none.
+        DatabaseUnreachable: if the database cannot be opened.
+        ServiceSettingBad: if the environment names an invalid origin or proxy.
     """
     limits = limits or ApiLimits()
     app = FastAPI(
@@ -76,7 +76,7 @@ def make_app(
         generate_unique_id_function=name_operation,
     )  # fmt: skip
     meter, store = Meter(limits), open_store(settings)
-    with suppress(Unavailable):  # `/readyz` tells of a store that is away
+    with suppress(Unavailable):  # `/readyz` reports an unavailable store
         store.prepare()
     token = make_local_token(settings.home) if is_open and not hosts else ""
     calls, lanes = LimitedCalls(limits, meter), ThreadPools()
@@ -104,10 +104,10 @@ def make_app(
 
 
 def read_origins() -> list[str]:
-    """Return the pages' origins that may use the service: GARMENTQ_API_ORIGINS, with commas between; none by default.
+    """Return the origins of pages that may use the service: GARMENTQ_API_ORIGINS, separated by commas; none by default.
 
     Raises:
-        ServiceSettingBad: where one is no origin; `*` is none.
+        ServiceSettingBad: if one is not an origin; `*` is not.
     """
     chosen = [one.strip() for one in os.environ.get("GARMENTQ_API_ORIGINS", "").split(",") if one.strip()]
     for one in chosen:
@@ -119,5 +119,5 @@ def read_origins() -> list[str]:
 
 
 def show_page(app: FastAPI) -> HTMLResponse:
-    """Answer with the description of every route."""
+    """Return the page that describes every route."""
     return HTMLResponse(draw_page(app.openapi()), headers={"content-security-policy": POLICY})

@@ -1,4 +1,4 @@
-"""A job's files as one .zip, written while it is sent: nothing is packed, so nothing waits."""
+"""A job's files as one .zip, written while it is sent, without compression or a temporary file."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ..records import Artifact
 from ..store import Store
 
 ARCHIVE_MEMBER_TIME = (1980, 1, 1, 0, 0, 0)
-"""Date and time of every file in an archive: the same result gives the same archive."""
+"""Date and time of every file in an archive: equal results give equal archives."""
 
 
 class _Pipe(io.RawIOBase):
-    """Take what a writer writes, and hand it on."""
+    """Collect the blocks that a writer writes until they are taken."""
 
     def __init__(self) -> None:
         self.blocks: list[bytes] = []
 
     def writable(self) -> bool:
-        """Describe that it can be written to."""
+        """Return that it can be written to."""
         return True
 
     def write(self, block: bytes) -> int:  # type: ignore[override]
@@ -29,17 +29,17 @@ class _Pipe(io.RawIOBase):
         return len(block)
 
     def take(self) -> bytes:
-        """Return what was written since the last time."""
+        """Return what was written since the last call."""
         content = b"".join(self.blocks)
         self.blocks.clear()
         return content
 
 
 def pack_files(store: Store, files: Sequence[Artifact]) -> Generator[bytes]:
-    """Return an archive of some files, block by block; each is read from the store when its turn comes.
+    """Yield an archive of some files block by block; each file is read from the store when its turn comes.
 
     Raises:
-        ArtifactMissing, ArtifactDamaged: in place of the next block; what came until then is no whole archive.
+        ArtifactMissing, ArtifactDamaged: in place of the next block; the blocks before it are an incomplete archive.
     """
     pipe = _Pipe()
     with zipfile.ZipFile(pipe, "w", zipfile.ZIP_STORED) as archive:

@@ -1,4 +1,4 @@
-"""`/v1/jobs/states` and `/v1/queue`: how far many jobs are, in one request."""
+"""`/v1/jobs/states` and `/v1/queue`: the progress of many jobs in one request."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER], "outages": 
 
 
 @router.post(
-    "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs, (408,))
+    "/jobs/states", summary="Show the states of jobs.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs, (408,))
 )
 def list_states(wanted: JobsIn, rooms: AppStateDependency, caller: Reader) -> Any:
-    """Return the jobs of some ids in their order, with `below` then all jobs below them.
+    """Return the jobs of some ids in their order; with `below`, then all jobs below them.
 
-    Those that are unknown, or another key's, are left out.
+    Unknown jobs and jobs of other keys are left out.
     """
     ids = wanted.jobs
     if not caller.sees_all:
@@ -48,13 +48,13 @@ def list_states(wanted: JobsIn, rooms: AppStateDependency, caller: Reader) -> An
             seen = set(session.scalars(own))
         ids = [job for job in ids if job in seen]
     rows = find_jobs_by_id(rooms.database, ids)
-    more = find_below(rooms.database, ids) if wanted.below else []  # who sees a job sees all below it
+    more = find_below(rooms.database, ids) if wanted.below else []  # a caller that sees a job sees all below it
     return {"jobs": [Job.from_row(row).as_json() for row in rows + more]}
 
 
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
 def show_queue(rooms: AppStateDependency, caller: Reader) -> Any:
-    """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
+    """Count the caller's jobs by state, and list the live workers; only the scope `admin` sees their names."""
     queue = read_queue(rooms.database)
     if caller.sees_all:
         return queue

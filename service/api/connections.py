@@ -1,4 +1,4 @@
-"""What one connection, and one address, may hold of the service before it has asked for anything."""
+"""Limits of one connection and of one address, before a request is complete."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from .limits import ApiLimits
 
 UNSENT_BYTES = 1 << 17
-"""Bytes of an answer that the system takes ahead of what the client has room for. It would take megabytes, and a client
-that reads slowly would seem to read nothing for as long as those last."""
+"""Bytes of a response that the system buffers beyond what the client has room for. By default it buffers megabytes, and
+a client that reads slowly would seem to read nothing while they are sent."""
 
 STALL_CHECK_COUNT = 4
-"""Number of checks within `stalled_seconds` whether an unread answer has become shorter."""
+"""Number of checks within `stalled_seconds` whether the client has read more of a response."""
 
 
 def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
-    """Return the protocol of a server: it closes what sends no whole head, leaves its answer unread or is one too many.
+    """Return the protocol of a server that closes connections which stall or exceed the number per address.
 
-    uvicorn itself waits for both without end, and refuses everybody once there are as many connections as it allows.
+    A connection stalls if it sends no complete head, or does not read its response. uvicorn itself waits for both
+    without limit, and refuses every client once it has reached its number of connections.
     """
     held: Counter[str] = Counter()
 
     class Bounded(H11Protocol):
-        """Speak HTTP/1.1 with a deadline for each head, and one for each step of an answer."""
+        """Speak HTTP/1.1 with a deadline for each head and for each part of a response."""
 
         _address: str | None = None
         _deadline: asyncio.TimerHandle | None = None
@@ -51,7 +52,7 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             self._look_again()
 
         def connection_lost(self, exc: Exception | None) -> None:
-            """Count it no more."""
+            """Stop counting the connection."""
             self._stop_waiting()
             if self._look is not None:
                 self._look.cancel()
@@ -63,7 +64,7 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             super().connection_lost(exc)
 
         def data_received(self, data: bytes) -> None:
-            """Take what came; the deadline is for the whole head, however slowly its bytes drip in."""
+            """Process received data; the deadline applies to the complete head, however slowly its bytes arrive."""
             super().data_received(data)
             if self.conn.their_state is h11.IDLE:
                 self._wait_for_head()
@@ -71,12 +72,12 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
                 self._stop_waiting()
 
         def resume_writing(self) -> None:
-            """Go on with an answer of which the client has read."""
+            """Continue a response of which the client has read a part."""
             self._moved = self.loop.time()
             super().resume_writing()
 
         def _look_again(self) -> None:
-            """Close a connection whose answer has lain unread for too long, and else look again later."""
+            """Close a connection whose response was not read for too long; otherwise schedule the next check."""
             unread, now = self.transport.get_write_buffer_size(), self.loop.time()
             if unread != self._unread or not unread:
                 self._unread, self._moved = unread, now

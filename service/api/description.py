@@ -1,4 +1,4 @@
-"""The OpenAPI document: what FastAPI makes of the routes, with the messages to webhooks and every refusal typed."""
+"""The OpenAPI document: FastAPI's document of the routes, with webhook messages and the schema of every refusal."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from .answers import Problem
 from .nulls import show_nulls
 
 SERVERS = [{"url": "/", "description": "The service that serves this document."}]
-"""Where the routes are; relative, for a service does not know the names that it is reached by."""
+"""Where the routes are; relative, because a service does not know the names under which it is reached."""
 
 
 def name_operation(route: APIRoute) -> str:
-    """Return the id of a route: its name, a verb and a noun; a test holds that each is there once."""
+    """Return the id of a route: its name, a verb and a noun; a test checks that each id is unique."""
     return route.name
 
 

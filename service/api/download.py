@@ -1,8 +1,8 @@
-"""Send stored files in blocks as they are read: nothing is copied, and memory does not grow with the file.
+"""Send stored files in blocks as they are read: no copy is made, and memory does not grow with the file.
 
-A whole file is hashed while it is sent, and its last block is kept back until the hash is right: of a damaged file less
-arrives than `Content-Length` promises, and of one of a single block nothing. A part is not hashed, for that would read
-all of the file; who puts parts together has the hash in the `ETag`.
+A whole file is hashed while it is sent, and its last block is sent only if the hash is right: of a damaged file less
+arrives than `Content-Length` promises, and of one of a single block nothing. A part is not hashed, because that would
+read the whole file; a client that joins parts finds the hash in the `ETag`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .ranges import RangeBad, read_ranges
 log = logging.getLogger(__name__)
 
 BYTES = "application/octet-stream"
-"""The media type of every file that is downloaded: never one that a browser would run."""
+"""Media type of every downloaded file: never one that a browser would run."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ class SendOptions:
 
 
 class Download(StreamingResponse):
-    """Send blocks; counted while they are sent, so that a client that leaves is counted no longer.
+    """Send blocks; the download is counted while it is sent, and no longer when the client disconnects.
 
-    What is wrong before the first block is a problem's answer; after it the connection is cut, and the log tells why.
+    An error before the first block is answered as a problem; an error after it closes the connection and is logged.
     """
 
     def __init__(
@@ -60,12 +60,12 @@ class Download(StreamingResponse):
         shown: SendOptions,
         status_code: int = 200,
     ) -> None:
-        """Prepare the answer; nothing is read yet.
+        """Prepare the response; nothing is read yet.
 
         Args:
-            rooms: The rooms of the application.
-            caller: Whose downloads it is one of.
-            blocks: What is sent; it opens what it reads when it is asked for its first block.
+            rooms: State of the application.
+            caller: Caller for whom the download is counted.
+            blocks: The content; it opens its file when the first block is requested.
             shown: Media type and headers.
             status_code: 200, or 206 for parts.
         """
@@ -79,7 +79,7 @@ class Download(StreamingResponse):
             await super().__call__(scope, receive, send)
 
     async def stream_response(self, send: Send) -> None:
-        """Read a block, and the next one when that has gone."""
+        """Read each block after the previous one has been sent."""
         has_begun = False
         try:
             block = await run_in_threadpool(next, self._blocks, None)
@@ -92,7 +92,7 @@ class Download(StreamingResponse):
         except GarmentqError as error:
             if not has_begun:
                 raise
-            log.error("cut a download: %s: %s", error.code, error.message)
+            log.error("a download was cut off: %s: %s", error.code, error.message)
         finally:
             self._blocks.close()
 
@@ -100,17 +100,17 @@ class Download(StreamingResponse):
 def send_file(
     rooms: AppState, caller: Caller, file: Artifact, request: Request, shown: SendOptions | None = None
 ) -> Response:
-    """Answer with a stored file, with the parts that `Range` asks for, or that the client has it (`If-None-Match`).
+    """Return a response with a stored file, with the parts of it in `Range`, or 304 (`If-None-Match`).
 
     Args:
-        rooms: The rooms of the application.
-        caller: Who asks.
+        rooms: State of the application.
+        caller: The caller.
         file: The file.
         request: The request, which may be a HEAD.
-        shown: How it is sent; None: as a file to be kept.
+        shown: Media type and headers; None: as an attachment.
 
     Raises:
-        ArtifactMissing, ArtifactDamaged: where the store has it no more, or of another size.
+        ArtifactMissing, ArtifactDamaged: if the store does not have it, or in another size.
     """
     etag = f'"{file.sha256}"'
     headers = {"etag": etag}
@@ -153,13 +153,13 @@ def send_file(
 
 
 def slice_bytes(content: bytes) -> Generator[bytes]:
-    """Return some bytes in blocks, so that no second copy of them all waits to be sent."""
+    """Yield some bytes in blocks, so that no second copy of them is held in memory."""
     for start in range(0, len(content), STORE_BLOCK_SIZE):
         yield content[start : start + STORE_BLOCK_SIZE]
 
 
 def _find_ranges(request: Request, etag: str, size: int) -> list[tuple[int, int]]:
-    """Return the parts that are asked for; none where it is the whole file, or where it is not the one they are of."""
+    """Return the requested ranges; none for the whole file, or if `If-Range` names another version."""
     text = request.headers.get("range")
     if text is None or request.headers.get("if-range", etag) != etag:
         return []
@@ -167,7 +167,7 @@ def _find_ranges(request: Request, etag: str, size: int) -> list[tuple[int, int]
 
 
 def _read_part(store: Store, file: Artifact, part: tuple[int, int]) -> Generator[bytes]:
-    """Return a part of a stored file; one that has become shorter meanwhile is damaged."""
+    """Yield a part of a stored file; a file that has become shorter is damaged."""
     left = part[1] - part[0]
     for block in store.read(file.sha256, *part):
         left -= len(block)
@@ -194,7 +194,7 @@ def _end_parts(boundary: str) -> bytes:
 
 
 def _content_disposition(name: str) -> str:
-    """Return the header that makes a browser keep a file under its name instead of showing it."""
+    """Return the header that makes a browser save a file under its name instead of showing it."""
     plain = name.rpartition("/")[2]
     quoted = quote(plain)
     return f'attachment; filename="{plain}"' if quoted == plain else f"attachment; filename*=utf-8''{quoted}"

@@ -1,4 +1,4 @@
-"""`/v1/jobs/{job}/events`: what happened to a job, as a list or as a stream that resumes after `Last-Event-ID`."""
+"""`/v1/jobs/{job}/events`: the events of a job, as a list or as a stream that resumes after `Last-Event-ID`."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from .problems import show_answer
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
 EVENT_POLL_INTERVAL = 0.5
-"""Interval at which a stream asks the database [s]; progress is written twice a second."""
+"""Interval at which a stream reads the database [s]; progress is written twice a second."""
 
 STREAM_KEEPALIVE_INTERVAL = 15.0
-"""Interval between the comments that a silent stream sends [s]; proxies close what is silent for 30 s and more."""
+"""Interval between the comments that an idle stream sends [s]; proxies close a connection that is silent for 30 s."""
 
 HOST_FIELDS = ("owner",)
 """Fields of events that name a host, a process or a task."""
 
 MAX_EVENT_ID = 2**63 - 1
-"""Largest number of an event: what a column of 64 bits holds."""
+"""Largest id of an event: the largest value of a 64-bit column."""
 EXAMPLE = {
     "id": 17, "job": "3685ecfd4f81", "at": 1795250000.5, "kind": "progress",
     "data": {"stage": "drape", "fraction": 0.4, "message": "", "overall": 0.34, "left_seconds": 41.0},
@@ -42,7 +42,7 @@ EXAMPLE = {
 
 
 def describe_answers() -> dict[int | str, dict[str, Any]]:
-    """Describe both forms of the answer."""
+    """Describe both forms of the response."""
     described = show_answer({"events": [EXAMPLE], "state": "running"}, model=News)
     stream = f'id: 17\nevent: progress\ndata: {json.dumps(EXAMPLE)}\n\nevent: end\ndata: {{"state": "succeeded"}}\n\n'
     described[200]["content"]["text/event-stream"] = {"schema": {"type": "string"}, "example": stream}
@@ -61,7 +61,7 @@ async def follow_job(
     after: Annotated[int, Query(ge=0, le=MAX_EVENT_ID)] = 0,
     last_event_id: Annotated[str | None, Header(max_length=20)] = None,
 ) -> Any:
-    """Return the events after one; as Server-Sent Events where `Accept: text/event-stream` asks for them."""
+    """Return the events after one; as Server-Sent Events if the request has `Accept: text/event-stream`."""
     row = await run_in_threadpool(find_own, rooms, caller, job)
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
         after = min(int(last_event_id), MAX_EVENT_ID)
@@ -71,7 +71,7 @@ async def follow_job(
 
 
 class _CountedStream(StreamingResponse):
-    """Stream a job's events; counted while it is sent, so that a client that leaves is counted no longer."""
+    """Stream a job's events; the stream is counted while it is sent, and no longer when the client disconnects."""
 
     def __init__(self, rooms: AppState, caller: Caller, job: str, after: int) -> None:
         super().__init__(_stream(rooms, caller, job, after), media_type="text/event-stream")
@@ -88,7 +88,7 @@ async def _stream(rooms: AppState, caller: Caller, job: str, after: int) -> Asyn
         try:
             news = await run_in_threadpool(_read_news, rooms, caller, job, after)
         except GarmentqError:
-            return  # the database is away; the client comes back with Last-Event-ID
+            return  # the database is unavailable; the client reconnects with Last-Event-ID
         for event in news.events:
             after, spoke = event.id, time.monotonic()
             yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(asdict(event))}\n\n"
@@ -102,12 +102,12 @@ async def _stream(rooms: AppState, caller: Caller, job: str, after: int) -> Asyn
 
 
 def _read_news(rooms: AppState, caller: Caller, job: str, after: int) -> News:
-    """Read the state first, so that the event that ended the job is among those read after it."""
+    """Return state and events; the state is read first, so that the job's last event is among those read after it."""
     state = find_job(rooms.database, job).state
     events = [Event.from_row(event) for event in read_events(rooms.database, job, after)]
     return News(state, events if caller.sees_all else [hide_host_fields(event) for event in events])
 
 
 def hide_host_fields(event: Event) -> Event:
-    """Return an event without what names the service's hosts and processes; the scope `admin` sees those."""
+    """Return an event without the names of the service's hosts and processes, which only the scope `admin` sees."""
     return replace(event, data={name: value for name, value in event.data.items() if name not in HOST_FIELDS})

@@ -1,4 +1,4 @@
-"""What stands before every route: who asks, what that may cost in time and bytes, and what is said of it afterwards."""
+"""Middleware before every route: authentication, limits of time and size, security headers, audit log."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ Send = Callable[[Message], Awaitable[None]]
 
 UPLOAD_PATHS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
 DOCUMENT_PATHS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit")
-"""Beginnings of the paths that take a whole pattern."""
+"""Beginnings of the paths that accept a whole pattern."""
 GUARDED_PATHS = ("/v1/", "/metrics")
-"""Beginnings of the paths that ask for a key, before any byte of a body is read."""
+"""Beginnings of the paths that require a key, before any byte of a body is read."""
 
 HEAD_BYTES = 32 * 1024
 """Largest head of a request [bytes]; a browser's with all its cookies is below 8 KiB."""
 
 ADMITTED_SECONDS = 5.0
-"""How long it is taken for granted that a caller still may ask [s]: after it, the next bytes of a request or an answer
-are passed on only after a look at the key or session, one row of the database."""
+"""Validity of a caller's authentication during a request [s]: after it, the key or session is read again (one row of
+the database) before more bytes are passed on."""
 
 CALLER = "garmentq.caller"
-"""Where a request's caller stands, for the routes."""
+"""Key of the ASGI scope under which the caller is stored."""
 
 IS_HEAD = "garmentq.is_head"
-"""Where it stands that a request is a HEAD, of which no body is sent."""
+"""Key of the ASGI scope that marks a HEAD request, whose response has no body."""
 
 CSRF_HEADER = b"x-csrf-token"
-"""What a page sends along with each change, besides its session's cookie."""
+"""Header that a page sends with each change, beside its session's cookie."""
 
 SAFE_METHODS = ("GET", "HEAD")
 """Methods that change nothing."""
@@ -59,21 +59,21 @@ HEADERS = (
     (b"content-security-policy", b"default-src 'none'; frame-ancestors 'none'"),
     (b"referrer-policy", b"no-referrer"),
 )
-"""What every answer says to a browser; a route may say something else."""
+"""Default headers of every response; a route may override them."""
 
 
 class Guard:
-    """Bound every request, and answer a problem where it goes beyond."""
+    """Enforce authentication and limits for every request, and answer a problem if they are violated."""
 
     def __init__(self, app: Any, limits: ApiLimits, is_open: bool, hosts: Collection[str] = ()) -> None:
-        """Stand before an ASGI application.
+        """Wrap an ASGI application.
 
         Args:
             app: The application.
-            limits: What a request may cost.
-            is_open: The service listens on this machine only and may work without keys: then a page in a browser
-                must not reach it, neither from another origin nor by a name that was bound to 127.0.0.1.
-            hosts: Names besides those of this machine by which such a service is called, through a proxy.
+            limits: Limits of requests.
+            is_open: True if the service listens on a loopback address and may work without keys: then it refuses pages
+                of other origins, and host names that were bound to 127.0.0.1.
+            hosts: Host names beside those of this machine under which a proxy calls such a service.
         """
         self.app = app
         self.limits = limits
@@ -111,7 +111,7 @@ class Guard:
             REQUEST.reset(token)
 
     async def _admit(self, scope: Message) -> Any:
-        """Find who asks and count it; give the refusal, or None where the request may go on."""
+        """Authenticate and count the caller; return the refusal, or None if the request may continue."""
         if not scope["path"].startswith(GUARDED_PATHS):
             return None
         rooms, address = scope["app"].state.rooms, _address(scope)
@@ -134,20 +134,20 @@ class Guard:
         return None
 
     def _refuse_foreign(self, scope: Message) -> Any:
-        """Refuse what a page of another origin asks of a service on this machine, or give None."""
+        """Return the refusal of a request from a page of another origin, or None."""
         if self.is_open and not _is_local_origin(scope, self.hosts):
-            return make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
+            return make_problem(403, "request.foreign_origin", "call it at 127.0.0.1; other origins are refused.")
         return None
 
     def _record_later(self, scope: Message, status: int, request: str) -> None:
-        """Write the audit log beside what comes next: a client's next request need not wait for it."""
+        """Write the audit log in the background, so that the client's next request need not wait for it."""
         if scope.get(CALLER) is not None and is_recorded(scope["method"], scope["path"], status):
             task = asyncio.create_task(self._record(scope, status, request))
             self._records.add(task)
             task.add_done_callback(self._records.discard)
 
     async def _finish(self, receive: Receive) -> Message:
-        """Hand on a message; when the service is to stop, the audit log is written first."""
+        """Return the next message; before a shutdown, wait until the audit log is written."""
         message = await receive()
         if message["type"] == "lifespan.shutdown":
             await asyncio.gather(*self._records)
@@ -175,7 +175,7 @@ class Guard:
                 is_good = message["status"] < 400
             elif is_good and await standing.find_end() is not None:
                 is_over = True
-                task.cancel()  # what is cut off must not look whole, so the connection ends with it
+                task.cancel()  # the connection is closed, so that a cut response does not look complete
                 return
             await send(message)
 
@@ -205,14 +205,14 @@ class Guard:
         return self.limits.template_bytes if scope["path"].startswith(DOCUMENT_PATHS) else self.limits.body_bytes
 
     def _counted(self, receive: Receive, bounds: tuple[int, float], standing: AccessCheck) -> Receive:
-        """Count what a client sends, and give up on one that falls silent in the middle of it, or drips."""
+        """Count the bytes that a client sends, and raise if it pauses for too long or sends too slowly."""
         most, seconds = bounds
         total, is_whole, until = 0, False, time.monotonic() + seconds
 
         async def counted() -> Message:
             nonlocal total, is_whole
             if is_whole:
-                return await receive()  # waits for the client to go away
+                return await receive()  # waits until the client disconnects
             try:
                 message = await asyncio.wait_for(receive(), min(self.limits.chunk_seconds, until - time.monotonic()))
             except TimeoutError:
@@ -229,21 +229,21 @@ class Guard:
 
 
 class AccessCheck:
-    """Tell whether who was let in still may ask, as long as a request goes on."""
+    """Check during a request whether its caller is still authorised."""
 
     def __init__(self, scope: Message) -> None:
-        """Begin with a caller who was just let in.
+        """Begin with a caller who was just authenticated.
 
         Args:
-            scope: The request; without a caller anybody may ask.
+            scope: The request; without a caller no check is made.
         """
         self._scope = scope
         self._seen = time.monotonic()
 
     async def find_end(self) -> GarmentqError | None:
-        """Return why the caller may ask no longer, or None; it is looked up again after `ADMITTED_SECONDS`.
+        """Return why the caller is no longer authorised, or None; it is checked again after `ADMITTED_SECONDS`.
 
-        While the database is away nobody is shut out.
+        While the database is unavailable every caller stays authorised.
         """
         if self._scope.get(CALLER) is None or time.monotonic() - self._seen < ADMITTED_SECONDS:
             return None
@@ -259,7 +259,7 @@ class AccessCheck:
 
 
 def is_loopback(host: str) -> bool:
-    """Return whether an address means this machine only."""
+    """Return whether an address is a loopback address."""
     if host == "localhost":
         return True
     try:
@@ -269,17 +269,17 @@ def is_loopback(host: str) -> bool:
 
 
 def _refuse_form(scope: Message) -> Any:
-    """Refuse a request by its head alone, or give None."""
+    """Return the refusal of a request by its head alone, or None."""
     names = [name for name, _ in scope["headers"]]
     if sum(len(name) + len(value) for name, value in scope["headers"]) > HEAD_BYTES:
         return make_problem(431, "request.head_too_large", f"the request's head is larger than {HEAD_BYTES} bytes.")
-    if b"content-length" in names and b"transfer-encoding" in names:  # two proxies may read two requests out of it
+    if b"content-length" in names and b"transfer-encoding" in names:  # two proxies may parse it differently
         return make_problem(400, "request.bad", "give Content-Length or Transfer-Encoding, not both.")
     return None if _is_text(scope) else answer_error(TextBad())
 
 
 def _is_text(scope: Message) -> bool:
-    """Return whether path and query are UTF-8 that can be kept; the server puts a mark for what is none."""
+    """Return whether path and query are valid UTF-8 that can be stored; the server decodes invalid bytes to a mark."""
     try:
         asked = (scope.get("raw_path") or scope["path"], scope["query_string"])
         return not has_unstorable_text([unquote_to_bytes(part).decode("utf-8") for part in asked])
@@ -288,7 +288,7 @@ def _is_text(scope: Message) -> bool:
 
 
 def _as_get(scope: Message) -> Message:
-    """Return a HEAD as the GET that it stands for; the server drops the body, for its own scope stays as it is."""
+    """Return a HEAD request as the GET that it stands for; the server drops the body, as its own scope is unchanged."""
     return {**scope, "method": "GET", IS_HEAD: True} if scope["method"] == "HEAD" else scope
 
 
@@ -297,10 +297,10 @@ def _address(scope: Message) -> str:
 
 
 def _find_caller(scope: Message) -> Caller:
-    """Return who asks, by the key or the session that came with the request.
+    """Return the caller, by the key or the session of the request.
 
     Raises:
-        KeyMissing, KeyBad, SessionEnded: where nobody of that key or session is known, or no longer.
+        KeyMissing, KeyBad, SessionEnded: if key or session are unknown or no longer valid.
     """
     rooms, token, session = scope["app"].state.rooms, _find_token(scope), find_session(scope)
     if token is None and session is not None:
@@ -318,12 +318,12 @@ def _find_token(scope: Message) -> str | None:
 
 
 def find_header(scope: Message, wanted: bytes) -> str:
-    """Return the value of a request's header by its name in small letters; empty where it has none."""
+    """Return the value of a request's header by its lower-case name; empty if it has none."""
     return next((value.decode("latin-1") for name, value in scope["headers"] if name == wanted), "")
 
 
 def find_session(scope: Message) -> str | None:
-    """Return the token in the cookie of a browser that signed in, or None."""
+    """Return the session's token in the cookie of a signed-in browser, or None."""
     for one in find_header(scope, b"cookie").split(";"):
         name, _, value = one.strip().partition("=")
         if name == name_cookie(scope["scheme"]) and value:
@@ -332,7 +332,7 @@ def find_session(scope: Message) -> str | None:
 
 
 def name_cookie(scheme: str) -> str:
-    """Return the name of the session's cookie; with the prefix a browser takes it from this host by https alone."""
+    """Return the name of the session's cookie; a browser accepts the prefix `__Host-` only by https from this host."""
     return "__Host-garmentq" if scheme == "https" else "garmentq"
 
 

@@ -1,4 +1,4 @@
-"""`/healthz`, `/readyz` and `/metrics`: for those who watch the service."""
+"""`/healthz`, `/readyz` and `/metrics`, for monitoring."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 router = APIRouter(tags=["health"])
 
 METRICS = "garmentq.service.metrics"
-"""Module that gives the Prometheus text, by its function `prometheus_text(database)`."""
+"""Module with the function `prometheus_text(database)`."""
 
 READY: dict[str, Any] = {
     "model": Readiness, "description": "Answer.",
@@ -33,21 +33,21 @@ HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "v
 
 
 @router.get(
-    "/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(*COMMON_REFUSAL_STATUSES)}
+    "/healthz", summary="Check that the process runs.", responses={**HEALTHY, **show_refusals(*COMMON_REFUSAL_STATUSES)}
 )
 async def show_health() -> Any:
-    """Answer without touching anything."""
+    """Answer without reading database or store."""
     return {"status": "ok", "version": __version__}
 
 
 @router.get(
-    "/readyz", summary="Tell whether database and store can be used.",
+    "/readyz", summary="Check that database and store can be used.",
     responses={200: READY, **show_refusals(*COMMON_REFUSAL_STATUSES)},
 )  # fmt: skip
 async def show_readiness(rooms: AppStateDependency) -> Response:
-    """Answer 503 where database or store is away: then nothing can be taken. Nothing is written for the answer.
+    """Answer 503 if database or store is unavailable: then no job can be accepted. Nothing is written.
 
-    What keeps jobs from running is told beside it; jobs can be handed in all the same.
+    `troubles` lists what keeps jobs from running; jobs are accepted nevertheless.
     """
     return await rooms.lanes.watching.run(_look, rooms)
 
@@ -74,14 +74,14 @@ def _look(rooms: AppState) -> Response:
 
 
 @router.get(
-    "/metrics", summary="Give the Prometheus metrics.", response_class=PlainTextResponse,
+    "/metrics", summary="Return the Prometheus metrics.", response_class=PlainTextResponse,
     responses={
         200: {"description": "Metrics.", "content": {"text/plain": {"example": 'garmentq_jobs{state="queued"} 3'}}},
         **show_refusals(*API_REFUSAL_STATUSES),
     },
 )  # fmt: skip
 def show_metrics(rooms: AppStateDependency, caller: Watcher) -> Response:
-    """Return numbers of all keys' jobs; for the scope `metrics`."""
+    """Return metrics of all keys' jobs; requires the scope `metrics`."""
     try:
         text = importlib.import_module(METRICS).prometheus_text(rooms.database)
     except ModuleNotFoundError:

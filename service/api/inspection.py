@@ -1,4 +1,4 @@
-"""`/v1/scans/{sha256}/inspection`: what is understood of an uploaded scan, before a job is asked for."""
+"""`/v1/scans/{sha256}/inspection`: what is detected in an uploaded scan, before a job is created."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ EXAMPLE = {
 
 @dataclass(frozen=True)
 class InspectionQuery:
-    """Describe of a scan what an order would say."""
+    """Describe options of an order that change how a scan is read."""
 
     given_as: Annotated[Literal["person", "garment"] | None, Query(alias="as")] = None
     body: Annotated[str | None, Query(max_length=200, examples=["builtin:female,height=1.70"])] = None
@@ -47,7 +47,7 @@ class InspectionQuery:
 
 
 @router.get(
-    "/scans/{sha256}/inspection", name="inspect_scan", summary="Tell what is understood of an uploaded scan.",
+    "/scans/{sha256}/inspection", name="inspect_scan", summary="Show what is detected in an uploaded scan.",
     responses=show_answer(EXAMPLE, model=Inspection),
 )  # fmt: skip
 async def inspect(
@@ -57,10 +57,10 @@ async def inspect(
     caller: Submitter,
     asked: Annotated[InspectionQuery, Depends()],
 ) -> Any:
-    """Read a scan as a job's first stage does; nothing is queued or kept.
+    """Read a scan as a job's first stage does; nothing is queued or stored.
 
-    With `quick` the file alone is read (2 s of CPU time), and `is_sure` may be false: a person is then told by its
-    height. Otherwise the wearer is looked for too (7 s). `needs` has the code of what is missing for a job.
+    With `quick` only the file is read (2 s of CPU time), a person is recognised by the height, and `is_sure` may be
+    false. Otherwise the wearer is fitted too (7 s). `needs` has the code of what is missing for a job.
     """
     options = {"given_as": asked.given_as, "body": asked.body, "units": asked.units, "up": asked.up}
 

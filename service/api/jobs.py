@@ -1,4 +1,4 @@
-"""`/v1/jobs`: ask for a recovery, look at it, stop it, queue it again."""
+"""`/v1/jobs`: create, show, list, cancel, retry and delete jobs."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ EXAMPLE = {
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
 }  # fmt: skip
 UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
-"""What the files of a derived job are uploaded as, by the request's field; other fields take any upload."""
+"""Kind of upload of each file field of a derived job; other fields accept any upload."""
 
 VERSION = {
     "job": "5f1d0c9b7a3e", "predecessor": "3685ecfd4f81", "name": "skirt", "kind": "edit", "state": "succeeded",
@@ -58,7 +58,7 @@ VERSION = {
 }  # fmt: skip
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
 LATER_REQUEST_FIELDS = ("given_as", "wearing", "marks", "parts", "over")
-"""Fields of a request that came with later versions: left empty they are no part of what it is."""
+"""Fields of a request that later versions added: while empty, they are left out of its fingerprint."""
 
 Words = Annotated[Text | None, Query(max_length=255)]
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
@@ -67,12 +67,12 @@ Token = Annotated[str | None, Header(max_length=128, pattern=r"^[!-~]+$", descri
 
 
 def show_created() -> dict[int | str, dict[str, Any]]:
-    """Describe the two good answers of `create_job`."""
+    """Describe the two successful responses of `create_job`."""
     known = show_answer(ASKED | {"is_new": False}, 200, Asked)[200] | {"description": "An equal job existed."}
     return {**show_answer(ASKED, 202, Asked, (408, 507)), 200: known}
 
 
-@router.post("", status_code=202, summary="Ask for a recovery or a derived job.", responses=show_created())
+@router.post("", status_code=202, summary="Create a recovery or a derived job.", responses=show_created())
 async def create_job(
     wanted: AnyJobIn,
     request: Request,
@@ -83,9 +83,9 @@ async def create_job(
 ) -> Any:
     """Queue the job. The same files with the same settings are the same job: 200, not 202.
 
-    Names and settings are checked at once. The files are read by the job's first stage, `check`: what cannot be used
-    ends the job as `failed` with `bad_input`, and a code that says why. With a `kind` the job works on the result of
-    another one that has succeeded.
+    Names and settings are checked at once. The files are read by the job's first stage, `check`: an unusable file ends
+    the job as `failed` with `bad_input` and a code for the reason. With a `kind` the job works on the result of another
+    job that has succeeded.
     """
     caller.may_hurry(wanted.priority)
     create = partial(_create, rooms, caller, wanted, idempotency_key)
@@ -100,7 +100,7 @@ async def create_job(
 
 @dataclass(frozen=True)
 class JobFilter:
-    """Choose jobs by their fields; each job of a family has its tags."""
+    """Describe a filter of jobs by their fields; each job of a family has the family's tags."""
 
     state: Words = None
     name: Words = None
@@ -111,7 +111,7 @@ class JobFilter:
 
     @property
     def chosen(self) -> dict[str, str]:
-        """Return the fields that are asked for."""
+        """Return the fields that are set."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
@@ -123,12 +123,12 @@ def list_jobs(
     limit: Annotated[int, Query(ge=1, le=1000)] = 50,
     offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0,
 ) -> Any:
-    """Return the caller's jobs whose fields are as given, newest first, from the one at `offset` on."""
+    """Return the caller's jobs that match the filter, newest first, beginning at `offset`."""
     return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit, offset=offset))
 
 
 @router.get(
-    "/{job}", name="show_job", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job),
+    "/{job}", name="show_job", summary="Show a job and its report.", responses=show_answer(EXAMPLE, model=Job),
 )  # fmt: skip
 def show_one(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return one job; a local user may name it by its first letters."""
@@ -140,7 +140,7 @@ def show_one(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     responses=show_answer({"versions": [VERSION]}, model=Versions),
 )  # fmt: skip
 def show_versions(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
-    """Return the result that was edited first and every version of it that is the caller's, oldest first."""
+    """Return the original result and every edited version of it that is the caller's, oldest first."""
     row = find_own(rooms, caller, job)
     return {"versions": list_versions(rooms.database, row.id, "" if caller.sees_all else caller.key)}
 
@@ -150,9 +150,9 @@ def show_versions(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     responses=show_answer({"job": "3685ecfd4f81", "state": "running"}, model=Changed),
 )  # fmt: skip
 def cancel_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is.
+    """Stop a queued job at once, a running one within a second or two; an ended job does not change.
 
-    Where keys share jobs, one that another key asked for too goes on for that one.
+    If keys share jobs, a job that another key has also requested continues for that key.
     """
     row = find_own(rooms, caller, job)
     return {"job": row.id, "state": cancel(rooms.database, row.id, "" if caller.sees_all else caller.key)}
@@ -162,7 +162,7 @@ def cancel_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
     "/{job}", summary="Delete an ended job.", responses=show_answer(DELETED, model=Deleted, refusals=(409,))
 )  # fmt: skip
 def delete_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Delete an ended job with all below it, all that reads its results, and the files that nobody else names."""
+    """Delete an ended job, all jobs below it, all jobs that read its results, and the files that no other job names."""
     row = find_own(rooms, caller, job)
     return delete_jobs(rooms.database, rooms.store, [row.id], "" if caller.sees_all else caller.key)
 
@@ -183,7 +183,7 @@ def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
 
 
 def answer_query(rooms: AppState, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
-    """Return the answer that lists those of the caller's jobs that a query asks for."""
+    """Return the response with the caller's jobs that match a query."""
     owner = None if caller.sees_all else caller.key
     rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset), owner)
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
@@ -214,12 +214,12 @@ def _create(
 
 
 def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
-    """Return what makes a repeated request the same; of one without later versions' fields what earlier ones made."""
+    """Return what identifies a repeated request; without later versions' fields it equals that of earlier versions."""
     return wanted.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(wanted, name, None)})
 
 
 def _derive(rooms: AppState, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
-    """Return the order of a derived job; its files are uploads of the caller's."""
+    """Return the order of a derived job; its files are the caller's uploads."""
     names = {
         field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
         for field, sha256 in wanted.files.items()
@@ -230,7 +230,7 @@ def _derive(rooms: AppState, caller: Caller, wanted: DerivedIn, nonce: str) -> D
 
 
 def _read_terms(rooms: AppState, caller: Caller, wanted: JobIn | DerivedIn) -> JobTerms:
-    """Return how a caller wants a job to be queued."""
+    """Return the terms under which the job is queued."""
     return JobTerms(
         wanted.name,
         tuple(wanted.tags),
@@ -244,12 +244,12 @@ def _read_terms(rooms: AppState, caller: Caller, wanted: JobIn | DerivedIn) -> J
 
 
 def find_realm(rooms: AppState, caller: Caller) -> str:
-    """Return whose equal orders are the caller's job: its own, unless the operator lets keys share."""
+    """Return whose equal orders are one job: the caller's own, unless the operator lets keys share jobs."""
     return "" if rooms.settings.share_jobs else caller.key
 
 
 def _unpack(rooms: AppState, caller: Caller, wanted: JobIn, folder: Path) -> Order:
-    """Put the uploads into a folder, each alone in a folder of its own and under its cleaned name."""
+    """Copy the uploads into a folder, each into a folder of its own and under its cleaned name."""
     choices: list[JobIn | PartIn] = [wanted, *wanted.parts.values()]
     if any(one.pattern is not None and one.template is not None for one in choices):
         raise RequestBad("give a pattern or a template's name, not both.")

@@ -1,4 +1,4 @@
-"""`/v1/keys`: make, list and revoke keys."""
+"""`/v1/keys`: create, list and revoke keys."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 
 
 @router.post(
-    "", status_code=201, name="create_key", summary="Make a key.",
+    "", status_code=201, name="create_key", summary="Create a key.",
     responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey, (408,)),
 )  # fmt: skip
 def create(wanted: KeyIn, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Make a key; the token is in this answer and never again."""
+    """Create a key; its token is only in this response."""
     row, token = create_key(
         rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota, wanted.priority, wanted.days
     )
@@ -46,5 +46,5 @@ def list_all(rooms: AppStateDependency, caller: Admin) -> Any:
     responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key),
 )  # fmt: skip
 def revoke(key: KeyId, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Take a key back; its jobs stay."""
+    """Revoke a key; its jobs stay."""
     return KeyRecord.from_row(revoke_key(rooms.database, key)).as_json()

@@ -1,4 +1,4 @@
-"""`/v1/jobs/{job}/labels`: take a person's scan apart anew with labels that were mended by hand."""
+"""`/v1/jobs/{job}/labels`: label a person's scan again with labels that were corrected by hand."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ router = APIRouter(tags=["jobs"])
 
 
 @router.post(
-    "/jobs/{job}/labels", status_code=202, summary="Take a person apart anew with mended labels.",
+    "/jobs/{job}/labels", status_code=202, summary="Label a person again with corrected labels.",
     responses=show_created(),
 )  # fmt: skip
 def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Queue a new job for the same scan, by labels for the points of the job's `segmented.ply`; the old one stays.
+    """Queue a new job for the same scan, with labels for the points of the job's `segmented.ply`; the old job stays.
 
-    The same labels once more are the same job: 200, not 202.
+    The same labels again are the same job: 200, not 202.
     """
     row = find_own(rooms, caller, job)
     kept = find_upload(rooms.database, caller.key, wanted.points, "labels")

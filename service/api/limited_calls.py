@@ -1,4 +1,4 @@
-"""What a request has done by a limited process: few at a time, in threads of their own, until the client leaves."""
+"""Calls of limited processes for a request: few at a time, in separate threads, until the client disconnects."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class LimitedCalls:
     """Run functions that call limited processes; no other request waits for their threads."""
 
     def __init__(self, limits: ApiLimits, meter: Meter) -> None:
-        """Begin with none.
+        """Create the thread pool.
 
         Args:
             limits: How many run and wait at a time.
@@ -41,16 +41,17 @@ class LimitedCalls:
         self._threads = ThreadPoolExecutor(limits.limited, "limited")
 
     async def run(self, request: Request, key: str, work: Callable[[IsStopped], Result]) -> Result:
-        """Run a function in its turn, and return what it returns.
+        """Run a function in its turn, and return its result.
 
         Args:
-            request: Whose body was read whole; where its client leaves, or the answer is given up, the work is stopped.
-            key: Id of the key that asks, or empty.
-            work: Given what tells whether it is to stop; it hands that on to `call_limited`.
+            request: The request, its body read completely; if its client disconnects or the answer times out, the work
+                is stopped.
+            key: Id of the caller's key, or empty.
+            work: The function; its argument returns whether to stop, and it passes that to `call_limited`.
 
         Raises:
-            LimitedOpen, LimitedFull: where its turn does not come in time.
-            HTTPException: 499 where the client went away.
+            LimitedOpen, LimitedFull: if its turn does not come in time.
+            HTTPException: 499 if the client disconnected.
         """
         gone = asyncio.create_task(_wait_gone(request))
         stopped = threading.Event()
@@ -62,7 +63,7 @@ class LimitedCalls:
                     return work(stopped.is_set)
 
             running = asyncio.wrap_future(self._threads.submit(contextvars.copy_context().run, work_once))
-            running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # nobody may wait for it
+            running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # retrieves the error
             ends: tuple[asyncio.Future[Any], ...] = (running, gone)
             await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
             if not running.done():
@@ -75,7 +76,7 @@ class LimitedCalls:
             gone.cancel()
 
     async def _wait_for_turn(self, key: str, gone: asyncio.Task[None]) -> ExitStack:
-        """Return what counts the work until it is closed."""
+        """Return the stack that counts the work until it is closed."""
         until = time.monotonic() + self._wait_seconds
         with self._meter.waiting(key), ExitStack() as turn:
             while True:
@@ -91,11 +92,11 @@ class LimitedCalls:
 
 
 def _refuse_gone() -> HTTPException:
-    return refuse(499, "request.gone", "the client went away.")
+    return refuse(499, "request.gone", "the client disconnected.")
 
 
 async def _wait_gone(request: Request) -> None:
-    """Wait until the client has closed the connection, or breaks off a body that nobody asked for."""
+    """Wait until the client has closed the connection, or aborts a body that is not read."""
     with suppress(HTTPException, GarmentqError):
         while (await request.receive())["type"] != "http.disconnect":
             pass

@@ -1,4 +1,4 @@
-"""What one request, and one key, may cost."""
+"""Limits of one request and of one key."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Any
 from ..settings import ServiceSettingBad
 
 PREFIX = "GARMENTQ_API_"
-"""How the variable of a limit begins: GARMENTQ_API_UPLOAD_BYTES and so on."""
+"""Beginning of a limit's variable: GARMENTQ_API_UPLOAD_BYTES and so on."""
 
 
 @dataclass(frozen=True)
 class ApiLimits:
-    """Bound requests. What is counted by key does not bind the local user of a service without keys, but for streams.
+    """Describe the limits of requests. Those by key, except streams, do not apply to the local user without keys.
 
-    Rates, uploads, downloads and streams are counted by each API process for itself; bytes of a day and jobs in the
-    database.
+    Each API process counts rates, uploads, downloads and streams for itself; the bytes of a day and the jobs are
+    counted in the database.
 
     Attributes:
         upload_bytes: Largest upload [bytes]; 512 MiB as for files on disk (`core.scan.limits.Limits`).
@@ -26,24 +26,25 @@ class ApiLimits:
         template_bytes: Largest pattern file [bytes]; a GarmentCode pattern is below 100 kB.
         chunk_seconds: Longest silence of a client that sends [s]; a phone network pauses for a few seconds.
         upload_seconds: Longest time of one upload [s]; 512 MiB at 1 MB/s.
-        answer_seconds: Longest time until an answer begins [s]; the largest upload is copied and hashed in a few.
-        streams: Event streams that one key may hold open; each asks the database twice a second.
-        requests_per_second: Requests of one key in the long run [1/s]; `garmentq submit` of a folder asks about 20
-            times a second, and a core answers about 200.
-        burst: Requests of one key at once, after a silence; a page that shows a result and its files asks for 20.
+        answer_seconds: Longest time until a response begins [s]; the largest upload is copied and hashed in a few
+            seconds.
+        streams: Event streams that one key may have open; each reads the database twice a second.
+        requests_per_second: Requests of one key in the long run [1/s]; `garmentq submit` of a folder sends about 20 a
+            second, and a core answers about 200.
+        burst: Requests of one key at once, after a silence; a page that shows a result and its files sends 20.
         uploads: Uploads of one key at a time; fifty were measured within 300 MB of memory.
         downloads: Downloads of one key at a time; a browser opens six at once, each holds a file and 1 MiB of memory.
-        stalled_seconds: Longest time that an answer may lie unread [s]; a phone network pauses for a few seconds, and a
-            client that reads slowly but steadily goes on.
-        head_seconds: Longest time until a request's head is whole [s]; a phone network takes less than one.
-        connections_per_address: Connections that one address may hold open. A proxy is one address: it needs as many as
+        stalled_seconds: Longest time that a response may stay unread [s]; a phone network pauses for a few seconds. A
+            client that reads slowly but steadily is not cut off.
+        head_seconds: Longest time until a request's head is complete [s]; a phone network takes less than one.
+        connections_per_address: Connections that one address may have open. A proxy is one address: it needs as many as
             it has clients, up to `server.MAX_CONCURRENT_REQUESTS`.
         wrong_keys: Wrong keys that one address may try at once; one more each 10 s.
-        body_seconds: Longest time until a body that is no upload is whole [s]; 4 MiB at 150 kB/s.
-        limited: Limited processes at a time, whoever asks: each takes a core for some seconds, and 60 MB to 4 GiB.
-        limited_per_key: Those of one key; others wait for their turn.
-        limited_waiting: Requests of one key that wait for it; a page that compares or edits asks for two or three.
-        limited_wait_seconds: How long they wait [s]; a pattern of six panels is checked in 1.
+        body_seconds: Longest time until a body that is not an upload is complete [s]; 4 MiB at 150 kB/s.
+        limited: Limited processes at a time, of all keys: each takes a core for some seconds, and 60 MB to 4 GiB.
+        limited_per_key: Limited processes of one key at a time; others wait for their turn.
+        limited_waiting: Requests of one key that wait for their turn; a page that compares or edits sends two or three.
+        limited_wait_seconds: Longest time that they wait [s]; a pattern of six panels is checked in 1.
         day_bytes: Bytes of the files that one key uploads in 24 hours; a studio's 1000 scans of 20 MB are 20 GB.
     """
 
@@ -74,7 +75,7 @@ def read_limits(environment: Mapping[str, str] | None = None) -> ApiLimits:
     """Read the limits from the environment, each from `GARMENTQ_API_` + NAME.
 
     Raises:
-        ServiceSettingBad: where a value is no positive number.
+        ServiceSettingBad: if a value is not a positive number.
     """
     environment = os.environ if environment is None else environment
     chosen: dict[str, Any] = {}
@@ -87,7 +88,7 @@ def read_limits(environment: Mapping[str, str] | None = None) -> ApiLimits:
         try:
             value = type(getattr(default, field.name))(text)
         except ValueError:
-            raise ServiceSettingBad(f"{name} is '{text[:80]}', which is no number.") from None
+            raise ServiceSettingBad(f"{name} is '{text[:80]}', which is not a number.") from None
         if not 0 < value < float("inf"):
             raise ServiceSettingBad(f"{name} is '{text[:80]}'; it must be a positive number.")
         chosen[field.name] = value

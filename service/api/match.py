@@ -43,7 +43,7 @@ async def match_patterns(
     """Compare the patterns of two jobs, templates or uploads to /v1/patterns (by their sha256).
 
     `pair=A:B` pairs panel A of the first with B of the second; the others are paired by name, then by shape, or not at
-    all with `only_given`. With `outlines` the answer has every panel's outline [m], to be drawn.
+    all with `only_given`. With `outlines` the response has every panel's outline [m].
     """
     given = {}
     for words in pair:
@@ -61,11 +61,7 @@ async def match_patterns(
 
 
 def _find_file(rooms: AppState, caller: Reader, word: str, folder: Path) -> Path:
-    """Write the pattern of a job that the caller sees, an upload of its, else of a template into a folder.
-
-    Returns:
-        The file.
-    """
+    """Write the pattern of a job, an upload or a template of the caller into a folder, and return the file."""
     folder.mkdir()
     if re.fullmatch("[0-9a-f]{64}", word):
         kept = find_upload(rooms.database, caller.key, word, "patterns")

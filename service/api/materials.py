@@ -40,11 +40,11 @@ def show_material(name: Text, rooms: AppStateDependency, caller: Reader) -> Any:
     "/{name}", status_code=201, summary="Import a fabric.", responses=show_answer(EXAMPLE, 201, Material, (408,))
 )
 def import_material(name: FabricName, wanted: FabricIn, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
+    """Check a fabric in SI units and store it; an imported fabric of the same name is replaced."""
     from ...core.cloth.fabric_check import check_fabric
 
     if wanted.name != name:
-        raise RequestBad("the fabric's name is not the address's.")
+        raise RequestBad("the fabric's name differs from the name in the address; use one name.")
     fabric = check_fabric(read_fabric(wanted.model_dump()))
     keep_materials(rooms.database, [fabric])
     return show_fabric(fabric)
@@ -55,5 +55,5 @@ def import_material(name: FabricName, wanted: FabricIn, rooms: AppStateDependenc
     responses=show_answer(EXAMPLE, model=Material),
 )  # fmt: skip
 def delete(name: Text, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
+    """Delete an imported fabric; jobs that use it keep its numbers."""
     return show_fabric(delete_material(rooms.database, name))

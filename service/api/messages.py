@@ -1,4 +1,4 @@
-"""What is sent to webhooks, as the OpenAPI document describes it; `webhooks.py` of the service writes it."""
+"""Messages to webhooks, as the OpenAPI document describes them; `service/webhooks.py` writes them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ EXAMPLE = {
 
 
 class EndedJob(Answer):
-    """Tell how a job ended; `parent` is the job that made it, `family` the first of all above it."""
+    """Describe an ended job; `parent` is the job that made it, `family` the first of all above it."""
 
     job: str
     state: State
@@ -37,9 +37,9 @@ class EndedJob(Answer):
 
 
 class Message(Answer):
-    """Tell a webhook that a job ended, or try it: `job` is left out of a message of the type `test`.
+    """Report to a webhook that a job ended, or test the webhook: a message of the type `test` has no `job`.
 
-    `id` is the same whenever the message comes again; `at` is when the job ended [s since 1970].
+    `id` is the same when the message is sent again; `at` is when the job ended [s since 1970].
     """
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": hide_nulls(EXAMPLE)})
@@ -50,8 +50,8 @@ class Message(Answer):
 
 
 @router.post(
-    "job-ended", operation_id="take_message", status_code=204, summary="Be told that a job ended.",
-    responses={204: {"description": "Taken, within 5 s."}, "default": {"description": "Not taken: it comes again."}},
+    "job-ended", operation_id="take_message", status_code=204, summary="Receive the message that a job ended.",
+    responses={204: {"description": "Accepted, within 5 s."}, "default": {"description": "Not accepted; sent again."}},
 )  # fmt: skip
 def take_message(
     message: Message,
@@ -59,4 +59,4 @@ def take_message(
     webhook_timestamp: Annotated[int, Header(description="When it is sent [s since 1970].")],
     webhook_signature: Annotated[str, Header(description="`v1,` and the HMAC-SHA256 of `ID.TIMESTAMP.BODY`, base64.")],
 ) -> None:
-    """Take a message, signed as Standard Webhooks 1.0.0 has it; docs/reference/http.md tells the rules."""
+    """Receive a message, signed by Standard Webhooks 1.0.0; docs/reference/http.md has the rules."""

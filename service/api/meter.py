@@ -1,4 +1,4 @@
-"""What each key has asked for lately, as far as this process knows."""
+"""Count of each key's recent requests, for this process only."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from ...core.run.errors import GarmentqError, Unavailable
 from .limits import ApiLimits
 
 FORGIVEN_SECONDS = 10.0
-"""After so long one wrong key is forgiven [s]."""
+"""Time after which one wrong key no longer counts [s]."""
 
 TRIAL_SECONDS, TRIAL_BURST_COUNT = 10.0, 5
-"""Interval at which a key may send trial messages to a webhook in the long run [s], and the number that it may send at
-once. A person who sets one up tries some times a minute; a search for hosts by it gets nowhere."""
+"""Interval at which a key may send test messages to a webhook in the long run [s], and the number that it may send at
+once. A person who sets a webhook up tries a few times a minute; a search for hosts by it is too slow."""
 
 MAX_PROCESS_DOWNLOADS = 256
-"""Largest number of downloads of this process at a time, for all keys together: each holds an open file beside its
+"""Largest number of downloads of this process at a time, for all keys together: each has an open file beside its
 connection, and a process may have 1024 of both."""
 
 MAX_TRACKED_ADDRESSES = 10_000
-"""Addresses and keys that are remembered, so that nobody fills the memory."""
+"""Largest number of addresses and of keys that are remembered; it bounds the memory."""
 
 
 class TooManyRequests(GarmentqError):
-    """The key asks more often than it may; wait as long as Retry-After says."""
+    """The key sends too many requests; wait as long as Retry-After says."""
 
     code = "key.too_many_requests"
 
@@ -37,37 +37,37 @@ class TooManyRequests(GarmentqError):
 
 
 class UploadsOpen(GarmentqError):
-    """The key has as many uploads under way as it may; wait until one has ended."""
+    """The key has reached its number of simultaneous uploads; wait until one has ended."""
 
     code = "key.uploads_open"
 
 
 class DownloadsOpen(GarmentqError):
-    """The key has as many downloads under way as it may; wait until one has ended."""
+    """The key has reached its number of simultaneous downloads; wait until one has ended."""
 
     code = "key.downloads_open"
 
 
 class DownloadsFull(Unavailable):
-    """The service sends as many files as it may at a time; ask again when Retry-After says."""
+    """The service has reached its number of simultaneous downloads; retry when Retry-After says."""
 
     code = "service.downloads_full"
 
 
 class StreamsFull(GarmentqError):
-    """The key has as many event streams open as it may; close one."""
+    """The key has reached its number of open event streams; close one."""
 
     code = "request.streams_full"
 
 
 class LimitedOpen(GarmentqError):
-    """The key has as many patterns and scans looked at as it may; wait until one is done."""
+    """The key has reached its limit of patterns and scans checked at a time; wait until one is done."""
 
     code = "key.limited_open"
 
 
 class LimitedFull(GarmentqError):
-    """The service looks at as many patterns and scans as it may at a time; wait as long as Retry-After says."""
+    """The service has reached its limit of patterns and scans checked at a time; wait as long as Retry-After says."""
 
     code = "service.limited_full"
 
@@ -81,11 +81,11 @@ class Meter:
     """Count requests, uploads, downloads, event streams and limited processes by key."""
 
     def __init__(self, limits: ApiLimits, now: Callable[[], float] = time.monotonic) -> None:
-        """Begin with every key at rest.
+        """Begin without counts.
 
         Args:
-            limits: What a key may do.
-            now: A clock that only goes forward [s].
+            limits: Limits of a key.
+            now: A monotonic clock [s].
         """
         self._limits = limits
         self._now = now
@@ -99,16 +99,16 @@ class Meter:
         """Count one request: a bucket of `burst` that fills by `requests_per_second`.
 
         Raises:
-            TooManyRequests: where the bucket is empty.
+            TooManyRequests: if the bucket is empty.
         """
         if key:
             self._draw(key, self._limits.requests_per_second, self._limits.burst)
 
     def take_trial(self, key: str) -> None:
-        """Count one message that is sent to a webhook for trial, the local user's too.
+        """Count one test message to a webhook, also of the local user.
 
         Raises:
-            TooManyRequests: where the key tries more often than by `TRIAL_SECONDS`.
+            TooManyRequests: if the key exceeds the rate of `TRIAL_SECONDS`.
         """
         self._draw(f"trial {key}", 1.0 / TRIAL_SECONDS, TRIAL_BURST_COUNT)
 
@@ -120,17 +120,17 @@ class Meter:
             self._left[bucket] = (left - 1.0 if left >= 1.0 else left, now)
         if left < 1.0:
             raise TooManyRequests(
-                f"the key asks more than {rate:g} times a second; wait as long as Retry-After says.",
+                f"the key sends more than {rate:g} requests a second; wait as long as Retry-After says.",
                 (1.0 - left) / rate,
             )
 
     def check_address(self, address: str, token: str | None) -> None:
-        """Refuse an address that tried many wrong keys, but for a key that was right a while ago.
+        """Refuse an address that tried many wrong keys, except for a key that was right before.
 
-        So nobody looks for a key by trying, and nobody shuts others out who come by the same proxy.
+        A key cannot be found by trying, and other clients of the same proxy are not refused.
 
         Raises:
-            TooManyRequests: where it must wait.
+            TooManyRequests: if the address must wait.
         """
         with self._lock:
             count, then = self._wrong.get(address, (0.0, 0.0))
@@ -149,7 +149,7 @@ class Meter:
             self._wrong[address] = (max(0.0, count - (now - then) / FORGIVEN_SECONDS) + 1.0, now)
 
     def note_key(self, token: str | None) -> None:
-        """Note a right key; its hash only."""
+        """Record the hash of a right key."""
         with self._lock:
             if len(self._known) >= MAX_TRACKED_ADDRESSES:
                 self._known.clear()
@@ -160,11 +160,11 @@ class Meter:
         """Count one upload for the block.
 
         Raises:
-            UploadsOpen: where the key has as many under way as it may.
+            UploadsOpen: if the key has reached its limit.
         """
         most = self._limits.uploads if key else None
         if not self._begin("upload", key, most):
-            raise UploadsOpen(f"the key has {most} uploads under way, as many as it may; wait until one has ended.")
+            raise UploadsOpen(f"the key has {most} simultaneous uploads, its limit; wait until one has ended.")
         try:
             yield
         finally:
@@ -175,12 +175,12 @@ class Meter:
         """Count one download for the block.
 
         Raises:
-            DownloadsOpen: where the key has as many under way as it may.
-            DownloadsFull: where all keys together have.
+            DownloadsOpen: if the key has reached its limit.
+            DownloadsFull: if all keys together have reached theirs.
         """
         most = self._limits.downloads if key else None
         if not self._begin("download", key, most):
-            raise DownloadsOpen(f"the key has {most} downloads under way, as many as it may; wait until one has ended.")
+            raise DownloadsOpen(f"the key has {most} simultaneous downloads, its limit; wait until one has ended.")
         try:
             if not self._begin("any download", "", MAX_PROCESS_DOWNLOADS):
                 raise DownloadsFull()
@@ -196,10 +196,10 @@ class Meter:
         """Count one event stream for the block.
 
         Raises:
-            StreamsFull: where the key has as many open as it may.
+            StreamsFull: if the key has reached its limit.
         """
         if not self._begin("stream", key, self._limits.streams):
-            raise StreamsFull(f"the key has {self._limits.streams} event streams open, as many as it may; close one.")
+            raise StreamsFull(f"the key has {self._limits.streams} event streams open, its limit; close one.")
         try:
             yield
         finally:
@@ -207,13 +207,13 @@ class Meter:
 
     @contextmanager
     def waiting(self, key: str) -> Iterator[None]:
-        """Count one request that waits for its turn at a limited process, for the block.
+        """Count one request that waits for a limited process, for the block.
 
         Raises:
-            LimitedOpen: where the key has as many waiting as it may.
+            LimitedOpen: if the key has reached its limit.
         """
         if not self._begin("waiting", key, self._limits.limited_waiting):
-            raise LimitedOpen(f"{self._limits.limited_waiting} requests of the key wait for their turn; ask less.")
+            raise LimitedOpen(f"{self._limits.limited_waiting} requests of the key wait for their turn; send fewer.")
         try:
             yield
         finally:
@@ -224,8 +224,8 @@ class Meter:
         """Count one limited process for the block.
 
         Raises:
-            LimitedOpen: where the key has as many as it may.
-            LimitedFull: where all keys together have.
+            LimitedOpen: if the key has reached its limit.
+            LimitedFull: if all keys together have reached theirs.
         """
         most = self._limits.limited_per_key if key else None
         if not self._begin("limited", key, most):

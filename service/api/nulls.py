@@ -1,20 +1,20 @@
-"""Keep null in the OpenAPI document's examples: FastAPI leaves out every field that is None, in examples too."""
+"""Keep null in the OpenAPI document's examples: FastAPI drops every field that is None, in examples too."""
 
 from __future__ import annotations
 
 from typing import Any
 
 NULL = "\0null"
-"""What stands for null until FastAPI is done; no example has such a text."""
+"""Placeholder for null until FastAPI is done; no example has such a text."""
 
 
 def hide_nulls(value: Any) -> Any:
-    """Return an example with a word in place of each None."""
+    """Return an example with the placeholder instead of each None."""
     return _replace(value, None, NULL)
 
 
 def show_nulls(value: Any) -> Any:
-    """Return a document with None in place of each such word."""
+    """Return a document with None instead of each placeholder."""
     return _replace(value, NULL, None)
 
 

@@ -1,4 +1,4 @@
-"""`/docs`: the description of every route as one page without a script, so that no other server is asked for one."""
+"""`/docs`: the description of every route as one page without scripts, so that no other server is contacted."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ vertical-align:top}b{display:inline-block;min-width:4.5rem}
 """
 DIGEST = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
 POLICY = f"default-src 'none'; style-src 'sha256-{DIGEST}'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
-"""The page's Content-Security-Policy: its own style and nothing else; no script runs in it, whatever a text holds."""
+"""The page's Content-Security-Policy: its own style and nothing else; no script runs in it, whatever a text
+contains."""
 
 METHODS = ("get", "post", "put", "delete")
 
@@ -39,7 +40,7 @@ def draw_page(described: dict[str, Any]) -> str:
         f"<h1>{escape(info['title'])} {escape(info['version'])}</h1>",
         *(f"<p>{escape(text)}</p>" for text in info.get("description", "").split("\n\n")),
         "<p>A request carries <code>Authorization: Bearer TOKEN</code>: an API key, or on a service of this machine ",
-        "without keys what stands in <code>api.token</code> of its home. For programs: ",
+        "without keys the content of <code>api.token</code> in its home. For programs: ",
         '<a href="/openapi.json">openapi.json</a>.</p>',
     ]
     for group, routes in groups.items():

@@ -1,4 +1,4 @@
-"""`/v1/patterns/check`, `/v1/patterns/edit`: examine a pattern's document, and change it, before it is draped."""
+"""`/v1/patterns/check`, `/v1/patterns/edit`: check and change a pattern's document before it is draped."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ EXAMPLE = {
 
 
 @router.post(
-    "/check", summary="Say what is wrong with a pattern, and where.",
+    "/check", summary="Check a pattern and locate its faults.",
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
 async def check_pattern(document: DocumentIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
-    """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
+    """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is stored.
 
-    `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
-    and seams have the document's numbers, points its unit.
+    `is_sound` is false if a finding of severity `error` keeps the pattern from being draped. Edges, control points and
+    seams have the document's numbers, points its unit.
     """
 
     def work(is_stopped: IsStopped) -> Any:
@@ -67,10 +67,10 @@ async def check_pattern(document: DocumentIn, request: Request, rooms: AppStateD
     responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
 async def edit(wanted: PatternEditIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
-    """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
+    """Apply operations to a document one after the other, and check the new one; nothing is stored.
 
-    An operation that cannot be done is refused with its number, and in `findings` with its place. Each operation and
-    its fields: docs/reference/http.md.
+    An operation that cannot be applied is refused with its number, and with its place in `findings`.
+    docs/reference/http.md describes each operation and its fields.
     """
     work = partial(edit_pattern, wanted.pattern.model_dump(), wanted.operations)
     return await rooms.limited.run(request, caller.key, work)

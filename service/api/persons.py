@@ -1,4 +1,4 @@
-"""`/v1/persons`: what is kept of a person is listed, and goes, all at once."""
+"""`/v1/persons`: list and delete all data of a person."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .problems import show_answer
 router = APIRouter(prefix="/persons", tags=["jobs"])
 
 PersonName = Annotated[str, Path(min_length=1, max_length=255, description="Exact name of a job, a scan or an upload.")]
-DryRun = Annotated[bool, Query(description="Delete nothing; answer what would go in `found`.")]
+DryRun = Annotated[bool, Query(description="Delete nothing; `found` has what would be deleted.")]
 
 FOUND = {
     "name": "anna", "names": ["anna", "anna.ply"], "keys": ["5b0c7d1e"],
@@ -29,8 +29,8 @@ FOUND = {
 def show_one(name: PersonName, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return what `DELETE` would delete: jobs and uploads of a name, and all that was made of the same files.
 
-    Names are compared exactly: a job is called so, a file is called so, or so with one ending. Of a key only its own;
-    to the scope `admin` those of all keys, which `keys` names.
+    The name must equal the name of a job or of a file, with or without its extension. A key finds only its own data;
+    the scope `admin` finds those of all keys, listed in `keys`.
     """
     return find_person(rooms.database, name, "" if caller.sees_all else caller.key)
 
@@ -42,11 +42,10 @@ def show_one(name: PersonName, rooms: AppStateDependency, caller: Reader) -> Any
     ),
 )  # fmt: skip
 def delete_one(name: PersonName, rooms: AppStateDependency, caller: Submitter, dry_run: DryRun = False) -> Any:
-    """Delete the scans and uploads of a name, and all that was made of them; `found` says what that was.
+    """Delete the scans and uploads of a name, and all that was made of them; `found` lists them.
 
-    They are found by the exact name of a job, a scan or an upload, then by the files themselves, whatever these were
-    called elsewhere; of a key only its own, with the scope `admin` those of all keys. A job that has not ended, or
-    that another key has too, forbids it: then nothing is deleted, and the refusal names the job. Backups keep what
-    they hold.
+    They are found by the exact name of a job, a scan or an upload, then by the files' content under any other name. A
+    key deletes only its own data; the scope `admin` deletes those of all keys. If a job has not ended, or belongs to
+    another key too, nothing is deleted, and the refusal names the job. Backups are not changed.
     """
     return delete_person(rooms.database, rooms.store, name, "" if caller.sees_all else caller.key, dry_run)

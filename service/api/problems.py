@@ -1,4 +1,4 @@
-"""Errors as problem+json (RFC 9457) with our stable codes; never a traceback."""
+"""Errors as problem+json (RFC 9457) with stable codes; never a traceback."""
 
 from __future__ import annotations
 
@@ -44,16 +44,16 @@ STATUSES = {
     "request.streams_full": 429,
     "store.full": 507,
 }
-"""Statuses of codes whose class does not tell."""
+"""HTTP statuses of codes that their class does not determine."""
 
 RETRY_SECONDS = 10.0
-"""When to ask again after 429 or 503 where the error does not tell [s]: a restart takes some seconds."""
+"""Value of Retry-After for 429 and 503 if the error has none [s]: a restart takes some seconds."""
 
 CODES = {404: "request.no_such_page", 405: "request.method_not_allowed"}
 
 
 class RequestBad(BadInput):
-    """The request does not fit the description at /docs."""
+    """The request does not match the description at /docs."""
 
     code = "request.bad"
 
@@ -70,14 +70,14 @@ def error_status(error: GarmentqError) -> int:
 
 
 def make_retry_header(status: int, seconds: float) -> dict[str, str]:
-    """Return the header that says when to ask again, where a status means that it helps."""
+    """Return the Retry-After header, for statuses at which a retry can succeed."""
     return {"retry-after": str(max(1, math.ceil(seconds)))} if status in (429, 503) else {}
 
 
 def make_problem(
     status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS, findings: Sequence[Any] = ()
 ) -> JSONResponse:
-    """Answer with one problem; what was found in a pattern goes with it."""
+    """Return the response for one problem, with the findings in a pattern if there are any."""
     headers = make_retry_header(status, retry_seconds)
     if status == 401:
         headers["www-authenticate"] = "Bearer"
@@ -88,20 +88,20 @@ def make_problem(
 
 
 def answer_error(error: GarmentqError) -> JSONResponse:
-    """Answer with one of our errors."""
+    """Return the response for one of our errors."""
     seconds, findings = getattr(error, "retry_seconds", RETRY_SECONDS), getattr(error, "findings", ())
     return make_problem(error_status(error), error.code, make_public_message(error), seconds, findings)
 
 
 def make_public_message(error: GarmentqError) -> str:
-    """Return what a caller is told of an error; the log has the details of what is wrong with the service itself."""
+    """Return the message of an error for a caller; details of a fault of the service are only logged."""
     if is_service_error(error):
         log.warning("answered %s: %s", error.code, error.message)
     return show_message(error)
 
 
 def add_handlers(app: FastAPI) -> None:
-    """Turn every exception into a problem."""
+    """Convert every exception into a problem."""
 
     def on_ours(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, GarmentqError)
@@ -122,7 +122,7 @@ def add_handlers(app: FastAPI) -> None:
         return answer
 
     def on_gone(request: Request, error: Exception) -> JSONResponse:
-        return make_problem(499, "request.gone", "the client went away.")
+        return make_problem(499, "request.gone", "the client disconnected.")
 
     def on_fault(request: Request, error: Exception) -> JSONResponse:
         log.error("a request failed", exc_info=error)
@@ -136,28 +136,28 @@ def add_handlers(app: FastAPI) -> None:
 
 
 def refuse(status: int, code: str, message: str) -> HTTPException:
-    """Return a refusal that no layer above rewrites."""
+    """Return a refusal that no outer layer changes."""
     return HTTPException(status, {"code": code, "message": message})  # type: ignore[arg-type]
 
 
 REASONS = {
     400: "The body or a header cannot be read.",
-    401: "No key, or one that is not known.",
-    403: "The key lacks the scope, or a page of another origin asks.",
+    401: "No key, or an unknown one.",
+    403: "The key lacks the scope, or the request comes from a page of another origin.",
     404: "Unknown, or another key's.",
-    408: "The client fell silent.",
+    408: "The client stopped sending.",
     409: "The job is in another state.",
     413: "The body is too large.",
-    415: "The body is a form, not the file itself.",
+    415: "The body is a form instead of the file itself.",
     416: "The file has no such range.",
     422: "Bad input.",
-    429: "The key asks for more than it may; wait as long as Retry-After says.",
+    429: "The key exceeds a limit; wait as long as Retry-After says.",
     431: "The head of the request is too large.",
     500: "A fault of garmentq.",
-    503: "Database or store is away, all is in use, or there was no answer in time; Retry-After says when to ask.",
+    503: "Database or store is unavailable, the service is busy, or timed out; Retry-After says when to retry.",
     507: "There is no room for the file.",
 }
-"""What the refusals mean."""
+"""Description of each refusal."""
 
 EXAMPLE_CODES = {
     400: "request.refused", 401: "key.missing", 403: "key.scope_missing", 404: "job.unknown", 408: "request.too_slow",
@@ -165,28 +165,27 @@ EXAMPLE_CODES = {
     429: "key.too_many_requests", 431: "request.head_too_large", 500: "service.fault",
     503: "service.database_unreachable", 507: "store.full",
 }  # fmt: skip
-"""A code of each."""
+"""An example code of each refusal."""
 
 COMMON_REFUSAL_STATUSES = (400, 403, 431, 500, 503)
-"""HTTP statuses of refusals that any route may give: of a head that cannot be taken, of another origin, by a fault,
-after a silence."""
+"""HTTP statuses of refusals that any route may give: for an invalid head, another origin, a fault, or a timeout."""
 
 API_REFUSAL_STATUSES = (*COMMON_REFUSAL_STATUSES, 401, 404, 413, 422, 429)
-"""Refusals that any route under /v1 may give: each reads a key, a query and the database."""
+"""HTTP statuses of refusals that any route under /v1 may give: each reads a key, a query and the database."""
 
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
-"""Where `description.describe` puts the schema of a problem."""
+"""Reference to the schema that `description.describe` adds."""
 
 BYTES = {"type": "string", "format": "binary"}
-"""The schema of a file, in a request or an answer."""
+"""Schema of a file, in a request or a response."""
 
 
 def show_answer(
     value: object, status: int = 200, model: type | None = None, refusals: tuple[int, ...] = ()
 ) -> dict[int | str, dict[str, Any]]:
-    """Describe a route's answers for the OpenAPI page: a good one by example and schema, and every refusal.
+    """Describe a route's responses in OpenAPI: the successful one by example and schema, and every refusal.
 
-    A route that reads a body adds 408: its client may fall silent.
+    A route that reads a body adds 408: its client may stop sending.
     """
     good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": hide_nulls(value)}}}
     if model is not None:
@@ -195,12 +194,12 @@ def show_answer(
 
 
 def show_bytes(description: str, media: str = "application/octet-stream") -> dict[str, Any]:
-    """Describe an answer that is a file, for the OpenAPI page."""
+    """Describe a response that is a file, in OpenAPI."""
     return {"description": description, "content": {media: {"schema": BYTES, "example": "(bytes)"}}}
 
 
 def show_refusals(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Describe refusals for the OpenAPI page."""
+    """Describe refusals in OpenAPI."""
     return {
         status: {
             "description": REASONS[status],

@@ -1,4 +1,4 @@
-"""Who asks through a proxy: its word is taken for the client's address and scheme where the operator trusts it."""
+"""Client address and scheme from the headers of trusted proxies."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from typing import Any
 from ..settings import ServiceSettingBad
 
 DEFAULT_PROXIES = "127.0.0.1,::1"
-"""Whose word is taken by default: a proxy on this machine."""
+"""Proxies that are trusted by default: those on this machine."""
 
 NONE = "none"
-"""What the setting says where nobody's word is taken."""
+"""Value of the setting by which no proxy is trusted."""
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Message = MutableMapping[str, Any]
 
 
 class ProxyHeaders:
-    """Put the client that a trusted proxy names in place of the proxy, and its scheme; nothing of anybody else's word.
+    """Replace the address and scheme of a trusted proxy by those of its client; ignore the headers of others.
 
-    Of `X-Forwarded-For` the last entry is taken, which is the proxy's own, and only where it is an address: what stands
-    before it came from outside. Without one the client is the proxy.
+    Only the last entry of `X-Forwarded-For` is used, which the proxy itself added, and only if it is an address:
+    earlier entries come from outside. Without one the client is the proxy.
     """
 
     def __init__(self, app: Callable[..., Awaitable[None]], proxies: Sequence[Network]) -> None:
-        """Stand before an ASGI application.
+        """Wrap an ASGI application.
 
         Args:
             app: The application.
@@ -47,7 +47,7 @@ class ProxyHeaders:
 
 
 def _apply_forwarded_headers(scope: Message) -> None:
-    """Take client and scheme from a proxy's headers."""
+    """Set client and scheme from a proxy's headers."""
     values = {
         wanted: [value.decode("latin-1") for name, value in scope["headers"] if name == wanted]
         for wanted in (b"x-forwarded-for", b"x-forwarded-proto")
@@ -61,23 +61,23 @@ def _apply_forwarded_headers(scope: Message) -> None:
 
 
 def read_address(text: str) -> str | None:
-    """Return an IP address in its one form, of IPv4 that is mapped into IPv6 that of IPv4; None where it is none."""
+    """Return an IP address in canonical form, with an IPv4 address mapped into IPv6 as IPv4; None if it is not one."""
     try:
         address = ipaddress.ip_address(text)
     except ValueError:
         return None
     if isinstance(address, ipaddress.IPv6Address):
-        if address.scope_id is not None:  # any text may stand there
+        if address.scope_id is not None:  # it may contain any text
             address = ipaddress.IPv6Address(int(address))
         return str(address.ipv4_mapped or address)
     return str(address)
 
 
 def read_proxies(environment: Mapping[str, str] | None = None) -> list[Network]:
-    """Return the networks of GARMENTQ_API_PROXIES, with commas between; `none` trusts nobody.
+    """Return the networks of GARMENTQ_API_PROXIES, separated by commas; `none` trusts no proxy.
 
     Raises:
-        ServiceSettingBad: where one is none.
+        ServiceSettingBad: if one is invalid.
     """
     environment = os.environ if environment is None else environment
     text = environment.get("GARMENTQ_API_PROXIES", "").strip() or DEFAULT_PROXIES
@@ -85,5 +85,5 @@ def read_proxies(environment: Mapping[str, str] | None = None) -> list[Network]:
         return [ipaddress.ip_network(one.strip()) for one in text.split(",") if text != NONE and one.strip()]
     except ValueError as error:
         raise ServiceSettingBad(
-            f"GARMENTQ_API_PROXIES: {error}; write 10.1.0.7 or 10.1.0.0/16, with commas between, or {NONE}."
+            f"GARMENTQ_API_PROXIES: {error}; write 10.1.0.7 or 10.1.0.0/16, separated by commas, or {NONE}."
         ) from None

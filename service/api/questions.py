@@ -1,4 +1,4 @@
-"""`/v1/query`: find jobs by what they found."""
+"""`/v1/query`: find jobs by their results."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ router = APIRouter(tags=["results"])
 
 @dataclass(frozen=True)
 class Page:
-    """Choose which of the jobs that are found are returned."""
+    """Describe which of the found jobs are returned."""
 
     limit: Annotated[int, Query(ge=1, le=MAX_QUERY_ROWS)] = 50
     offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0
 
 
-@router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
+@router.get("/query", summary="Find jobs by their results.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
 def query_jobs(
     rooms: AppStateDependency,
     caller: Reader,

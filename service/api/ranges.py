@@ -1,4 +1,4 @@
-"""Which bytes of a file the header `Range` asks for."""
+"""Parser of the header `Range`."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ import re
 from ...core.run.errors import BadInput
 
 MAX_REQUEST_RANGES = 100
-"""Ranges of one request; where more are asked for the whole file is sent."""
+"""Largest number of ranges in one request; beyond it the whole file is sent."""
 
 RANGE_PATTERN = re.compile(r"(\d{0,19})\s*-\s*(\d{0,19})")
 
 
 class RangeBad(BadInput):
-    """The file has no such range; ask for its list."""
+    """The file has no such range; request the list of files for its size."""
 
     code = "request.range"
 
     def __init__(self, status: int) -> None:
-        """Refuse with 400 where the header cannot be read, with 416 where it asks for bytes that there are none of."""
+        """Refuse with 400 if the header cannot be parsed, with 416 if a range is beyond the file's end."""
         super().__init__()
         self.status = status
 
 
 def read_ranges(text: str, size: int) -> list[tuple[int, int]]:
-    """Return the ranges that a header asks for, each from its first byte up to but without its end, none twice.
+    """Return the ranges of a header as half-open intervals [first, end), merged where they overlap.
 
     Args:
         text: `bytes=FIRST-LAST,FIRST-,-COUNT`.
         size: The file's size [bytes].
 
     Returns:
-        The ranges in the file's order; none where the whole file is to be sent.
+        The ranges in the file's order; none if the whole file is to be sent.
 
     Raises:
-        RangeBad: where the header cannot be read, or asks for bytes behind the end.
+        RangeBad: if the header cannot be parsed, or a range is beyond the file's end.
     """
     unit, _, rest = text.partition("=")
     parts = [part.strip() for part in rest.split(",") if part.strip()]

@@ -1,4 +1,4 @@
-"""`/v1/jobs/{job}/result` and `/v1/jobs/{job}/artifacts`: what a job found, and its files."""
+"""`/v1/jobs/{job}/result` and `/v1/jobs/{job}/artifacts`: the report of a job, and its files."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ WEARER = {
 
 
 @router.get(
-    "/jobs/{job}/result", summary="Show what a job found.",
+    "/jobs/{job}/result", summary="Show a job's result.",
     responses=show_answer(JOB | {"files": [FILE]}, model=Result),
 )  # fmt: skip
 def show_result(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
@@ -60,7 +60,7 @@ def list_artifacts(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     response_class=StreamingResponse,
     responses={
         200: show_bytes("The file."),
-        206: show_bytes("The bytes that `Range` asked for."),
+        206: show_bytes("The bytes that `Range` names."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*API_REFUSAL_STATUSES, 416),
     },
@@ -68,8 +68,8 @@ def list_artifacts(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
 def download_artifact(job: str, name: str, request: Request, rooms: AppStateDependency, caller: Reader) -> Response:
     """Return a file. The name is looked up in the job's list and is never a path.
 
-    It is hashed while it is sent: of one that is damaged less comes than `Content-Length` says. Parts that `Range` asks
-    for are not hashed; the `ETag` is the hash of the whole.
+    The file is hashed while it is sent: of a damaged file less arrives than `Content-Length` says. Parts that `Range`
+    names are not hashed; the `ETag` is the hash of the whole.
     """
     row = find_own(rooms, caller, job)
     found = [file for file in _find_files(rooms, row.id) if file.name == name]
@@ -88,35 +88,35 @@ def download_artifact(job: str, name: str, request: Request, rooms: AppStateDepe
     },
 )
 def download_result(job: str, rooms: AppStateDependency, caller: Reader) -> Response:
-    """Return all files of a job as one .zip, which breaks off where one is damaged; their list has their hashes."""
+    """Return all files of a job as one .zip; it is cut off if a file is damaged. The list of files has their hashes."""
     row = find_own(rooms, caller, job)
     files = _find_files(rooms, row.id)
     if not files:
-        raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` tells why.")
+        raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` shows why.")
     headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
     return Download(rooms, caller, pack_files(rooms.store, files), SendOptions("application/zip", headers))
 
 
 @router.get(
     "/jobs/{job}/exports/{name}",
-    summary="Download a file of a job's newest export that has one of the name.",
+    summary="Download a file by name from a job's newest export that has it.",
     response_class=StreamingResponse,
     responses={
         200: show_bytes("The file."),
-        206: show_bytes("The bytes that `Range` asked for."),
+        206: show_bytes("The bytes that `Range` names."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*API_REFUSAL_STATUSES, 416),
     },
 )
 def download_export(job: str, name: str, request: Request, rooms: AppStateDependency, caller: Reader) -> Response:
-    """Return a file that a job of kind `export` wrote of this job's result; it makes none."""
+    """Return a file that a job of kind `export` wrote from this job's result; no export is started."""
     row = find_own(rooms, caller, job)
     found = find_export(rooms.database, row.id, name, "" if caller.sees_all else caller.key)
     return send_file(rooms, caller, found, request)
 
 
 @router.get(
-    "/bodies/of/{job}", summary="Show the wearer as a job saw it.",
+    "/bodies/of/{job}", summary="Show the wearer that a job estimated.",
     responses=show_answer(WEARER, model=Wearer),
 )  # fmt: skip
 def show_wearer(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
@@ -125,7 +125,7 @@ def show_wearer(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     with rooms.database.read() as session:
         body = session.get(BodyRow, row.id)
     if body is None:
-        raise ResultMissing(f"job {row.id} has no result; `garmentq status {row.id}` tells why.")
+        raise ResultMissing(f"job {row.id} has no result; `garmentq status {row.id}` shows why.")
     shown = {"source": body.source, "fit_rms": body.fit_rms, "joints": body.joints, "parameters": body.parameters}
     return {"job": row.id, **shown}
 

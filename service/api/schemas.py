@@ -1,4 +1,4 @@
-"""What a client may send, checked before anything looks at it."""
+"""Request models: what a client may send, validated before a route uses it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FabricName = TemplateName
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 MAX_RANDOM_SEED = 2**31 - 1
-"""Largest seed: what every client's integers hold."""
+"""Largest seed: the largest integer of every client."""
 WORDS = tuple(part.word for part in GARMENTS)
 """The garments of a person."""
 MAX_JOBS_PER_REQUEST = 1000
@@ -36,7 +36,7 @@ ALLOWED = {
     "method": METHODS, "preset": PRESETS, "units": tuple(UNITS), "up": ("y", "z", "-y", "-z"),
     "free": ("symmetry",),
 }  # fmt: skip
-"""Closed sets among the settings, as the document tells them; `RecoverySettings` refuses others, by its code."""
+"""Closed sets of values in the OpenAPI document; `RecoverySettings` refuses other values, by its own code."""
 
 
 def _field(name: str, hint: Any) -> Any:
@@ -53,15 +53,15 @@ def _field(name: str, hint: Any) -> Any:
 _HINTS = get_type_hints(RecoverySettings)
 SettingsIn: Any = create_model(
     "Settings",
-    __doc__="Choose how a garment is recovered; what is left out is as `garmentq run` has it (docs/reference/cli.md).",
+    __doc__="Describe how a garment is recovered; defaults are those of `garmentq run` (docs/reference/cli.md).",
     __config__=ConfigDict(extra="forbid"),
     **{f.name: (_field(f.name, _HINTS[f.name]), f.default) for f in fields(RecoverySettings) if f.name != "template"},  # type: ignore[call-overload]
 )
-"""The fields of `RecoverySettings` but the template, which a job names beside its files."""
+"""The fields of `RecoverySettings` except the template, which a job names beside its files."""
 
 
 class PartIn(BaseModel):
-    """Choose how one garment of a person is recovered; what is left out is as for all."""
+    """Describe how one garment of a person is recovered; defaults are the choices for all garments."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"fabric": "denim"}})
     pattern: Sha256 | None = Field(None, description="Hash of an upload to /v1/patterns: the base pattern.")
@@ -70,12 +70,12 @@ class PartIn(BaseModel):
     fabric: Text | None = None
     lock: Text | None = None
     cut: Text | None = Field(
-        None, description="Choices of parts of the cut, neckline=v,sleeve=long, before those for all."
+        None, description="Choices of parts of the cut, neckline=v,sleeve=long; they override those for all."
     )
 
 
 class JobIn(BaseModel):
-    """Ask for one recovery, or for all garments of a person, of files that were uploaded before."""
+    """Describe a recovery of one garment, or of all garments of a person, from uploaded files."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -93,16 +93,16 @@ class JobIn(BaseModel):
     labels: Sha256 | None = Field(None, description="Hash of an upload to /v1/labels.")
     pattern: Sha256 | None = Field(None, description="Hash of an upload to /v1/patterns: the base pattern.")
     template: TemplateName | None = Field(None, description="Name of a template, instead of a pattern.")
-    given_as: Literal[GIVEN_AS] | None = Field(None, alias="as", description="What the scan is; null: found.")  # type: ignore[valid-type]
-    wearing: Text | None = Field(None, description="Exactly what a person wears: upper,lower; null: found.")
-    marks: list[Text] = Field(default=[], max_length=100, description="What is at a place: upper=0.1,1.2,0.05.")
-    parts: dict[Literal[WORDS], PartIn] = Field(default={}, description="Choices of a person's single garments.")  # type: ignore[valid-type]
+    given_as: Literal[GIVEN_AS] | None = Field(None, alias="as", description="What the scan is; null: detected.")  # type: ignore[valid-type]
+    wearing: Text | None = Field(None, description="Exactly what a person wears: upper,lower; null: detected.")
+    marks: list[Text] = Field(default=[], max_length=100, description="Part of a point: upper=0.1,1.2,0.05.")
+    parts: dict[Literal[WORDS], PartIn] = Field(default={}, description="Choices for single garments of a person.")  # type: ignore[valid-type]
     settings: SettingsIn = Field(default_factory=SettingsIn)
     priority: int = Field(0, ge=-100, le=100)
     queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
     force: bool = False
-    name: Text = Field("", description="What the family is called; by default the scan's own name.")
-    tags: list[Tag] = Field(default=[], max_length=20, description="Words that it can be found by.")
+    name: Text = Field("", description="Name of the family; by default the scan's name.")
+    tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
 
 
 JobId = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]
@@ -110,7 +110,7 @@ FieldName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")]
 
 
 class DerivedIn(BaseModel):
-    """Ask for a job that works on a stored result."""
+    """Describe a job that works on a stored result."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -125,13 +125,13 @@ class DerivedIn(BaseModel):
     kind: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")] = Field(description="dress, for example.")
     result: JobId = Field(description="The job whose result it works on.")
     over: JobId | None = Field(None, description="dress: the job whose garment it is worn over; null: none.")
-    options: dict[FieldName, Any] = Field(default={}, max_length=50, description="Of the kind; docs/reference/http.md.")
-    files: dict[FieldName, Sha256] = Field(default={}, max_length=10, description="Uploads by the request's fields.")
+    options: dict[FieldName, Any] = Field(default={}, max_length=50, description="See docs/reference/http.md.")
+    files: dict[FieldName, Sha256] = Field(default={}, max_length=10, description="Hashes of uploads, by field.")
     priority: int = Field(0, ge=-100, le=100)
     queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
     force: bool = False
-    name: Text = Field("", description="What it is called; by default as the result's job.")
-    tags: list[Tag] = Field(default=[], max_length=20, description="Words that it can be found by.")
+    name: Text = Field("", description="Name of the job; by default that of the result's job.")
+    tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
 
 
 def _tag(given: Any) -> str:
@@ -139,7 +139,7 @@ def _tag(given: Any) -> str:
 
 
 AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Choice("derived")], Discriminator(_tag)]
-"""What a job is asked for with: a kind says that it works on a stored result."""
+"""A request for a job; a `kind` marks one that works on a stored result."""
 
 
 SQUARE: dict[str, JsonValue] = {
@@ -173,7 +173,7 @@ class DocumentIn(BaseModel):
 
 
 class PatternEditIn(BaseModel):
-    """Ask for a pattern's document after some operations."""
+    """Describe operations that are applied to a pattern's document."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -184,11 +184,11 @@ class PatternEditIn(BaseModel):
         },
     )  # fmt: skip
     pattern: DocumentIn
-    operations: list[dict[str, Any]] = Field(max_length=1000, description="Each with `op` and its fields.")
+    operations: list[dict[str, Any]] = Field(max_length=1000, description="Operations, each with `op` and its fields.")
 
 
 class LabelsIn(BaseModel):
-    """Hand in mended labels of a person's scan."""
+    """Describe corrected labels of a person's scan."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -201,7 +201,7 @@ class LabelsIn(BaseModel):
 
 
 class JobsIn(BaseModel):
-    """Name some jobs by their ids."""
+    """List jobs by their ids."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
     jobs: list[JobId] = Field(min_length=1, max_length=MAX_JOBS_PER_REQUEST)
@@ -217,11 +217,11 @@ FABRIC: Any = {
         "H22": "measured: on our bench", "k": "derived: from a cantilever",
     },
 }  # fmt: skip
-"""A fabric of a user's own."""
+"""Example of a user's fabric."""
 
 
 class FabricIn(BaseModel):
-    """Return a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
+    """Describe a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and each number's source."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": FABRIC})
     name: FabricName
@@ -238,7 +238,7 @@ class FabricIn(BaseModel):
 
 
 class WebhookIn(BaseModel):
-    """Ask to be told when jobs end."""
+    """Describe a webhook that receives a message when jobs end."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -246,12 +246,12 @@ class WebhookIn(BaseModel):
     )
     url: Annotated[str, StringConstraints(min_length=1, max_length=2000, pattern=r"^[!-~]+$")]
     states: list[Literal["succeeded", "failed", "dead", "cancelled"]] = Field(
-        default=[], max_length=4, description="The endings that it is told of; none: all."
+        default=[], max_length=4, description="End states that it receives messages about; none: all."
     )
 
 
 class KeyIn(BaseModel):
-    """Ask for a new key."""
+    """Describe a new key."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"example": {"name": "atelier", "scopes": ["read", "submit"], "quota": 100}}
@@ -262,4 +262,4 @@ class KeyIn(BaseModel):
     )
     quota: int = Field(100, ge=1, le=1_000_000)
     priority: int = Field(0, ge=0, le=100, description="Highest priority that its jobs may have.")
-    days: float | None = Field(None, gt=0, le=36500, description="After so long it expires [d]; null: never.")
+    days: float | None = Field(None, gt=0, le=36500, description="Time until it expires [d]; null: never.")

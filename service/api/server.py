@@ -1,4 +1,4 @@
-"""Listen on an address."""
+"""The HTTP server of the API."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     import uvicorn
 
 IDLE_SECONDS = 30
-"""How long a connection without a request is kept [s]; a client that follows a job asks more often."""
+"""Time for which a connection without a request is kept [s]; a client that follows a job sends requests more often."""
 
 MAX_CONCURRENT_REQUESTS = 512
-"""Largest number of requests at a time; more are answered 503 at once."""
+"""Largest number of requests at a time; further ones are answered 503 at once."""
 
 
 class AddressPublic(BadInput):
-    """A service that others reach needs keys; make one by `garmentq keys create NAME`, then serve again."""
+    """A service that other machines reach needs keys; create one by `garmentq keys create NAME`, then serve again."""
 
     code = "serve.keys_missing"
 
 
 class HostBad(BadInput):
-    """A host is named as browsers name it, such as garmentq.example, without scheme, port or path."""
+    """A host is named as in a browser's address, such as garmentq.example, without scheme, port or path."""
 
     code = "serve.host_bad"
 
@@ -45,21 +45,21 @@ def serve(
     settings: ServiceSettings, host: str, port: int, limits: ApiLimits | None = None, hosts: Sequence[str] = (),
     needs_key: bool = True,
 ) -> None:  # fmt: skip
-    """Serve the API until SIGINT, SIGTERM or SIGHUP tells it to stop.
+    """Serve the API until SIGINT, SIGTERM or SIGHUP.
 
     Args:
-        settings: Which home.
+        settings: Settings of the home.
         host: Address to listen on.
         port: Port to listen on.
-        limits: What a request may cost; None: as the environment says.
-        hosts: Names by which a proxy on this machine calls it.
-        needs_key: Refuse to start where others may come while nobody has a key; otherwise everybody is refused until
-            somebody has.
+        limits: Limits of requests; None: as the environment says.
+        hosts: Host names under which a proxy on this machine calls it.
+        needs_key: Refuse to start if other machines can reach it and no key exists; if False, every request is refused
+            until a key exists.
 
     Raises:
-        AddressPublic: where others may come, by the address or by a proxy, and nobody has a key.
-        HostBad: where a name is none.
-        ServiceSettingBad: where the environment names a limit, an origin or a proxy that is none.
+        AddressPublic: if other machines can reach it, by the address or by a proxy, and no key exists.
+        HostBad: if a host name is invalid.
+        ServiceSettingBad: if the environment has an invalid limit, origin or proxy.
     """
     import uvicorn
 
@@ -82,19 +82,19 @@ def serve(
 
 
 def make_server(config: uvicorn.Config) -> uvicorn.Server:
-    """Return a server that ends in order when it is told to stop, and returns.
+    """Return a server that stops gracefully on a stop signal, and then returns.
 
-    uvicorn's own raises the signal once more when it has ended, which ends the process before anything else is undone,
-    and does not know SIGHUP.
+    uvicorn's own server raises the signal again after it has stopped, which ends the process before other clean-up, and
+    does not handle SIGHUP.
     """
     import uvicorn
 
     class Server(uvicorn.Server):
-        """Serve until told to stop."""
+        """Serve until a stop signal."""
 
         @contextmanager
         def capture_signals(self) -> Iterator[None]:
-            """Listen to what tells a server to stop, but to nothing that is ignored (nohup)."""
+            """Handle the stop signals, except ignored ones (nohup)."""
             told = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
             with handle_signals(told, self.handle_exit):
                 yield
@@ -103,7 +103,7 @@ def make_server(config: uvicorn.Config) -> uvicorn.Server:
 
 
 def make_options(limits: ApiLimits) -> dict[str, Any]:
-    """Return how uvicorn serves the application, whose own matter it is whom a proxy's headers are believed of."""
+    """Return uvicorn's options; proxy headers are off because the application handles them itself."""
     return {
         "access_log": False,
         "server_header": False,
@@ -117,12 +117,12 @@ def make_options(limits: ApiLimits) -> dict[str, Any]:
 
 
 def read_hosts(names: Sequence[str]) -> tuple[str, ...]:
-    """Return names of hosts in small letters, as `urlsplit` gives them.
+    """Return host names in lower case, as `urlsplit` returns them.
 
     Raises:
-        HostBad: where one is none.
+        HostBad: if one is invalid.
     """
     for name in names:
         if not re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9.-]{0,251}[A-Za-z0-9])?", name):
-            raise HostBad(f"'{name[:80]}' is no host. {HostBad().message}")
+            raise HostBad(f"'{name[:80]}' is not a host. {HostBad().message}")
     return tuple(name.lower() for name in names)

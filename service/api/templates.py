@@ -34,7 +34,7 @@ def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
 
 
 @router.get(
-    "/{name}", summary="Give a template as a GarmentCode pattern.",
+    "/{name}", summary="Return a template as a GarmentCode pattern.",
     responses=show_answer(SQUARE, model=DocumentIn),
 )  # fmt: skip
 def show_template(name: TemplateName, rooms: AppStateDependency, caller: Reader) -> Response:
@@ -50,7 +50,7 @@ def show_template(name: TemplateName, rooms: AppStateDependency, caller: Reader)
     },
 )  # fmt: skip
 async def import_one(name: TemplateName, request: Request, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced."""
+    """Check a GarmentCode or NeuralTailor pattern file and store it; an imported one of the same name is replaced."""
     content = await request.body()
     return await rooms.limited.run(request, caller.key, partial(_import, rooms, name, content))
 
@@ -60,7 +60,7 @@ async def import_one(name: TemplateName, request: Request, rooms: AppStateDepend
     responses=show_answer(DELETED, model=Template),
 )  # fmt: skip
 def delete_one(name: TemplateName, rooms: AppStateDependency, caller: Admin) -> Any:
-    """Delete an imported template; jobs that were asked for with it keep its file."""
+    """Delete an imported template; jobs that use it keep its file."""
     return delete_template(rooms.database, name)
 
 

@@ -1,4 +1,4 @@
-"""Threads for one kind of short work each, which never wait for those that slow routes hold."""
+"""Thread pools for short work that must not wait for slow routes."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ Result = TypeVar("Result")
 
 
 class ThreadPool:
-    """Run blocking functions in a number of threads, apart from those that the routes share."""
+    """Run blocking functions in a limited number of threads, separate from those of the routes."""
 
     def __init__(self, most: int) -> None:
-        """Begin with none.
+        """Create the pool.
 
         Args:
-            most: Threads at a time.
+            most: Largest number of threads.
         """
         self._limiter = CapacityLimiter(most)
 
     async def run(self, function: Callable[..., Result], *arguments: object) -> Result:
-        """Run a function in one of the threads, and return what it returns."""
+        """Run a function in one of the threads, and return its result."""
         return await to_thread.run_sync(function, *arguments, limiter=self._limiter)
 
 
 @dataclass(frozen=True)
 class ThreadPools:
-    """Gather the threads that a server has beside those of the routes.
+    """Describe the thread pools that a server has beside that of the routes.
 
     Attributes:
-        admission: Find who asks: one row of the database for each request.
-        watching: Tell whether database and store can be used.
-        transfers: Hash and move an upload into the store; one of 512 MB takes seconds, and a disk's whole speed.
+        admission: Authenticates callers: one row of the database for each request.
+        watching: Checks that database and store can be used.
+        transfers: Hashes uploads and moves them into the store; one of 512 MB takes seconds at a disk's full speed.
     """
 
     admission: ThreadPool = field(default_factory=lambda: ThreadPool(16))

@@ -1,4 +1,4 @@
-"""`/v1/scans`, `/v1/bodies`, `/v1/labels`, `/v1/patterns`: raw bodies, capped while they stream to disk."""
+"""`/v1/scans`, `/v1/bodies`, `/v1/labels`, `/v1/patterns`, `/v1/motions`: raw bodies, written to disk up to a limit."""
 
 from __future__ import annotations
 
@@ -34,30 +34,30 @@ KINDS = {
     "patterns": ("pattern", "a pattern file"),
     "motions": ("motion", "a motion"),
 }
-"""What can be uploaded, by its part of the path: the word in the names of its routes, and what it is."""
+"""Kinds of uploads by their part of the path: the word in the names of the routes, and a description."""
 EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",), "motions": (".bvh", ".npz", ".json")}
 DIGEST = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 EXAMPLE = {"sha256": DIGEST, "name": "skirt.ply", "size": 512034}
 
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 1, "files": 7, "size": 2048000, "young": 0}
 
-Name = Annotated[str, Query(max_length=255, description="The file's name; only its extension means something.")]
+Name = Annotated[str, Query(max_length=255, description="The file's name; only its extension has an effect.")]
 
 
 class FileRefused(BadInput):
-    """A file of this kind ends in one of the extensions of its page; see docs/reference/http.md."""
+    """A file of this kind needs one of its extensions; docs/reference/http.md lists them."""
 
     code = "upload.extension"
 
 
 def _add(kind: str) -> None:
-    """Add the two routes of one kind of file."""
+    """Add the routes of one kind of file."""
 
     async def upload(
         request: Request, response: Response, rooms: AppStateDependency, caller: Submitter, name: Name
     ) -> Any:
         if request.headers.get("content-type", "").lower().startswith("multipart/"):
-            raise refuse(415, "upload.not_raw", "send the file itself as the body, not a form that holds it.")
+            raise refuse(415, "upload.not_raw", "send the file itself as the body, not a form that contains it.")
         cleaned = clean_name(name)
         length = _refuse_length(request, rooms)
         most = rooms.limits.day_bytes if caller.key else None
@@ -90,9 +90,9 @@ def _add(kind: str) -> None:
         openapi_extra={"requestBody": {"required": True, **body}},
         name=f"upload_{word}",
     )(upload)
-    router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{word}",
+    router.get(f"/{kind}/{{sha256}}", summary=f"Show {what} that this key uploaded.", name=f"show_{word}",
                responses=show_answer(EXAMPLE, model=Upload))(show)  # fmt: skip
-    router.delete(f"/{kind}/{{sha256}}", summary=f"Forget {what}; jobs keep what they name.", name=f"forget_{word}",
+    router.delete(f"/{kind}/{{sha256}}", summary=f"Delete the upload of {what}; jobs keep it.", name=f"forget_{word}",
                   responses=show_answer(DELETED, model=Deleted))(forget)  # fmt: skip
 
 
@@ -101,7 +101,7 @@ for _kind in KINDS:
 
 
 def _refuse_length(request: Request, rooms: AppState) -> int:
-    """Refuse a body that says itself that it is too large; give the size that it tells, or 0."""
+    """Refuse a body whose Content-Length is too large; return the Content-Length, or 0."""
     text = request.headers.get("content-length", "0")
     length = int(text[:20]) if text.isascii() and text.isdigit() else 0
     if length > rooms.limits.upload_bytes:
@@ -112,7 +112,7 @@ def _refuse_length(request: Request, rooms: AppState) -> int:
 
 @asynccontextmanager
 async def _spool_body(request: Request, rooms: AppState, suffix: str) -> AsyncIterator[Path]:
-    """Write the body to a temporary file for the block; it is gone afterwards, whatever happens."""
+    """Write the body to a temporary file that exists for the block."""
     make_private(rooms.incoming)
     descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming, suffix=suffix)
     try:
@@ -126,7 +126,7 @@ async def _spool_body(request: Request, rooms: AppState, suffix: str) -> AsyncIt
             raise refuse(422, "upload.damaged", "the file's hash is not X-Content-SHA256; send it again.")
         yield Path(temporary)
     except ClientDisconnect:
-        raise refuse(499, "request.gone", "the client went away.") from None
+        raise refuse(499, "request.gone", "the client disconnected.") from None
     except OSError as error:
         raise StorageFull(f"the upload cannot be kept: {error.strerror}.") from error
     finally:
@@ -135,7 +135,7 @@ async def _spool_body(request: Request, rooms: AppState, suffix: str) -> AsyncIt
 
 
 def _check(kind: str, path: Path, name: str) -> None:
-    """Refuse what name and size tell; a file's content is looked at by the job that needs it, in a limited process."""
+    """Check name and size of a file; its content is checked in a limited process by the job that reads it."""
     if kind in EXTENSIONS:
         if path.suffix not in EXTENSIONS[kind]:
             raise FileRefused(f"{name} does not end in {' '.join(EXTENSIONS[kind])}.")

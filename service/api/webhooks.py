@@ -1,4 +1,4 @@
-"""`/v1/webhooks`: addresses that are told when jobs end."""
+"""`/v1/webhooks`: addresses that receive messages when jobs end."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 
 
 @router.post(
-    "", status_code=201, name="create_webhook", summary="Be told when jobs end.",
+    "", status_code=201, name="create_webhook", summary="Create a webhook.",
     responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook, (408,)),
 )  # fmt: skip
 def create(wanted: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Send an address a message about the caller's own jobs that end from now on.
+    """Send messages to an address about the caller's own jobs that end from now on.
 
-    The secret that signs the messages is in this answer and never again. The address is https and a public one, unless
-    the operator allows others; docs/reference/http.md describes the messages.
+    The secret that signs the messages is only in this response. The address must be https and public, unless the
+    operator allows others; docs/reference/http.md describes the messages.
     """
     states = [State(state) for state in wanted.states]
     webhook, secret = create_webhook(rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key)
@@ -47,7 +47,7 @@ def create(wanted: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> A
     responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks),
 )  # fmt: skip
 def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
-    """Return the caller's webhooks without their secrets; `owed` messages are still to be sent."""
+    """Return the caller's webhooks without their secrets; `owed` is the number of unsent messages."""
     return {"webhooks": [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))]}
 
 
@@ -55,23 +55,23 @@ def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     "/{webhook}", name="delete_webhook", summary="Delete a webhook.", responses=show_answer(EXAMPLE, model=Webhook),
 )  # fmt: skip
 def delete(webhook: WebhookId, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Delete a webhook with all that is owed to it."""
+    """Delete a webhook and its unsent messages."""
     return delete_webhook(rooms.database, webhook, _find_realm(caller)).as_json()
 
 
 @router.post(
-    "/{webhook}/test", summary="Try a webhook.",
+    "/{webhook}/test", summary="Test a webhook.",
     responses=show_answer({"status": 204, "error": None}, model=Receipt),
 )  # fmt: skip
 async def test_webhook(webhook: WebhookId, rooms: AppStateDependency, caller: Submitter) -> Any:
-    """Let a message of the type `test` be sent once, by whoever sends the others, before what is owed.
+    """Send a message of the type `test` once, through the usual courier, before the other unsent messages.
 
-    The answer comes within 30 s: the status that the address gave, or why there was none.
+    The response comes within 30 s: the status that the address returned, or why there was none.
     """
     rooms.meter.take_trial(caller.key)
     return await try_webhook(rooms.database, webhook, _find_realm(caller))
 
 
 def _find_realm(caller: Caller) -> str | None:
-    """Return whose webhooks the caller sees; None: everybody's."""
+    """Return the key whose webhooks the caller sees; None: those of all keys."""
     return None if caller.sees_all else caller.key

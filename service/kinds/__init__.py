@@ -1,4 +1,4 @@
-"""What a job can be: each kind is one registered class, loaded on first use so that the room stays light."""
+"""The registered kinds of jobs, each a class that is loaded on first use, so that importing this package is cheap."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ KINDS = {
 
 
 class KindUnknown(GarmentqError):
-    """No such kind of job is known here; set GARMENTQ_KINDS as where it was submitted, or upgrade this garmentq."""
+    """This kind of job is unknown here; set GARMENTQ_KINDS as where it was submitted, or upgrade this garmentq."""
 
     code = "job.kind_unknown"
 
@@ -49,7 +49,7 @@ def find_kind(settings: ServiceSettings, name: str) -> Kind:
     """Return the kind of a name, one of `KINDS` or of the dotted paths in GARMENTQ_KINDS.
 
     Raises:
-        KindUnknown: where there is none.
+        KindUnknown: if there is none.
     """
     if name in KINDS:
         return _load(KINDS[name])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..settings import ServiceSettings
 
 MOTION_CHECKER = "garmentq.service.checking:check_motion"
-"""What reads a motion's file first, in a limited process."""
+"""Function that reads a motion's file first, in a limited process."""
 
 
 class Animate(Kind):
@@ -38,7 +38,7 @@ class Animate(Kind):
         return MOTION_CHECKER
 
     def choose_input(self, request: AnimateRequest, name: str) -> tuple[str, ...]:
-        """Return the garment on its wearer; no mesh, picture or report."""
+        """Return the file of the garment on its wearer, without meshes, pictures and reports."""
         return GARMENT_FILES
 
     def run(self, request: AnimateRequest, work: RunContext, hooks: Hooks) -> AnimatedGarment:
@@ -64,7 +64,7 @@ class Animate(Kind):
         return moved
 
     def store(self, session: Session, claim: Claim, result: AnimatedGarment) -> Outcome:
-        """Add the rows of pattern, fabric, body and numbers."""
+        """Add the rows of pattern, fabric, body and metrics."""
         worn = result.animation.worn
         session.add(describe_body(claim.job, worn.body))
         add_pattern(session, claim.job, worn.pattern, worn.fabric, (worn.category, worn.template))

@@ -1,4 +1,4 @@
-"""What an animation is asked for; light, since the limited process that reads its file imports it."""
+"""The request of an animation; the module is light, because the limited process that reads its file imports it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from ...core.body.motion.shipped import SHIPPED_MOTIONS
 from .request import FileRef, RequestBad
 
 MOTION = "motion.npz"
-"""Holds what was read of the motion's file, beside its folder."""
+"""File with the arrays of the motion, beside its folder."""
 
 
 @dataclass(frozen=True)
 class AnimateRequest:
-    """Ask for a stored result in motion.
+    """Describe an animation of a stored result.
 
     Attributes:
         motion: A motion's file, or the name of a shipped one.
-        fps: Frames a second [1/s].
+        fps: Frame rate [1/s].
         begin: Time of the motion at the first frame [s].
-        end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
-            out; None: its end, or four seconds of one that loops.
-        damping: Rate at which velocity relative to the air decays [1/s], or None: as usual.
-        keep_motion: Whether limbs stay where the motion has them, though they leave the cloth no room.
+        end: Time of the motion at which the frames end [s]: that of the last frame, or for a looping motion that of the
+            first frame, which is not repeated; None: its end, or four seconds of a looping one.
+        damping: Rate at which velocity relative to the air decays [1/s], or None: the default.
+        keep_motion: Whether limbs follow the motion even if they leave the cloth no room.
     """
 
     motion: FileRef | str
@@ -33,11 +33,11 @@ class AnimateRequest:
     keep_motion: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what makes no animation.
+        """Refuse an invalid request.
 
         Raises:
-            RequestBad: where the motion is neither a file nor shipped.
-            AnimateBad: where the frames make no animation.
+            RequestBad: if the motion is neither a file nor shipped.
+            AnimateBad: if the frames make no animation.
         """
         from ...core.reuse.animate.settings import AnimateBad, AnimateSettings
 

@@ -28,10 +28,10 @@ GARMENTS = ("recover", "dress", "refit", "edit")
 """Kinds of job whose result is a worn garment."""
 
 GARMENT_FILES = ("worn.npz",)
-"""What is read of such a result: `core.reuse.wear.WORN`, which nobody need import to ask for a file."""
+"""File of such a result that is read: `core.reuse.wear.WORN`, named here so that it need not be imported."""
 
 BODY_CHECKER = "garmentq.service.checking:check_body"
-"""What reads a body's file first, in a limited process."""
+"""Function that reads a body's file first, in a limited process."""
 
 
 class Dress(Kind):
@@ -49,7 +49,7 @@ class Dress(Kind):
         return BODY_CHECKER
 
     def choose_input(self, request: DressRequest, name: str) -> tuple[str, ...]:
-        """Return the garment on its wearer; no mesh, picture or report."""
+        """Return the file of the garment on its wearer, without meshes, pictures and reports."""
         return GARMENT_FILES
 
     def run(self, request: DressRequest, work: RunContext, hooks: Hooks) -> DressedGarment:
@@ -81,7 +81,7 @@ class Dress(Kind):
         return dress_body(worn, body, fabric, clock)
 
     def store(self, session: Session, claim: Claim, result: DressedGarment) -> Outcome:
-        """Add the rows of pattern, fabric, body and numbers."""
+        """Add the rows of pattern, fabric, body and metrics."""
         return store_dressed(session, claim.job, result)
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
@@ -90,7 +90,7 @@ class Dress(Kind):
 
 
 class Refit(Dress):
-    """Make a stored result to the measures of a body, and dress it."""
+    """Fit a stored result to the measures of a body, and dress the body."""
 
     name = "refit"
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "refit", "drape", "measure")
@@ -98,14 +98,14 @@ class Refit(Dress):
     persons = ""
 
     def wear(self, worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
-        """Return the garment made to measure on the body."""
+        """Return the refitted garment on the body."""
         from ...core.reuse.wear.refit import make_to_measure
 
         return make_to_measure(worn, body, fabric, clock)
 
 
 def store_dressed(session: Session, job: str, result: DressedGarment) -> Outcome:
-    """Add the rows of a garment on a body, and return what is kept in the job's."""
+    """Add the rows of a garment on a body, and return the outcome for the job's row."""
     worn = result.worn
     session.add(describe_body(job, worn.body))
     add_pattern(session, job, worn.pattern, worn.fabric, (worn.category, worn.template))

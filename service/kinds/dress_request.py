@@ -1,4 +1,4 @@
-"""What dressing another body is asked for; light, since the limited process that reads its file imports it."""
+"""The request of dressing a body; the module is light, because the limited process that reads its file imports it."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ RESULT = "result"
 """Name of the input: the stored result whose garment is worn again."""
 
 UNDER = "under"
-"""Name of the other input, where there is one: the stored result whose garment it is worn over."""
+"""Name of the optional input: the stored result whose garment is worn below."""
 
 BODY = "body.npz"
-"""Holds what was read of the body's file, beside its folder."""
+"""File with the arrays of the body, beside its folder."""
 
 
 @dataclass(frozen=True)
 class DressRequest:
-    """Ask for a stored result on another body.
+    """Describe a stored result that is worn by another body.
 
     Attributes:
         body: A body's file, a built-in body, or None: the wearer.
-        pose: One of `body.POSES` that the body takes, or None: its own.
-        fabric: Name of a shipped fabric, a fabric itself where it was imported, or None: the result's own cloth.
-        units: A name of `UNITS`, of the body's file, or None to find it.
-        up: Its axis that points up, or None to find it.
+        pose: One of `body.POSES`, or None: the body's own.
+        fabric: Name of a shipped fabric, an imported fabric itself, or None: the result's own.
+        units: A name of `UNITS`, of the body's file, or None to detect it.
+        up: Its axis that points up, or None to detect it.
     """
 
     body: FileRef | BuiltinWearer | None = None
@@ -37,12 +37,12 @@ class DressRequest:
     up: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse names of what there is not.
+        """Refuse unknown names.
 
         Raises:
-            BodySpecBad: where body or pose is none.
-            FabricUnknown: where the fabric is none.
-            RequestBad: where unit or axis of a file are given without one.
+            BodySpecBad: if body or pose is unknown.
+            FabricUnknown: if the fabric is unknown.
+            RequestBad: if unit or axis are given without a file.
         """
         from ...core.body.posing import check_wearer
         from ...core.cloth.fabrics import get_fabric

@@ -1,4 +1,4 @@
-"""The kind `edit`: a stored result with another pattern, draped from where its garment hangs; a version of it."""
+"""The kind `edit`: a stored result with an edited pattern, draped from where its garment hangs; a new version of it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..store import Store
 
 PATTERN_CHECKER = "garmentq.service.checking:check_edit"
-"""What reads a pattern's file first, in a limited process."""
+"""Function that reads a pattern's file first, in a limited process."""
 
 
 class Edit(Kind):
@@ -40,7 +40,7 @@ class Edit(Kind):
         return PATTERN_CHECKER
 
     def refuse(self, store: Store, request: EditRequest, is_stopped: IsStopped) -> None:
-        """Refuse a pattern that cannot be sewn or meshed, with its place, when it is submitted."""
+        """Refuse a pattern that cannot be sewn or meshed when it is submitted, with the place of the fault."""
         refuse_unsound(store, request.pattern.sha256, is_stopped)
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
@@ -48,7 +48,7 @@ class Edit(Kind):
         return add_recovered(session, request, row)
 
     def choose_input(self, request: EditRequest, name: str) -> tuple[str, ...]:
-        """Return the garment on its wearer; no mesh, picture or report."""
+        """Return the file of the garment on its wearer, without meshes, pictures and reports."""
         return GARMENT_FILES
 
     def run(self, request: EditRequest, work: RunContext, hooks: Hooks) -> EditedGarment:
@@ -69,7 +69,7 @@ class Edit(Kind):
         return edited
 
     def store(self, session: Session, claim: Claim, result: EditedGarment) -> Outcome:
-        """Add the rows of pattern, fabric, body and numbers."""
+        """Add the rows of pattern, fabric, body and metrics."""
         worn = result.worn
         session.add(describe_body(claim.job, worn.body))
         add_pattern(session, claim.job, worn.pattern, worn.fabric, (worn.category, worn.template))
@@ -77,6 +77,6 @@ class Edit(Kind):
         return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
-        """Return garment, template, fabric and body by name, and the job that it is a version of."""
+        """Return garment, template, fabric and body by name, and the job of the previous version."""
         read = session.get(JobInputRow, (row.id, RESULT))
         return show_garment(session, row.id) | {"predecessor": read.input if read else None}

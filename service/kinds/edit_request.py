@@ -1,4 +1,4 @@
-"""What an edit is asked for; light, since the limited process that reads its file imports it."""
+"""The request of an edit; the module is light, because the limited process that reads its file imports it."""
 
 from __future__ import annotations
 
@@ -12,20 +12,19 @@ from ..models import ArtifactRow, JobRow
 from .request import FileRef, RequestBad
 
 PATTERN = "pattern.npz"
-"""Holds what was read of the edited pattern's file, beside its folder."""
+"""File with the arrays of the edited pattern, beside its folder."""
 
 FILE = "pattern.json"
-"""Name of the file in a result that holds its pattern."""
+"""Name of a result's pattern file."""
 
 
 @dataclass(frozen=True)
 class EditRequest:
-    """Ask for a stored result with another pattern.
+    """Describe a stored result with an edited pattern.
 
     Attributes:
         pattern: The file of the edited pattern.
-        recovered: The file of the pattern that was recovered, which every version is compared with; the service adds
-            it.
+        recovered: The file of the recovered pattern, which every version is compared with; the service adds it.
     """
 
     pattern: FileRef
@@ -33,10 +32,10 @@ class EditRequest:
 
 
 def add_recovered(session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-    """Return a request with the recovered pattern: of the result that is edited, or the one that this is a version of.
+    """Return a request with the recovered pattern: that of the edited result, or the one of which this is a version.
 
     Raises:
-        RequestBad: where the request names one itself.
+        RequestBad: if the request itself names one.
     """
     if "recovered" in request:
         raise RequestBad("the recovered pattern is that of the result; leave it out.")

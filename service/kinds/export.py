@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ExportResult:
-    """Describe the pieces that were written, and what it cost."""
+    """Describe the pieces that were written, and the report with its cost."""
 
     pieces: PieceSet
     report: ResultReport
 
 
 class Export(Kind):
-    """Write a stored result in a format of production."""
+    """Write a stored result in a production format."""
 
     name = "export"
     request = ExportRequest
@@ -39,7 +39,7 @@ class Export(Kind):
     reads = MappingProxyType({RESULT: GARMENTS})
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-        """Return the request with the result's scan, where the format takes its colours."""
+        """Return the request with the result's scan, if the format uses its colours."""
         return add_scan(session, request, row)
 
     def run(self, request: ExportRequest, work: RunContext, hooks: Hooks) -> ExportResult:
@@ -58,7 +58,7 @@ class Export(Kind):
         return ExportResult(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))
 
     def store(self, session: Session, claim: Claim, result: ExportResult) -> Outcome:
-        """Add the rows of the pieces and of their numbers."""
+        """Add the rows of the pieces and their metrics."""
         from ...core.garment.pieces.numbers import describe_pieces
 
         measured, lay = describe_pieces(result.pieces)
@@ -67,5 +67,5 @@ class Export(Kind):
         return Outcome(summarise(result.report))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
-        """Return that it has no garment of its own: that is its input's."""
+        """Return None for all names: the garment is that of its input."""
         return {"garment": None, "template": None, "fabric": None, "body": None}

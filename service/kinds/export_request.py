@@ -1,4 +1,4 @@
-"""What an export is asked for: what may be chosen, and the scan of the result where its colours are needed."""
+"""The request of an export: its options, and the scan of the result if its colours are needed."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .recover_request import PERSON, READING
 from .request import FileRef, RequestBad
 
 COLOURED = ("texture",)
-"""Formats that take the scan's colours."""
+"""Formats that use the scan's colours."""
 
 
 @dataclass(frozen=True)
 class ExportRequest(ExportOptions):
-    """Ask for a stored result in a format.
+    """Describe a stored result in a production format.
 
     Attributes:
         scan: The scan of the result, or the reading of a garment of a person; the service adds it for `COLOURED`.
@@ -29,9 +29,9 @@ class ExportRequest(ExportOptions):
 
 
 def find_scan(session: Session, row: JobRow) -> dict[str, Any] | None:
-    """Return the stored file of a recovery's scan as JSON values, or None where it is not known.
+    """Return the stored file of a recovery's scan as JSON values, or None if it is not known.
 
-    Of a garment of a person that is the reading in the result of the job that took the person apart.
+    For a garment of a person it is the reading in the result of the person's job.
     """
     scan, part = row.request.get("scan"), row.request.get("part")
     if scan is not None:
@@ -47,10 +47,10 @@ def find_scan(session: Session, row: JobRow) -> dict[str, Any] | None:
 
 
 def add_scan(session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-    """Return a request with the scan of the result, where its format takes the colours.
+    """Return a request with the scan of the result, if its format uses the colours.
 
     Raises:
-        RequestBad: where the request names a scan itself.
+        RequestBad: if the request itself names a scan.
     """
     if "scan" in request:
         raise RequestBad("the scan of an export is that of its result; leave it out.")

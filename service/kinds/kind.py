@@ -1,4 +1,4 @@
-"""What every kind of job is made of."""
+"""The base class of every kind of job, and its records."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from ..store import Store
 
 PARENT = "parent"
-"""Stands among a child's inputs for the job that it is made by."""
+"""Value of a child's input that stands for the job that creates the child."""
 
 
 @dataclass(frozen=True)
 class ChildRequest:
-    """Ask for one child, made in the transaction that stores its parent's result.
+    """Describe one child, created in the transaction that stores its parent's result.
 
     Attributes:
-        name: What it is called; unlike any sibling's. With the parent's id it makes the child exactly once.
+        name: Its name, unique among its siblings. With the parent's id it ensures that the child is created once.
         kind: Name of its kind.
         request: Its request, as `pack_request` writes it.
-        waits: Names of siblings before it that must have succeeded before it begins.
-        inputs: The results that it reads: `PARENT`, the name of a sibling that it waits for, or a job's id, by the name
-            of the folder in which the child finds the files.
+        waits: Names of earlier siblings that must have succeeded before it begins.
+        inputs: The results that it reads, by the name of the folder in which the child finds the files: `PARENT`, the
+            name of a sibling that it waits for, or a job's id.
         queue: One of `QUEUES`; None: its parent's.
     """
 
@@ -48,14 +48,14 @@ class ChildRequest:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What storing a result leaves for the job's row.
+    """Describe what the job's row keeps of a stored result.
 
     Attributes:
         summary: JSON values for the row's `result`: `gates`, `warnings`, `stage_seconds`, `cpu_seconds` and `peak_mb`
             are shown by their names.
-        children: What is to be done next.
-        failure: Why the job ends as failed all the same, where there is something to look at: its files and rows are
-            kept, and children it has none. None: it succeeded.
+        children: The jobs that follow.
+        failure: Why the job ends as failed although it has a result: files and rows are kept, and no children are
+            created. None: it succeeded.
     """
 
     summary: dict[str, Any]
@@ -65,7 +65,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class KindChange:
-    """State that a job's files are what another kind works on.
+    """Describe another kind to which a job's files belong.
 
     Attributes:
         kind: Name of that kind.
@@ -78,13 +78,13 @@ class KindChange:
 
 @dataclass(frozen=True)
 class RunContext:
-    """What a run has beside its request.
+    """Describe what a run has beside its request.
 
     Attributes:
-        settings: Where everything is.
-        files: Holds each file of the request, as FIELD/NAME.
+        settings: Settings of the home.
+        files: Folder with each file of the request, as FIELD/NAME.
         inputs: Folder of the result files of each job that is read, by the input's name.
-        out: Takes the files of the result; names below it are kept.
+        out: Folder for the files of the result; names below it are kept.
     """
 
     settings: ServiceSettings
@@ -94,17 +94,15 @@ class RunContext:
 
 
 class Kind(ABC):
-    """One kind of job. It has no state; a worker and the service make one whenever they need it.
+    """Define one kind of job. An instance has no state; workers and the service create one when they need it.
 
     Attributes:
         name: Stored with each job.
-        request: Frozen dataclass of what is asked for; `read_request` and `pack_request` turn it from and to JSON.
+        request: Frozen dataclass of the request; `read_request` and `pack_request` convert it from and to JSON.
         stages: Names of the stages in order, by which progress is reported; the first is always `check`.
-        reads: Of a kind whose jobs are derived from stored results: the kinds of job that each input may be, by the
-            input's name.
-        persons: Name of the kind that takes the place of this one where a person's job is named as the result; empty:
-            none does.
-        reads_too: The same of an input that a job may do without; `DerivedOrder.over` names its job.
+        reads: For a kind of derived jobs: the kinds of job that each input may be, by the input's name.
+        persons: Name of the kind that replaces this one if a person's job is named as the result; empty: none.
+        reads_too: The same as `reads` for an optional input; `DerivedOrder.over` names its job.
     """
 
     name: ClassVar[str]
@@ -115,35 +113,35 @@ class Kind(ABC):
     persons: ClassVar[str] = ""
 
     def checker(self, settings: ServiceSettings) -> str:
-        """Return what reads the user's bytes and refuses what cannot be used: the first stage, in a limited process.
+        """Return the function that reads and checks the user's files: the first stage, in a limited process.
 
         Returns:
-            Dotted path of a function, `package.module:name`, as `checking.check_recovery` is; empty where a job has no
-            files of a user's own. Its module should be light: a fresh process imports it for each job. It is not called
-            for a request that names no file.
+            Dotted path of a function like `checking.check_recovery`, `package.module:name`; empty if a job has no files
+            of a user. Its module should be light: a new process imports it for each job. It is not called for a request
+            that names no file.
         """
         return ""
 
     def refuse(self, store: Store, request: Any, is_stopped: IsStopped) -> None:
-        """Refuse a derived job when it is submitted, where its own small files cannot be used; in a limited process.
+        """Refuse a derived job when it is submitted if its own small files cannot be used; in a limited process.
 
-        What is let through is checked again by `checker`.
+        Accepted files are checked again by `checker`.
 
         Raises:
-            BadInput: where they cannot.
+            BadInput: if they cannot be used.
         """
         return
 
     @property
     def is_refused_early(self) -> bool:
-        """Return whether `refuse` does anything, so that a service counts it."""
+        """Return whether this kind implements `refuse`, so that a service counts the call."""
         return type(self).refuse is not Kind.refuse
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-        """Return a derived job's request with what it takes of the job whose result it reads, when it is submitted.
+        """Return a derived job's request, completed from the job whose result it reads, when it is submitted.
 
         Args:
-            session: Where that job is.
+            session: Session with that job.
             request: As `pack_request` writes it.
             row: That job.
         """
@@ -153,16 +151,16 @@ class Kind(ABC):
         """Return further jobs whose results a derived job reads, by the input's name, when it is submitted.
 
         Args:
-            session: Where the jobs are.
+            session: Session with the jobs.
             request: As `adopt` returned it.
-            row: The job that it was asked of.
+            row: The job whose result it reads.
         """
         return {}
 
     def turn(self, request: Any, work: RunContext, hooks: Hooks) -> KindChange | None:
-        """Return what the job is instead, where its files turn out to be what another kind works on; after the check.
+        """Return the kind to which the job's files belong if it is another one; called after the check.
 
-        The job keeps its id, and what makes it the same as another.
+        The job keeps its id and its identity among equal orders.
         """
         return None
 
@@ -172,12 +170,12 @@ class Kind(ABC):
 
     @abstractmethod
     def run(self, request: Any, work: RunContext, hooks: Hooks) -> Any:
-        """Do the work, write its files into `work.out`, and return the result."""
+        """Run the job, write its files into `work.out`, and return the result."""
 
     @abstractmethod
     def store(self, session: Session, claim: Claim, result: Any) -> Outcome:
-        """Add the result's rows, in the transaction that ends the job; the files are kept already."""
+        """Add the result's rows, in the transaction that ends the job; the files are stored already."""
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
-        """Return what this kind shows of a job, as JSON values; the same names for every state."""
+        """Return the fields of this kind that are shown for a job, as JSON values; the same names in every state."""
         return {}

@@ -38,15 +38,15 @@ class Outfit(Kind):
         return BODY_CHECKER
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-        """Return the request with the order of the garments, by what the person's result tells of their openings.
+        """Return the request with the order of the garments, derived from the openings in the person's result.
 
         Raises:
-            RequestBad: where the order that is asked for names other garments than are worn.
+            RequestBad: if the requested order does not name the worn garments.
         """
-        from ...core.people.layering import order_garments
+        from ..layering import order_garments
 
         person = (row.result or {}).get("person")
-        if person is None:  # it has not ended, which the caller refuses
+        if person is None:  # it has not ended; the caller refuses that
             return request
         found, words = order_garments(person), read_request(OutfitRequest, request).words
         if words and sorted(words) != sorted(found):
@@ -57,7 +57,7 @@ class Outfit(Kind):
         """Return the recovery of each garment of the person by its word.
 
         Raises:
-            RequestBad: where one was deleted.
+            RequestBad: if one was deleted.
         """
         below = session.scalars(select(JobRow).where(JobRow.parent == row.id, JobRow.kind == "recover"))
         words = read_request(OutfitRequest, request).words
@@ -68,7 +68,7 @@ class Outfit(Kind):
         return {word: found[word] for word in words if word in found}
 
     def choose_input(self, request: OutfitRequest, name: str) -> tuple[str, ...]:
-        """Return what was found of the person, or a garment on its wearer; no mesh, picture or report."""
+        """Return the person's report, or a garment on its wearer, without meshes, pictures and other reports."""
         return (PERSON_REPORT_FILE,) if name == PERSON else GARMENT_FILES
 
     def run(self, request: OutfitRequest, work: RunContext, hooks: Hooks) -> DressedOutfit:
@@ -90,7 +90,7 @@ class Outfit(Kind):
         return dressed
 
     def store(self, session: Session, claim: Claim, result: DressedOutfit) -> Outcome:
-        """Add the rows of the body and of the numbers."""
+        """Add the rows of the body and the metrics."""
         session.add(describe_body(claim.job, result.body))
         add_metrics(session, claim.job, result.report.metrics)
         return Outcome(summarise(result.report))

@@ -1,4 +1,4 @@
-"""What dressing a body in all garments of a person is asked for."""
+"""The request of dressing a body in all garments of a person."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from .request import RequestBad
 
 @dataclass(frozen=True)
 class OutfitRequest(DressRequest):
-    """Ask for a person's garments on a body, each over the one before; each keeps its own cloth.
+    """Describe a person's garments on a body, each over the one before, each in its own fabric.
 
     Attributes:
-        order: Words of the garments from the innermost to the outermost, `lower,upper`; None only until the job is
-            asked for, when it is found in the person's result.
+        order: Words of the garments from the innermost to the outermost, `lower,upper`; None only before submission,
+            which derives it from the person's result.
     """
 
     order: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse names of what there is not.
+        """Refuse an invalid request.
 
         Raises:
-            RequestBad: where a cloth is chosen for all garments, or the order names what is no garment, or one twice.
+            RequestBad: if one fabric is chosen for all garments, or the order has an unknown or repeated garment.
         """
         super().__post_init__()
         if self.fabric is not None:
-            raise RequestBad("each garment of a person keeps its own cloth; dress in one garment's job to change that.")
+            raise RequestBad("each garment of a person keeps its own fabric; dress in one garment's job to change it.")
         if not set(self.words) <= set(WORDS) or len(set(self.words)) < len(self.words):
             raise RequestBad(f"'order' names each garment once, innermost first, of {', '.join(WORDS)}: lower,upper.")
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Return the garments from the innermost to the outermost; empty where they are still to be found."""
+        """Return the garments from the innermost to the outermost; empty if they are still to be found."""
         return () if self.order is None else tuple(word.strip() for word in self.order.split(","))

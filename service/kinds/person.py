@@ -1,4 +1,4 @@
-"""The kind `person`: a raw scan of a dressed person is taken apart, and each garment recovered by a job of its own."""
+"""The kind `person`: a raw scan of a dressed person is segmented, and each garment recovered by a job of its own."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Person(Kind):
-    """Take a person apart; the children are the garments' recoveries."""
+    """Segment a person; the children are the garments' recoveries."""
 
     name = "person"
     request = PersonRequest
@@ -34,12 +34,12 @@ class Person(Kind):
         return settings.person_checker
 
     def run(self, request: PersonRequest, work: RunContext, hooks: Hooks) -> PersonFound:
-        """Take the person apart and write its files."""
+        """Segment the person and write its files."""
         found: PersonFound = work.settings.find("separator")(request, work, hooks)
         return found
 
     def store(self, session: Session, claim: Claim, result: PersonFound) -> Outcome:
-        """Add the rows of wearer and numbers, and ask for the garments' recoveries."""
+        """Add the rows of wearer and metrics, and request the garments' recoveries."""
         session.add(describe_body(claim.job, result.body))
         add_metrics(session, claim.job, result.report.metrics)
         summary = summarise(result.report) | {"person": result.person}
@@ -51,7 +51,7 @@ class Person(Kind):
             return Outcome(summary, failure=error)
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
-        """Return garments, readings of the outfit, and the body."""
+        """Return garments, readings of the outfit, and the parts."""
         person = (row.result or {}).get("person", {})
         return {name: person.get(name) for name in ("garments", "outfits", "parts")}
 

@@ -1,4 +1,4 @@
-"""What taking a person apart found, as the service keeps it: JSON values and rows, no arrays of the scan."""
+"""The result of segmenting a person, as the service stores it: JSON values and rows, without arrays of the scan."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PersonFound:
-    """What was found of a person.
+    """Describe the result of segmenting a person.
 
     Attributes:
         body: The wearer.
-        person: Garments, readings of the outfit, parts and body, as `describe_person` says it.
-        report: Numbers, warnings and cost.
-        problem: Why nothing is recovered from this without a person's look, or None.
+        person: Garments, readings of the outfit, parts and body, as `describe_person` returns them.
+        report: Metrics, warnings and cost.
+        problem: Why nothing is recovered until a user has looked at the result, or None.
     """
 
     body: Body

@@ -1,4 +1,4 @@
-"""What taking a person apart is asked for; light, since the limited process that reads its files imports it."""
+"""The request of segmenting a person; the module is light, as the limited process that reads its files imports it."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from .recover_request import RecoverRequest
 from .request import FileRef, RequestBad
 
 PERSON_INPUT_FILE = "given.npz"
-"""Holds what was read of the files, beside their folders."""
+"""File with the arrays of the files that were read, beside their folders."""
 
 WORDS = tuple(part.word for part in GARMENTS)
 """The garments by the words of options and folders."""
 
 
 class ChoiceAmbiguous(BadInput):
-    """Several garments are worn, and it is not said whose this is; put the part in front: --template upper:FILE."""
+    """Several garments are worn, and the option names none of them; put the part in front: --template upper:FILE."""
 
     code = "person.choice_ambiguous"
 
 
 @dataclass(frozen=True)
 class PartChoice:
-    """Choose how one garment of a person is recovered; what is None is as for all.
+    """Describe how one garment of a person is recovered; None stands for the choice for all garments.
 
     Attributes:
         template: A pattern file, a shipped template's name, or None.
-        garment: Category that overrides the one found, or None.
-        fabric: Name of a shipped fabric, a fabric itself where it was imported, or None.
-        lock: What the fit takes as given, separated by commas, or None.
-        parts: Choices of parts of the cut, `neckline=v`, or None. Left out of a stored request where it is None: equal
-            orders of releases that did not have it are the same job.
+        garment: Category that overrides the detected one, or None.
+        fabric: Name of a shipped fabric, an imported fabric itself, or None.
+        lock: Parameters that the fit must not change, separated by commas, or None.
+        parts: Choices of parts of the cut, `neckline=v`, or None. A stored request omits it if it is None: equal orders
+            of releases without this field are the same job.
     """
 
     template: FileRef | str | None = None
@@ -48,19 +48,19 @@ class PartChoice:
 
 @dataclass(frozen=True)
 class PersonRequest:
-    """Ask for a person to be taken apart, and for the recovery of each garment.
+    """Describe the segmentation of a person and the recovery of each garment.
 
     Attributes:
         scan: The person's file.
-        settings: Of all recoveries; `template`, `garment`, `fabric` and `lock` for the one garment that has no choice
-            of its own.
-        labels: A label file with `names`, which is believed, or None.
-        body: The wearer's file, a built-in body, or None: found under the clothes.
+        settings: Settings of all recoveries; `template`, `garment`, `fabric` and `lock` apply to the one garment that
+            has no choice of its own.
+        labels: A label file with `names`, which overrides the labelling, or None.
+        body: The wearer's file, a built-in body, or None: estimated under the clothes.
         template: A pattern file for the one garment that has no choice of its own, or None.
         wearing: Exactly these garments, `upper,lower`, or None.
-        marks: What is at single places, `upper=0.1,1.2,0.05` each.
-        choices: Of single garments, by their words.
-        given_as: `person` where the user says that the scan is one.
+        marks: Parts of single points, `upper=0.1,1.2,0.05` each.
+        choices: Choices for single garments, by their words.
+        given_as: `person` if the user says that the scan is one.
     """
 
     scan: FileRef
@@ -74,29 +74,29 @@ class PersonRequest:
     given_as: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse choices of what is no garment.
+        """Refuse choices for unknown garments.
 
         Raises:
-            RequestBad: where there is one.
+            RequestBad: if there is one.
         """
         if not set(self.choices) <= set(WORDS):
             raise RequestBad(f"choices are of {', '.join(WORDS)}; {RequestBad().message}")
 
     @property
     def templates(self) -> dict[str, FileRef]:
-        """Return the pattern files by garment; that of all under no name."""
+        """Return the pattern files by garment; that for all garments has an empty name."""
         found = {word: choice.template for word, choice in self.choices.items()}
         return {word: file for word, file in {"": self.template, **found}.items() if isinstance(file, FileRef)}
 
     def place(self, word: str) -> str:
-        """Return where a garment's pattern file lies, as `find_files` says it."""
+        """Return the place of a garment's pattern file, as `find_files` returns it."""
         return f"choices/{word}/template" if word else "template"
 
     def choose(self, words: Sequence[str]) -> dict[str, PartChoice]:
-        """Return what is chosen for each garment that was found.
+        """Return the choices for each garment that was found.
 
         Raises:
-            ChoiceAmbiguous: where something is said of one garment, and two could be meant.
+            ChoiceAmbiguous: if an option names no garment, and two could be meant.
         """
         plain = self._plain()
         found = {word: self.choices.get(word, PartChoice()) for word in words}
@@ -107,7 +107,7 @@ class PersonRequest:
             if len(open_words) > 1 and not (name == "lock" and _is_common(str(value))):
                 shown = value.name if isinstance(value, FileRef | Fabric) else value
                 raise ChoiceAmbiguous(
-                    f"--{name} {shown}: {' and '.join(open_words)} are worn; say whose it is, as in "
+                    f"--{name} {shown}: {' and '.join(open_words)} are worn; name the part, as in "
                     f"--{name} {open_words[0]}:{shown}."
                 )
             for word in open_words:
@@ -115,13 +115,13 @@ class PersonRequest:
         return found
 
     def _plain(self) -> dict[str, FileRef | Fabric | str | None]:
-        """Return what was typed without a part."""
+        """Return the choices that name no part."""
         chosen = self.settings
         template = self.template or chosen.template
         return {"template": template, "garment": chosen.garment, "fabric": chosen.fabric, "lock": chosen.lock}
 
     def ask(self, word: str, choice: PartChoice) -> RecoverRequest:
-        """Return the request of a garment's recovery; its pattern, where that is a file, is in its reading."""
+        """Return the request of a garment's recovery; a pattern file is in its reading."""
         template = choice.template.name.rpartition(".")[0] if isinstance(choice.template, FileRef) else choice.template
         settings = replace(
             self.settings, template=template, garment=choice.garment, fabric=choice.fabric,
@@ -137,10 +137,10 @@ def _is_common(lock: str) -> bool:
 
 
 def make_person(request: RecoverRequest) -> PersonRequest:
-    """Return the request of a scan that was taken for a garment's and is a person's.
+    """Return a person's request for the scan of a recovery that turned out to be a person's.
 
     Raises:
-        RequestBad: where there is no scan.
+        RequestBad: if there is no scan.
     """
     if request.scan is None:
         raise RequestBad()

@@ -1,4 +1,4 @@
-"""Take a person apart in a job's process, and write what is kept of it."""
+"""Segment a person in a job's process, and write the files of the result."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
 
 def segment_person(request: PersonRequest, work: RunContext, hooks: Hooks) -> PersonFound:
-    """Take the person apart whose files a limited process has read, and write all files of the result.
+    """Segment the person whose files a limited process has read, and write all files of the result.
 
     Raises:
-        BadInput: where the scan is no person, or shows no clothes.
+        BadInput: if the scan is not a person's, or shows no clothes.
     """
-    from ...core.people.describe import describe_person
     from ...core.people.given import load_person_input
-    from ...core.people.inspect import explain_missing_body, is_garment_refusal
     from ...core.people.pipeline import UnparsedHints
     from ...core.people.pipeline import segment_person as run
+    from ..describe_person import describe_person
+    from ..inspect_scan import explain_missing_body, is_garment_refusal
 
     given = load_person_input(work.files / PERSON_INPUT_FILE)
     builtin = request.body if isinstance(request.body, BuiltinWearer) else None
@@ -52,7 +52,7 @@ def segment_person(request: PersonRequest, work: RunContext, hooks: Hooks) -> Pe
 
 
 def measure_person(person: dict[str, Any], fit_rms: float) -> dict[str, float | None]:
-    """Return the numbers that a person can be found by: how sure each garment, opening and the outfit is."""
+    """Return the metrics by which a person can be found: the confidence of each garment, opening and the outfit."""
     metrics: dict[str, float | None] = {"body.fit_rms_mm": 1e3 * fit_rms, "garments": float(len(person["garments"]))}
     for garment in person["garments"]:
         metrics[f"confidence.{garment['part']}"] = garment["confidence"]
@@ -62,9 +62,9 @@ def measure_person(person: dict[str, Any], fit_rms: float) -> dict[str, float | 
 
 
 def _find_unused(request: PersonRequest, words: tuple[str, ...]) -> list[str]:
-    """Return what the user said of garments that nobody wears."""
+    """Return a warning for each choice for a garment that is not worn."""
     return [
-        f"Nothing was found to be {word}, so what was chosen for it was not used."
+        f"No garment was labelled {word}, so the choices for it were not used."
         for word in request.choices
         if word not in words
     ]

@@ -35,7 +35,7 @@ class Recover(Kind):
         return settings.checker
 
     def choose_input(self, request: RecoverRequest, name: str) -> tuple[str, ...]:
-        """Return the reading of the garment, and what says how sure it is; no other garment's, picture or report."""
+        """Return the reading of the garment and the person's report, without other garments, pictures and reports."""
         return (f"{request.part}/{READING}", PERSON_REPORT_FILE) if name == PERSON and request.part is not None else ()
 
     def run(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> Recovery:
@@ -48,7 +48,7 @@ class Recover(Kind):
         return recovery
 
     def turn(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> KindChange | None:
-        """Return a person's job where the scan shows its wearer's head, hands or feet, or its labels name parts."""
+        """Return a person's job if the scan shows its wearer's head, hands or feet, or its labels name parts."""
         if request.part is not None or not request.is_open:
             return None
         if (work.files / AS_PERSON).exists() or _is_person(request.unpack(work.files), hooks):
@@ -70,7 +70,7 @@ class Recover(Kind):
 
 
 def _read_confidence(person: Path, part: str) -> float | None:
-    """Return how sure it is that a garment's points are its own, as the job that took the person apart wrote it."""
+    """Return the confidence of a garment's labels from the result of the person's job."""
     told = json.loads((person / PERSON_REPORT_FILE).read_text(encoding="utf-8"))
     return next((one["confidence"] for one in told["garments"] if one["part"] == part), None)
 

@@ -1,4 +1,4 @@
-"""What a recovery is asked for; light, since the limited process that reads its files imports it."""
+"""The request of a recovery; the module is light, because the limited process that reads its files imports it."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from ...core.recover.settings import RecoverySettings
 from .request import FileRef, RequestBad
 
 READING = "reading.npz"
-"""Holds what was read of the files, beside their folders."""
+"""File with the arrays of the files that were read, beside their folders."""
 
 PERSON_REPORT_FILE = "person.json"
-"""File of such a result that says what was found, and how surely."""
+"""File of a person's result with its garments and their confidence."""
 
 AS_PERSON = "as-person"
-"""Lies there instead where the files turned out to be a whole person's."""
+"""File that replaces the reading if the files turned out to be a whole person's."""
 
 PERSON = "person"
-"""Name of the input that a garment of a person is taken from."""
+"""Name of the input with the person that a garment belongs to."""
 
 
 @dataclass(frozen=True)
 class RecoverRequest:
-    """Ask for one recovery.
+    """Describe one recovery.
 
     Attributes:
         scan: The garment's or the dressed person's file.
         body: The wearer's file, a built-in body, or None: then it is in the scan.
         template: A pattern file, or None.
-        settings: Everything else.
+        settings: All other settings.
         labels: One label per vertex of a dressed person's scan, or None.
-        part: The garment of a person that was taken apart, `upper`: its reading lies in the folder of that name of the
-            result that the job reads as `PERSON`. There are no files then; None: they are those above.
-        given_as: `garment` where the user says that the scan is one, so that nobody looks whether it is a person.
+        part: The garment of a segmented person, `upper`: its reading is in the folder of that name of the input
+            `PERSON`, and there are no files. None: the files are those above.
+        given_as: `garment` if the user says that the scan is one, so that it is not checked for a person.
     """
 
     scan: FileRef | None
@@ -48,10 +48,10 @@ class RecoverRequest:
     given_as: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what names no garment, and no scan either.
+        """Refuse a request without a scan or a garment.
 
         Raises:
-            RequestBad: where neither is given, or the part is none.
+            RequestBad: if neither or both are given, or the part is unknown.
         """
         words = {part.word for part in GARMENTS}
         if (self.scan is None) == (self.part is None) or self.part not in {None, *words}:
@@ -59,16 +59,16 @@ class RecoverRequest:
 
     @property
     def is_open(self) -> bool:
-        """Return whether the scan may be a whole person's: nobody said what of it is the garment."""
+        """Return whether the scan may be a whole person's: the user has not said which of it is the garment."""
         chosen = self.settings
         return self.given_as is None and chosen.keep is None and chosen.keep_colour is None
 
     def unpack(self, files: Path, person: Path | None = None) -> Request:
-        """Return the pipeline's request: the files in a folder as FIELD/NAME, and what was read of them if it was.
+        """Return the pipeline's request: the files in a folder as FIELD/NAME, and their reading if it exists.
 
         Args:
-            files: Holds the files, and what a limited process read of them.
-            person: Holds the result of the job that took the person apart, where the garment is a part of one.
+            files: Folder of the files and of their reading.
+            person: Folder of the result of the person's job, if the garment is a part of a person.
         """
         if self.part is not None and person is not None:
             return self._take(person / self.part)

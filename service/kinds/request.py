@@ -19,29 +19,29 @@ T = TypeVar("T")
 
 
 class RequestBad(BadInput):
-    """The job's request does not fit its kind; submit it anew with this version of garmentq."""
+    """The job's request does not fit its kind; submit it again with this version of garmentq."""
 
     code = "job.request_bad"
 
 
 @dataclass(frozen=True)
 class FileRef:
-    """Name a stored file: its key, and the cleaned name under which a job finds it."""
+    """Describe a stored file: its key, and the cleaned name under which a job finds it."""
 
     sha256: str
     name: str
 
     def __post_init__(self) -> None:
-        """Refuse what could name a path."""
+        """Refuse a name that could be a path."""
         if not HASH.fullmatch(self.sha256) or not NAME.fullmatch(self.name):
             raise RequestBad(f"'{self.name[:40]}' with the key '{self.sha256[:12]}' names no stored file.")
 
 
 def pack_request(request: Any) -> dict[str, Any]:
-    """Return a request as JSON values; fields that are None by default are left out where they are None.
+    """Return a request as JSON values; fields that are None by default are omitted while they are None.
 
     Raises:
-        TextBad: where a text in it can be kept by no database.
+        TextBad: if it contains text that no database can store.
     """
     values = {field.name: (getattr(request, field.name), field.default) for field in fields(request)}
     found = {name: _pack(one) for name, (one, default) in values.items() if one is not None or default is not None}
@@ -64,7 +64,7 @@ def _pack(value: Any) -> Any:
 
 
 def find_files(request: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, FileRef]]:
-    """Yield the files of a request in JSON, each with its place: the names of the fields that lead to it, as a path."""
+    """Yield the files of a request in JSON, each with its place: the path of field names that leads to it."""
     if not isinstance(request, Mapping):
         return
     if request.keys() == {"sha256", "name"}:
@@ -79,8 +79,8 @@ def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
     """Build a request from JSON values.
 
     Raises:
-        RequestBad: where a field is missing, unknown, or of another type.
-        BadInput: where the dataclass itself refuses a value.
+        RequestBad: if a field is missing, unknown, or of another type.
+        BadInput: if the dataclass itself refuses a value.
     """
     hints, known = get_type_hints(kind), {field.name: field for field in fields(kind)}  # type: ignore[arg-type]
     required = {f.name for f in known.values() if f.default is MISSING and f.default_factory is MISSING}
@@ -113,13 +113,13 @@ def _read(hint: Any, value: Any, name: str) -> Any:
 
 def _read_number(value: float, name: str) -> float:
     try:
-        return float(value)  # 30 and 30.0 ask for the same job
+        return float(value)  # 30 and 30.0 are the same job
     except OverflowError as error:
         raise RequestBad(f"'{name}' is too large. {RequestBad().message}") from error
 
 
 def _fits(hint: Any, value: Any) -> bool:
-    """Return whether a JSON value can be of a type; the parts of a dataclass or tuple are judged when they are read."""
+    """Return whether a JSON value can be of a type; parts of a dataclass or tuple are checked when they are read."""
     origin = get_origin(hint) or hint
     if hint is Any:
         return True

@@ -1,4 +1,4 @@
-"""Rows of a garment's result: wearer, fabric, pattern and numbers, the same for every kind that has one."""
+"""Rows of a garment's result: wearer, fabric, pattern and metrics, the same for every kind that has one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def describe_body(job: str, body: Body) -> BodyRow:
-    """Return the row of a wearer as a job saw it."""
+    """Return the row of a wearer as a job estimated it."""
     from ...core.body.body import JOINTS
 
     joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
@@ -47,9 +47,9 @@ def add_pattern(session: Session, job: str, pattern: Pattern, fabric: Fabric, na
 
     Args:
         session: The transaction.
-        job: Whose they are.
+        job: Id of the job.
         pattern: The pattern.
-        fabric: The cloth.
+        fabric: The fabric.
         names: The garment's category, and the name of its base pattern.
     """
     from ...core.garment.polygon import polygon_area
@@ -81,7 +81,7 @@ def add_pieces(session: Session, job: str, pieces: Iterable[PieceNumbers]) -> No
 
 
 def add_metrics(session: Session, job: str, metrics: Mapping[str, float | None]) -> None:
-    """Add the rows of a job's numbers."""
+    """Add the rows of a job's metrics."""
     for name, value in metrics.items():
         session.add(MetricRow(job=job, name=name, value=keep_finite(value)))
 
@@ -114,5 +114,5 @@ def summarise(report: ResultReport) -> dict[str, Any]:
 
 
 def keep_finite(value: float | None) -> float | None:
-    """Return a number that every database can keep, or None."""
+    """Return a number that every database can store, or None."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -1,1 +1,1 @@
-"""The pages: what people look at in a browser, over the same routes that programs use."""
+"""The pages for browsers, over the same routes that programs use."""

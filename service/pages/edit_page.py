@@ -14,29 +14,29 @@ from .shell import Visitor, draw_shell
 router = make_router()
 
 TOOLS = (("select", "Select"), ("pan", "Pan"), ("cut", "Cut line"), ("ruler", "Ruler"))
-"""What dragging on empty ground does: name and words."""
+"""Tools for dragging on an empty place: name and title."""
 
 CHECKS = (
-    ("symmetric", "Keep symmetry", "left follows right, and a panel its own other half"),
-    ("sewn", "Keep seams", "what is sewn to a moved point follows, so that both sides of a seam stay equally long"),
-    ("align", "Snap to points", "a dragged point comes in line with others; Alt frees it"),
-    ("handles", "Handles", "of curves at what is selected"),
-    ("possible", "Possible points", "all places for control points; click one to add it"),
+    ("symmetric", "Keep symmetry", "a change applies to the mirror image too"),
+    ("sewn", "Keep seams", "points sewn to a moved point follow, so that both sides of a seam keep equal lengths"),
+    ("align", "Snap to points", "a dragged point aligns with others; Alt suspends this"),
+    ("handles", "Handles", "of the selected curves"),
+    ("possible", "Possible points", "possible places for control points; click one to add it"),
     ("between", "Mirrored panels", "panels that are mirror images have one colour"),
-    ("within", "Symmetry within panels", "axes, and points that are images have one colour"),
+    ("within", "Symmetry within panels", "axes; mirrored points have one colour"),
     ("difference", "Difference", "the recovered pattern, or the template, dashed"),
 )
-"""Options that are on or off: name, words, what they do. The first two hold for every change."""
+"""Options that are on or off: name, title, effect. The first two apply to every change."""
 
 NUMBERS = (
     ("step", "Step of arrow keys [mm]", 1, 0.1),
     ("grid", "Grid [mm], 0: none", 0, 0.5),
     ("allowance", "Allowance shown [mm]", 0, 1),
 )
-"""Options that are numbers: name, words, least, step."""
+"""Options that are numbers: name, title, minimum, step."""
 
 DEFAULT_CHECKS = ("symmetric", "sewn", "align", "handles")
-"""What is on when the page opens."""
+"""Options that are on when the page opens."""
 
 
 @router.get("/results/{job}/edit")
@@ -48,7 +48,7 @@ def edit_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
 
 @router.get("/templates/{name}/edit")
 def edit_template(name: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
-    """Return the editor with a template; there is no drape of it."""
+    """Return the editor with a template, which has no drape."""
     read_template(rooms, name)
     return _draw_editor(name, visitor, template=name)
 
@@ -83,8 +83,8 @@ EDITOR = """<link rel="stylesheet" href="/static/edit/edit.css">
 <div class="toolbar" role="group" aria-label="Tool">{tools}</div>
 <p id="said" role="status" aria-live="polite">Loading the pattern.</p>
 <p id="board-help" class="hushed">
-Arrow keys move what is selected, or the view where nothing is. N and P select the next and
-the previous control point. The list of shortcuts has the rest.</p>
+Arrow keys move the selection, or the view if nothing is selected. N and P select the next and
+the previous control point. The list of shortcuts has the others.</p>
 <div class="boards">
 <svg id="board" class="board" tabindex="0" role="application" aria-label="Pattern"
  aria-describedby="board-help"></svg>
@@ -107,20 +107,20 @@ the previous control point. The list of shortcuts has the rest.</p>
 <section class="card" aria-labelledby="seams-title"><h2 id="seams-title">Seams</h2><p id="seams-summary"></p>
 <p class="soft">Lengths of both sides in mm; ×: a gathered seam's ratio.</p>
 <div class="wide" tabindex="0" role="region" aria-label="Lengths of seams"><table><thead><tr><th scope="col">Sides</th>
-<th scope="col" class="number">mm</th><th scope="col" class="number">mm</th><th scope="col" class="number">apart</th>
-</tr></thead><tbody id="seams"></tbody></table></div>
+<th scope="col" class="number">mm</th><th scope="col" class="number">mm</th>
+<th scope="col" class="number">difference</th></tr></thead><tbody id="seams"></tbody></table></div>
 </section>
 <section class="card" aria-labelledby="difference-title"><h2 id="difference-title">Difference to the {compared}</h2>
 <ul id="differences"></ul></section>
 <details class="card"><summary>Shortcuts</summary><dl id="shortcuts" class="keys"></dl></details>
 </div>
 </div>"""
-"""The page; buttons, tables and drawings are filled in by its script."""
+"""The page; its script fills in buttons, tables and drawings."""
 
 DRAPE = """<section class="card" aria-labelledby="drape-title"><h2 id="drape-title">Drape</h2>
 <div class="row"><label class="row">Version's name <input id="version-name" maxlength="80" autocomplete="off"></label>
-<button type="button" id="drape" class="primary">Drape it and save the version</button>
+<button type="button" id="drape" class="primary">Drape and save the version</button>
 <button type="button" id="cancel-drape" hidden>Cancel</button></div>
 <div id="draping" role="status"></div><div id="findings"></div><div id="verdicts"></div>
 <h3>Versions</h3><ul id="versions"><li>None yet.</li></ul></section>"""
-"""What a result's pattern has beside a template's: the drape and the versions."""
+"""Section for a result's pattern, not for a template: the drape and the versions."""

@@ -1,4 +1,4 @@
-"""What is known of a result's fabric, and what is not, in words."""
+"""Text about the identified and unidentified parameters of a result's fabric."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
     """Return the section on the fabric.
 
     Args:
-        name: The fabric that the result was recovered with.
-        fit: What `fit.json` holds; None where the method fits no fabric.
+        name: The fabric of the result.
+        fit: Content of `fit.json`; None if the method fits no fabric.
     """
     known: list[Html] = []
     unknown: list[Html] = []
@@ -33,16 +33,16 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
         (known if told.get("identifiable") else unknown).append(_describe_parameter(str(parameter), told))
     chosen = html("<p>Chosen: {}.</p>", name) if name else Html()
     if not known and not unknown:
-        told = "The method fits no fabric: all its numbers are those of the one that was chosen."
+        told = "The method fits no fabric: all numbers are those of the chosen one."
         return html("<h2>Fabric</h2>{}<p class=soft>{}</p>", chosen, told)
     nearest = fit.get("nearest_fabrics") or []
-    near = html("<p>Bends most like: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
-    lists = [_list("Known", known), _list("Not known from this scan", unknown)]
+    near = html("<p>Most similar in bending: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
+    lists = [_list("Known", known), _list("Not identifiable from this scan", unknown)]
     return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), near)
 
 
 def _describe_parameter(parameter: str, told: dict[str, Any]) -> Html:
-    """Return one number in words: within which factor it is known, or that it is not."""
+    """Return the text of one parameter: the factor of its uncertainty, or that it is not identifiable."""
     name, note = NAMES.get(parameter, parameter), str(told.get("note") or "")
     if not told.get("identifiable"):
         return html("{}{}", name, f": {note}" if note else "")

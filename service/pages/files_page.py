@@ -1,4 +1,4 @@
-"""`/results/ID/report`, its pictures and meshes, and the small picture of each job: what pages show of stored files."""
+"""`/results/ID/report`, its pictures and meshes, and the thumbnail of each job."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .stored_files import MAX_REPORT_FILE_SIZE, REPORT, find_file, list_pictures
 router = make_router()
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
-"""What a report may do: show its own style and pictures; no script runs in it, whatever it holds."""
+"""Content-Security-Policy of a report: its own style and pictures; no script runs in it, whatever it contains."""
 
 MAX_SHOWN_FILE_SIZE = 64 * 1024**2
 """Largest file that is packed for a view [bytes]: a scan of 1.3 million vertices."""
 
 PICTURE_CACHE_CONTROL = "private, max-age=86400"
-"""How long a browser keeps a picture, whose address changes with its content."""
+"""Cache of a picture in a browser; its address changes with its content."""
 
 
 @router.get("/results/{job}/report")
 def show_report(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
-    """Return the stored report to look at."""
+    """Return the stored report for display."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
     if file is None:
@@ -52,7 +52,7 @@ def show_picture(job: str, number: int, rooms: AppStateDependency, visitor: Visi
 
 @router.get("/results/{job}/view.bin")
 def show_view(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
-    """Return meshes and flat pattern of a result as `pack_shown` packs them; scans are asked for one by one."""
+    """Return meshes and flat pattern of a result as `pack_shown` packs them; scans are requested separately."""
     return _send_packed(job, _list_packed, request, rooms, visitor)
 
 
@@ -69,7 +69,7 @@ def _list_packed(there: Collection[str]) -> list[str]:
 def _send_packed(
     job: str, choose: Callable[[Collection[str]], list[str]], request: Request, rooms: AppState, visitor: Visitor
 ) -> Response:
-    """Return those that are chosen of a result's files, packed."""
+    """Return the chosen files of a result, packed."""
     row = find_own(rooms, visitor.caller, job)
     there = {row.name: Artifact.from_row(row) for row in list_files(rooms.database, row.id)}
     files = [
@@ -78,7 +78,7 @@ def _send_packed(
         if name in there and there[name].size <= MAX_SHOWN_FILE_SIZE
     ]
     if not files:
-        raise ResultMissing("the job has no such mesh, or one that is too large to be shown; download its files.")
+        raise ResultMissing("the job has no such mesh, or it is too large to be shown; download its files.")
     etag = f'"{hashlib.sha256(repr(files).encode()).hexdigest()[:32]}"'
     headers = {"etag": etag, "cache-control": PICTURE_CACHE_CONTROL}
     if etag in request.headers.get("if-none-match", ""):
@@ -89,7 +89,7 @@ def _send_packed(
 
 @router.get("/jobs/{job}/thumbnail")
 def show_thumbnail(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
-    """Return a job's small picture; a blank one where its result has none."""
+    """Return a job's thumbnail; a blank picture if its result has none."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
     if file is None or file.size > MAX_REPORT_FILE_SIZE:
@@ -104,4 +104,4 @@ def show_thumbnail(job: str, request: Request, rooms: AppStateDependency, visito
 
 
 BLANK = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
-"""What stands where there is no picture."""
+"""Picture for a job without one."""

@@ -1,4 +1,4 @@
-"""`/jobs/ID`: how far a job is, and what was understood of its files."""
+"""`/jobs/ID`: the progress of a job, and what was detected in its files."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         PROGRESS, job=job.id, state=draw_state(job), verdict=draw_verdict(job.verdict), kind=job.kind,
         created=draw_time(job.created), stage=job.stage, fraction=f"{job.overall or job.progress:.4f}", error=error,
         hidden=Html(" hidden" if is_ended(job) else ""), ended="1" if is_ended(job) else "",
-        delay=html('<p class="doubt">Rests: {}.</p>', job.delay.code) if job.delay else Html(),
+        delay=html('<p class="doubt">Paused: {}.</p>', job.delay.code) if job.delay else Html(),
         buttons=join(buttons, " "), tags=join((html('<span class="tag">{}</span>', tag) for tag in job.tags), " "),
         warnings=join(html('<p class="doubt">{}</p>', text) for text in job.warnings),
     )  # fmt: skip
@@ -73,7 +73,7 @@ def _draw_understood(job: JobReport) -> Html:
     if not told:
         return html('<section class="card" id="understood" hidden></section>')
     rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in told)
-    return html('<section class="card" id="understood"><h2>What was understood of the files</h2><div class="wide">'
+    return html('<section class="card" id="understood"><h2>Detected in the files</h2><div class="wide">'
                 "<table>{}</table></div></section>", rows)  # fmt: skip
 
 
@@ -82,7 +82,7 @@ def _draw_checks(job: JobReport) -> Html:
 
 
 PROGRESS = """<section class="card" id="job" data-job="{job}" data-ended="{ended}">
-<p class="row"><span id="state">{state}</span>{verdict}<span class="soft">{kind}, asked {created}</span>{tags}</p>
+<p class="row"><span id="state">{state}</span>{verdict}<span class="soft">{kind}, created {created}</span>{tags}</p>
 <p{hidden} id="running"><progress id="progress" max="1" value="{fraction}" aria-label="Progress"></progress>
 <span id="stage" role="status">{stage}</span></p>
 {error}{delay}{warnings}

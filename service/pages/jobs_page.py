@@ -1,4 +1,4 @@
-"""`/`: the jobs, newest first, those that another job made below it, and a place to drop a scan."""
+"""`/`: the jobs, newest first, each with those below it, and a form for a new scan."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ PAGE_FAMILY_COUNT = 50
 
 Field = Annotated[str, Query(max_length=255)]
 FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
-"""What the list can be narrowed by besides a condition, by the names of `query`."""
+"""Fields by which the list can be filtered, by the names of `query`, beside a condition."""
 
 
 @dataclass(frozen=True)
 class JobListQuery:
-    """Choose jobs by fields and a condition of `query`, empty ones not, and only those older than `before`."""
+    """Describe a filter by fields and a condition of `query`; empty fields are ignored; only jobs before `before`."""
 
     state: Field = ""
     verdict: Field = ""
@@ -51,7 +51,7 @@ class JobListQuery:
 
     @property
     def chosen(self) -> dict[str, str]:
-        """Return the fields that are asked for."""
+        """Return the fields that are set."""
         return {name: value for name in FILTERS if (value := str(getattr(self, name)).strip())}
 
 
@@ -81,7 +81,7 @@ def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, given: Annotated[Jo
 
 
 def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[list[JobReport]]:
-    """Return each root with all below it that the visitor sees, in the order of their making."""
+    """Return each root with all below it that the visitor sees, in order of creation."""
     below = find_below(rooms.database, [row.id for row in roots])
     if owner is not None and below:
         seen = select(OwnerRow.job).where(OwnerRow.key == owner, OwnerRow.job.in_([row.id for row in below]))
@@ -97,7 +97,7 @@ def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[lis
 
 def _draw_list(families: list[list[JobReport]], is_asked: bool) -> Html:
     if not families:
-        told = "No job is like that." if is_asked else "There are no jobs yet: drop a scan above."
+        told = "No job matches." if is_asked else "There are no jobs yet: drop a scan above."
         return html('<p class="card soft">{}</p>', told)
     rows = join(_draw_row(job, depth > 0) for family in families for depth, job in enumerate(family))
     return html(LIST, rows=rows)
@@ -143,7 +143,7 @@ def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
 VERDICTS = ["pass", "doubtful", "fail"]
 
 LIST = """<div class="wide"><table class="jobs"><thead><tr><th scope="col"><span class="hushed">Picture</span></th>
-<th scope="col">Job</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col">Asked</th></tr></thead>
+<th scope="col">Job</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col">Created</th></tr></thead>
 <tbody>{rows}</tbody></table></div>"""
 
 ROW = """<tr class="job{look}{open}" data-job="{job}"><td class="picture">{picture}</td>
@@ -163,26 +163,25 @@ FILTER = """<details class="card filters"{open}><summary>Find jobs</summary><for
 DROP = """<form id="submit" class="card"><h2>New job</h2>
 <div id="drop" class="drop"><label for="scan">Drop a scan here, or choose a file</label>
 <input id="scan" name="scan" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.pcd,.xyz" required>
-<p id="told" class="soft" role="status">A person as the scanner gave it, or a garment: PLY, OBJ, STL, OFF, GLB, PCD,
-XYZ.</p>
+<p id="told" class="soft" role="status">A raw scan of a person, or a garment: PLY, OBJ, STL, OFF, GLB, PCD, XYZ.</p>
 </div>
 <details><summary>Options</summary><div class="options">
-<label>Name <input name="name" maxlength="255" placeholder="the file's own"></label>
+<label>Name <input name="name" maxlength="255" placeholder="the file's name"></label>
 <label>Tags <input name="tags" placeholder="spring, fitting"></label>
-<label>The scan is <select name="as"><option value="">found out</option><option value="person">a person</option>
+<label>The scan is <select name="as"><option value="">detected</option><option value="person">a person</option>
 <option value="garment">a garment</option></select></label>
-<label>Unit <select name="units"><option value="">found out</option>{units}</select></label>
-<label>Up axis <select name="up"><option value="">found out</option><option>y</option><option>z</option>
+<label>Unit <select name="units"><option value="">detected</option>{units}</select></label>
+<label>Up axis <select name="up"><option value="">detected</option><option>y</option><option>z</option>
 <option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
 <label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
 <label>Body's file <input name="body_file" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.npz"></label>
 <label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>
 <label>Wearing <input name="wearing" placeholder="upper,lower"></label>
 <label>Template <input name="template" placeholder="chosen from the scan"></label>
-<label>Fabric <select name="fabric"><option value="">as by default</option>{fabrics}</select></label>
-<label>Method <select name="method"><option value="">as by default</option>{methods}</select></label>
+<label>Fabric <select name="fabric"><option value="">default</option>{fabrics}</select></label>
+<label>Method <select name="method"><option value="">default</option>{methods}</select></label>
 </div></details>
 <p class="row"><button type="submit" class="primary">Queue the job</button><progress id="sent" max="1" value="0" hidden
  aria-label="Upload"></progress></p><div id="problem"></div>
-<section id="understood" hidden aria-label="What is understood of the scan"><h3>What is understood of it</h3>
+<section id="understood" hidden aria-label="Detected in the scan"><h3>Detected in the scan</h3>
 <div class="wide"><table></table></div><p id="looking" class="soft" role="status"></p></section></form>"""

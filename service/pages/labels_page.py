@@ -1,4 +1,4 @@
-"""`/results/ID/labels`: the parts of a person's scan, to look at and to mend."""
+"""`/results/ID/labels`: view and correct the labels of a person's scan."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
     """Return the page of one person's labels."""
     row = find_own(rooms, visitor.caller, job)
     if row.kind != PERSON_KIND:
-        raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job that takes a person apart.")
+        raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
     told = {
         "parts": [{"value": int(part), "word": part.word, "colour": COLOURS[part]} for part in PARTS],
         "unsure": UNSURE.tolist(), "sure": SURE.tolist(),
@@ -43,12 +43,12 @@ PART = """<label><input type="radio" name="part" value="{value}"{checked}>
 
 CONTENT = """<link rel="stylesheet" href="/static/labels/labels.css">
 <h1>Labels of {name}</h1>
-<p class="soft">What each point of the scan was taken for, and how surely. Mended labels become a new job for the
-same scan; <a href="/results/{job}">job {job}</a> stays as it is.</p>
+<p class="soft">The part of each point of the scan, and its confidence. Corrected labels start a new job for the
+same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <div id="problem"></div>
 <div id="labels" data-job="{job}" data-told="{told}">
 <div class="view"><div id="scene"></div><div id="aim" aria-hidden="true"></div>
-<p id="said" role="status" class="soft">The scan is being read.</p></div>
+<p id="said" role="status" class="soft">Loading the scan.</p></div>
 <div class="tools">
 <fieldset><legend>Colours</legend>
 <label><input type="radio" name="colours" value="parts" checked> parts</label>
@@ -68,11 +68,11 @@ same scan; <a href="/results/{job}">job {job}</a> stays as it is.</p>
 <p id="changed">Nothing is changed.</p>
 <div class="row"><button type="button" id="again" class="primary">Run again with these labels</button></div>
 <div id="made" role="status"></div>
-<details><summary>By mouse and keyboard</summary>
+<details><summary>Mouse and keyboard</summary>
 <p>Look: drag turns the view, the wheel zooms. Other tools work where you press; the right button turns the view.
 By keyboard, with the view focused: arrows turn it, plus and minus zoom, Space works at the cross in the middle,
 page up and page down move the ring, [ and ] change the brush, 1 to 8 choose the part, Ctrl+Z and Ctrl+Y undo and redo.
 </p>
-<p>Fill: all that hangs together and has the part of the place you press. Ring: press near the border of two parts; then
-move that border.</p></details>
+<p>Fill: paints all connected points that have the part of the place you press. Ring: press near the border of two
+parts; then move that border.</p></details>
 </div></div>"""

@@ -1,4 +1,4 @@
-"""HTML from templates: every value is escaped unless it is HTML already."""
+"""HTML from templates: every value is escaped unless it is `Html`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 class Html(str):
-    """Text that is HTML already: made by `html` and `join` alone."""
+    """Mark text as HTML; only `html` and `join` create it."""
 
     __slots__ = ()
 
@@ -27,13 +27,14 @@ class _Escaping(Formatter):
 def html(template: str, *values: object, **named: object) -> Html:
     """Return a template, a constant of the program, with its fields filled in: `html("<p>{}</p>", text)`.
 
-    A value that is `Html` stands as it is, any other is escaped, quotes too; an attribute's field stands in quotes.
+    A value that is `Html` is inserted unchanged; any other is escaped, including quotes. An attribute's field must be
+    in quotes.
     """
     return Html(_Escaping().vformat(template, values, named))
 
 
 def join(parts: Iterable[Html], between: str = "\n") -> Html:
-    """Return some HTML one after the other; `between` is a constant of the program."""
+    """Return HTML parts joined by `between`, a constant of the program."""
     found = list(parts)
     if not all(isinstance(one, Html) for one in found):
         raise TypeError("only HTML can be joined; make it by `html`")

@@ -1,4 +1,4 @@
-"""`/match?a=JOB&b=JOB`: two patterns in two rows, their pieces paired and compared."""
+"""`/match?a=JOB&b=JOB`: two patterns in two rows, their panels paired and compared."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Word = Annotated[str, Query(max_length=64)]
 
 @router.get("/match")
 def show_match(visitor: VisitorOf, a: Word = "", b: Word = "") -> Response:
-    """Return the matcher; the page itself asks `/v1/match` for what it shows, pairs in the address included."""
+    """Return the matcher; its script requests `/v1/match`, with the pairs in the page's address."""
     return draw_shell("Match", html(CONTENT, a=a, b=b), visitor, ["match/main.js"], here="/match")
 
 
@@ -40,9 +40,9 @@ CONTENT = """<link rel="stylesheet" href="/static/match/match.css">
 <h2 id="pieces-title">Pieces</h2>
 <p class="soft" id="how">Choose a piece of each row and pair them. Drag moves a piece, the round handle turns it.
 By keyboard: Enter chooses, arrows move by 10 mm (Shift: 1 mm), comma and full stop turn by 5° (Shift: 1°), P pairs, U
-parts, Escape chooses none.</p>
+unpairs, Escape chooses none.</p>
 <div class="row" role="toolbar" aria-label="Chosen pieces">
-<button type="button" id="pair">Pair</button> <button type="button" id="part">Part</button>
+<button type="button" id="pair">Pair</button> <button type="button" id="part">Unpair</button>
 <button type="button" id="left">Turn left</button> <button type="button" id="right">Turn right</button>
 <button type="button" id="reset">Put back</button> <button type="button" id="propose">Propose pairs</button>
 </div>
@@ -54,7 +54,7 @@ parts, Escape chooses none.</p>
 <p id="summary" role="status"></p>
 <div class="row"><button type="button" id="save-csv">Save as CSV</button>
 <button type="button" id="save-json">Save as JSON</button>
-<button type="button" id="save-pairs">Save the pairs alone</button></div></section>
+<button type="button" id="save-pairs">Save only the pairs</button></div></section>
 <section class="card" aria-labelledby="overlay-title"><h2 id="overlay-title">Overlay</h2>
 <div id="overlay"></div></section>
 </div>

@@ -1,4 +1,4 @@
-"""Routes of pages: an error is a page too, and who has not signed in is asked to."""
+"""Routes of pages: errors are answered as pages, and visitors without a session are redirected to sign in."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .shell import draw_shell
 
 
 class PageRoute(APIRoute):
-    """Answer with a page, whatever happens on the way to it."""
+    """Answer every request with a page, also after an error."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return the handler of a request."""
@@ -32,7 +32,7 @@ class PageRoute(APIRoute):
                 asked = request.url.path + (f"?{request.url.query}" if request.url.query else "")
                 return RedirectResponse(f"/signin?next={quote(asked, safe='')}", 303)
             except RequestValidationError:
-                return draw_error(RequestBad("the address does not fit; go back to the page that named it."))
+                return draw_error(RequestBad("the address is invalid; go back to the page that linked to it."))
             except GarmentqError as error:
                 return draw_error(error)
 
@@ -45,7 +45,7 @@ def make_router() -> APIRouter:
 
 
 def draw_error(error: GarmentqError) -> Response:
-    """Return the page that says what is wrong, and the next step."""
+    """Return the page with an error and the next step."""
     content = html('<h1>This did not work</h1><p class="error" role="alert">{}</p><p><code>{}</code></p>'
                    '<p><a href="/">All jobs</a></p>', make_public_message(error), error.code)  # fmt: skip
     answer = draw_shell("Error", content, status=error_status(error))

@@ -1,4 +1,4 @@
-"""`/results/ID`: what a job found, in 3D beside its pattern; without WebGL its pictures."""
+"""`/results/ID`: a job's result in 3D beside its pattern; without WebGL its pictures."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ STYLES = {
     "strain": "Stretch",
     "pressure": "Pressure",
 }
-"""How the cloth is coloured."""
+"""Colourings of the cloth."""
 
 EXPORTABLE = ("recover", "dress", "refit", "drape", "edit")
-"""Kinds of jobs whose results have a pattern to export; others are refused by the service anyway."""
+"""Kinds of jobs whose results have a pattern to export; the service refuses others."""
 
 
 @router.get("/results/{job}")
@@ -79,12 +79,12 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
 
 
 def _has_view(names: set[str]) -> bool:
-    """Return whether there is anything that `view.bin` holds."""
+    """Return whether `view.bin` has any content."""
     return bool(set(list_shown(names)) - set(SCANS)) or WORN in names
 
 
 def _find_person(rooms: AppState, job: JobReport, visitor: Visitor) -> str:
-    """Return the job of the person that a garment was taken from, where the visitor sees its scan; else nothing."""
+    """Return the job of the garment's person if the visitor may see its scan; else an empty text."""
     try:
         row = find_own(rooms, visitor.caller, job.inputs.get(PERSON, ""))
     except JobUnknown:
@@ -119,25 +119,25 @@ def _draw_views(rooms: AppState, job: JobReport, names: set[str], person: str) -
 
 
 def _find_wearer(cloth: Sequence[str]) -> tuple[str, ...]:
-    """Return the names that the wearer of what is shown first may have: of a size, or the only one."""
+    """Return the possible names of the wearer of the first shown mesh: of one size, or the only one."""
     return BODY, f"{BODY}_{cloth[0].partition('_')[2]}"
 
 
 PERSON_SCAN = "person"
-"""What the page calls the scan of the person that a garment was taken from."""
+"""Name of the person's scan on the page."""
 
 
 def _explain_missing_colours(job: JobReport) -> str:
-    """Return why a result without colours has none, for the place of the colouring that it lacks."""
+    """Return why a result has no colours."""
     checked = job.details.get("checked") or {}
     scan = checked.get("scan") if isinstance(checked, Mapping) else None
     if isinstance(scan, Mapping) and scan.get("has_colours"):
-        return "No texture: the result was stored before colours were kept with it; submit its scan anew."
-    return f"No texture: {'the scan has no colours' if job.kind == 'recover' else 'it is kept with a recovery alone'}."
+        return "No texture: the result was stored by a version without colours; submit its scan again."
+    return f"No texture: {'the scan has no colours' if job.kind == 'recover' else 'only a recovery has one'}."
 
 
 VIEW_FILES = {WORN, "garment.pc2", "body.pc2", "frames.json"}
-"""The files that the page's script asks whether they are there."""
+"""Files whose presence the page's script checks."""
 
 
 def _draw_known(rooms: AppState, job: JobReport) -> Html:
@@ -161,7 +161,7 @@ def _draw_files(rooms: AppState, job: JobReport, files: Sequence[Artifact], visi
 def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
     if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
         return Html()
-    from ...core.deliver.formats.registry import DESCRIPTIONS  # patterns bring scipy: not at every start
+    from ...core.deliver.formats.registry import DESCRIPTIONS  # imports scipy: not at every start
 
     made = [
         html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,
@@ -199,12 +199,12 @@ VIEWS = """<div id="result" data-job="{job}" data-person="{person}" data-files="
 <div id="space"></div><p class="row"><span id="colours" hidden><canvas id="bar" width="200" height="12"
  role="img" aria-label="Colours from none to the largest value"></canvas> <span id="end"></span></span>
 <span id="loading" class="soft" role="status">Loading…</span>
-<span id="unseen" class="soft" hidden>The scan's own colours; grey where it shows nothing.</span>
+<span id="unseen" class="soft" hidden>The scan's colours; grey where the scan has none.</span>
 <span id="uncoloured" class="soft" hidden>{uncoloured}</span></p>
 <p class="row" id="player"{player}><button type="button" id="play" aria-pressed="false">Play</button>
 <input type="range" id="frame" min="0" max="0" value="0" aria-label="Frame"><output id="time"></output></p></section>
 <section class="card view"{flat} aria-label="Pattern"><div class="row tools">
-<span class="soft" id="pointed" role="status">Point at a panel, or an edge.</span></div><div id="flat"></div>
+<span class="soft" id="pointed" role="status">Point at a panel or an edge.</span></div><div id="flat"></div>
 <div id="measured" role="status"></div></section></div>
 <div id="problem"></div>
 <section class="card" id="pictures"{hidden}><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""

@@ -1,4 +1,4 @@
-"""Signing in and out: a key, the home's token or a link of `garmentq serve` becomes a session's cookie."""
+"""Sign-in and sign-out: a key, the home's token or a link of `garmentq serve` starts a session with a cookie."""
 
 from __future__ import annotations
 
@@ -32,25 +32,26 @@ from .shell import Visitor, draw_shell
 router = APIRouter(include_in_schema=False)
 
 LOCAL_PATH = re.compile(r"/(?![/\\])[A-Za-z0-9/_.~?=&,:%+-]{0,500}")
-"""Where a browser may be sent after signing in: a page of this service."""
+"""Paths to which a browser may be redirected after sign-in: pages of this service."""
 
 
 EMPTIED = {"clear-site-data": '"cache"'}
-"""Tells a browser to forget what it keeps of this service: meshes and pictures of a body are not the next user's."""
+"""Header that clears a browser's cache of this service, so that the next user cannot see meshes and pictures of
+a body."""
 
 
 class SignInNeeded(GarmentqError):
-    """The page is for those who signed in; do so at /signin."""
+    """The page needs a session; sign in at /signin."""
 
     code = "session.missing"
 
 
 def get_visitor(request: Request, rooms: AppStateDependency) -> Visitor:
-    """Return who looks at a page, and count it as a request of theirs.
+    """Return the visitor of a page, and count the request for the visitor's key.
 
     Raises:
-        SignInNeeded: where nobody has signed in, or the session has ended.
-        ScopeMissing: where their key may not read.
+        SignInNeeded: if there is no session, or it has ended.
+        ScopeMissing: if the key may not read.
     """
     token = find_session(request.scope)
     if token is None:
@@ -69,7 +70,7 @@ VisitorOf = Annotated[Visitor, Depends(get_visitor)]
 
 @router.get("/signin")
 def show_signin(request: Request, rooms: AppStateDependency, link: str = "", next: str = "/") -> Response:
-    """Return the form; a link of `garmentq serve` signs in at once, and once."""
+    """Return the form; a link of `garmentq serve` signs in at once, and only once."""
     if not link:
         return _draw_form(rooms, next)
     try:
@@ -85,7 +86,7 @@ def show_signin(request: Request, rooms: AppStateDependency, link: str = "", nex
 
 @router.post("/signin")
 async def sign_in(request: Request, rooms: AppStateDependency) -> Response:
-    """Begin a session for who has a key, or the token of a home without keys."""
+    """Start a session for a key, or for the token of a home without keys."""
     given = parse_qs((await request.body()).decode("utf-8", "replace"))
     token, target = given.get("token", [""])[0].strip(), given.get("next", ["/"])[0]
     return await rooms.lanes.admission.run(_sign_in, request, rooms, token, target)
@@ -120,7 +121,7 @@ def _sign_in(request: Request, rooms: AppState, token: str, target: str) -> Resp
 
 
 def _refuse_foreign(request: Request) -> None:
-    """Refuse a form that another site's page sent: nobody is signed in as somebody else."""
+    """Refuse a form that was sent from another site's page, so that it cannot sign a visitor in with a foreign key."""
     if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         raise SignInNeeded("sign in on the page of this service.")
 
@@ -139,7 +140,7 @@ def _begin(request: Request, rooms: AppState, caller: Caller, target: str) -> Re
 
 
 def _flags(request: Request) -> dict[str, Any]:
-    """Return how the cookie is kept: no script reads it, and no other site's page sends it."""
+    """Return the cookie's flags: no script reads it, and no other site's page sends it."""
     return {"path": "/", "httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
 
 
@@ -166,9 +167,9 @@ FORM = """<section class="signin"><h1>Sign in</h1>{refused}
 <input id="token" name="token" type="password" autocomplete="current-password" required autofocus spellcheck="false">
 <button type="submit" class="primary">Sign in</button>
 </form>
-<p>A key begins with <code>gq_</code>; <code>garmentq keys create NAME</code> makes one. Your browser keeps a session of
-12 hours, not the key.</p>{told}</section>"""
+<p>A key begins with <code>gq_</code>; <code>garmentq keys create NAME</code> creates one. Your browser stores a
+session of 12 hours, not the key.</p>{told}</section>"""
 
 TOKEN_HINT = """\
-<p>A service without keys takes the token in the file <code>api.token</code> of its home, or the link that
+<p>A service without keys accepts the token in the file <code>api.token</code> of its home, or the link that
 <code>garmentq serve</code> prints.</p>"""

@@ -1,4 +1,4 @@
-"""What all pages share: head, navigation, style and script, and what a browser may do on them."""
+"""The frame of all pages: head, navigation, style and script, and the Content-Security-Policy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "font-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 )
-"""A page's Content-Security-Policy: files of this service alone, nothing inline, no other host."""
+"""A page's Content-Security-Policy: only files of this service, nothing inline, no other host."""
 
 PLACES = (("/", "Jobs"), ("/match", "Match"), ("/docs", "API"))
 """The navigation: address and title of each page that needs no job."""
@@ -23,11 +23,11 @@ PLACES = (("/", "Jobs"), ("/match", "Match"), ("/docs", "API"))
 
 @dataclass(frozen=True)
 class Visitor:
-    """Describe who looks at a page.
+    """Describe the visitor of a page.
 
     Attributes:
-        caller: What they may.
-        csrf: What their pages send along with each change.
+        caller: The visitor's permissions.
+        csrf: Token that the visitor's pages send with each change.
     """
 
     caller: Caller
@@ -46,16 +46,16 @@ def draw_shell(
     """Return a page.
 
     Args:
-        title: Of the page; escaped here.
-        content: What stands in its `<main>`.
-        visitor: Who looks at it; None: nobody signed in, so there is no navigation.
+        title: Title of the page; escaped here.
+        content: Content of its `<main>`.
+        visitor: Visitor of the page; None: without a session, so there is no navigation.
         scripts: Modules that it loads, by their names in `static`.
         here: The address in `PLACES` that it belongs to.
-        status: The answer's status.
+        status: The response's status.
         data: Address of what the scripts read first; empty: nothing.
 
-    Modules, those that they import, and the data are named in the head, so that a browser asks for all of them at once.
-    The referrer's policy lets a form tell its origin to this service, and nothing to any other.
+    Modules, their imports and the data are listed in the head, so that a browser requests all of them at once. The
+    referrer policy lets a form send its origin to this service, and nothing to any other.
     """
     links = [
         html('<a href="{}"{}>{}</a>', url, Html(' aria-current="page"' if url == here else ""), name)

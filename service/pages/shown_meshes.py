@@ -1,7 +1,8 @@
-"""What a view in 3D needs of a result's files, as one compact binary: single precision, nothing twice.
+"""Meshes and flat pattern of a result for the 3D view, as one compact binary: single precision, equal arrays once.
 
-A container holds the letters `GQV1`, the length of its head (uint32, little-endian), the head as JSON, and arrays. The
-head names each array by [kind, place, count]: kind `f4`, `u1`, `u2` or `u4`, the place in bytes from the head's end.
+A container has the letters `GQV1`, the length of its head (uint32, little-endian), the head as JSON, and arrays. The
+head refers to each array by [kind, place, count]: kind `f4`, `u1`, `u2` or `u4`, the place in bytes from the head's
+end.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ...core.deliver.ply import PlyBad, PlyMesh, read_ply
 MESHES = {
     "detail": "Detail",
     "simulation": "Simulation",
-    "redrape": "Dressed anew",
+    "redrape": "Re-draped",
     "graded": "Graded",
     "dressed": "Dressed",
     "edited": "Edited",
@@ -33,26 +34,26 @@ MESHES = {
     "body": "Body",
     "scan": "Scan",
 }
-"""Titles of what is shown in 3D where the result has it as NAME.ply, in their order; what has none here comes after
-them, called as its file. The first is shown at first, and the body."""
+"""Titles of the meshes NAME.ply in the 3D view, in their order; others follow, titled by their file name. The first one
+and the body are shown initially."""
 
 UNDER = "under"
-"""What the garment is worn over, which has a pattern of its own."""
+"""The garment worn below, which has a pattern of its own."""
 
 WORN_TOGETHER = (UNDER, *(name for name in MESHES if "/" in name))
-"""Those that are worn together, which are all shown at first."""
+"""Meshes that are worn together and are all shown initially."""
 
 BODY = "body"
 """Name of a wearer's mesh, and the beginning of the names of several: `body_SIZE` wears `draped_SIZE`."""
 
 SCANS = ("scan",)
-"""Those that are large, and sent only when they are asked for."""
+"""Large meshes, sent only on request."""
 
 HIDDEN_MESHES = ("segmented",)
-"""The scan once more, for the page of its labels."""
+"""Copies of the scan that only the page of labels shows."""
 
 WORN = "worn.npz"
-"""The file that the flat pattern is read of."""
+"""File of the flat pattern."""
 
 LETTERS = b"GQV1"
 
@@ -63,30 +64,30 @@ _FLAT = re.compile(
     r"garment\.((uv|uv_faces|uv_node|panel_of_uv)$|edge_uv\.\d+$|edges\.\d+\.|pattern\.seams\.\d+\.[ab]\."
     r"|pattern\.panels\.\d+\.(name|edges\.\d+\.(label|contour))$)"
 )
-"""Arrays of `worn.npz` that the flat pattern is drawn of."""
+"""Arrays of `worn.npz` from which the flat pattern is drawn."""
 
 
 def list_shown(files: Collection[str]) -> dict[str, str]:
-    """Return the titles of the meshes that a result of some files has for the 3D view, by name, in their order."""
+    """Return the titles of a result's meshes for the 3D view, by name, in their order."""
     there = sorted(name.removesuffix(".ply") for name in files if name.endswith(".ply"))
     further = {name: name.replace("_", " ").capitalize() for name in there if name not in (*MESHES, *HIDDEN_MESHES)}
     return {name: title for name, title in (MESHES | further).items() if name in there}
 
 
 def is_companion_mesh(name: str) -> bool:
-    """Return whether a mesh is no cloth of the result's pattern: a wearer, a scan, or the garment below."""
+    """Return whether a mesh is not cloth of the result's pattern: a wearer, a scan, or the garment below."""
     return name in (*SCANS, UNDER) or name.startswith(BODY)
 
 
 class Packer:
-    """Collect arrays, equal ones once."""
+    """Collect arrays; equal ones are stored once."""
 
     def __init__(self) -> None:
         self.places: dict[bytes, int] = {}
         self.content = bytearray()
 
     def put(self, values: np.ndarray) -> list[Any]:
-        """Add an array in the smallest kind that holds it, and return how the head names it."""
+        """Add an array in the smallest kind that holds it, and return the head's reference to it."""
         values = np.ascontiguousarray(values)
         if values.dtype.kind == "f":
             kind = "f4"
@@ -112,7 +113,7 @@ def pack_shown(meshes: Mapping[str, bytes], worn: bytes | None) -> bytes:
     """Return meshes and the flat pattern as one container.
 
     Args:
-        meshes: PLY files of ours by the name of the mesh; one that cannot be read is left out.
+        meshes: PLY files of garmentq by the name of the mesh; unreadable ones are left out.
         worn: `worn.npz`, or None.
     """
     packer = Packer()
@@ -133,7 +134,7 @@ def _put_mesh(packer: Packer, mesh: PlyMesh) -> dict[str, Any]:
 
 
 def _put_flat(packer: Packer, worn: bytes) -> dict[str, Any] | None:
-    """Return the flat pattern; None where the file was stored by another version."""
+    """Return the flat pattern; None if the file was stored by another version."""
     try:
         with zipfile.ZipFile(io.BytesIO(worn)) as archive:
             names = [name.removesuffix(".npy") for name in archive.namelist()]

@@ -1,7 +1,7 @@
-"""`/static/NAME`: style, scripts and pictures of the pages, out of this package and nowhere else.
+"""`/static/NAME`: styles, scripts and pictures of the pages, only from this package.
 
-Pages name them by `/static/EDITION/NAME`: the edition changes with any of the files, so a browser that has one need not
-ask for it again; scripts import each other by relative names, which keep the edition.
+Pages refer to them by `/static/EDITION/NAME`: the edition changes with any of the files, so a browser may cache them;
+scripts import each other by relative names, which keep the edition.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ TYPES = {
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
 }
-"""What is served, by its extension; what else lies in the folder is not."""
+"""Media types of the served files by extension; other files in the folder are not served."""
 
 VENDORED = "vendor/"
-"""Files with their version in their name, which never change."""
+"""Folder of files with their version in their name, which never change."""
 
 IMPORT = re.compile(r"^import [^'\";]*?from '(\.[^']+)'", re.MULTILINE)
-"""An import of a module at its script's beginning."""
+"""An import of a module at the beginning of a script."""
 
 MIN_PACKED_FILE_SIZE = 1024
-"""Size up to which a file is not worth packing [bytes]: it fits into one packet."""
+"""Size up to which a file is not compressed [bytes]: it fits into one packet."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class StaticFile:
 
     Attributes:
         content: Its bytes.
-        packed: The same by gzip; empty where that is not worth it.
-        etag: Says whether a browser has it already.
-        media: Its type.
+        packed: Its bytes compressed by gzip; empty for small files.
+        etag: Identifies its content for a browser's cache.
+        media: Its media type.
     """
 
     content: bytes
@@ -58,20 +58,20 @@ class StaticFile:
 
 @cache
 def load_files() -> dict[str, StaticFile]:
-    """Read every file of the folder once, by its name below it; a name that is not there is no path to anything."""
+    """Read every file of the folder once, by its name below it; a name is looked up here and is never a path."""
     return {path.relative_to(FOLDER).as_posix(): _load(path) for path in FOLDER.rglob("*") if path.suffix in TYPES}
 
 
 @cache
 def find_edition() -> str:
-    """Return what stands before the names of all files on a page; another one wherever a file is another one."""
+    """Return the edition in the addresses of all files on a page; it changes if any file changes."""
     told = "".join(f"{name}{file.etag}" for name, file in sorted(load_files().items()))
     return f"files-{hashlib.sha256(told.encode()).hexdigest()[:16]}"
 
 
 @cache
 def list_imports(script: str) -> tuple[str, ...]:
-    """Return the names of all modules that a script imports, itself or through others: a page asks for them at once."""
+    """Return the names of all modules that a script imports, directly or indirectly, so that a page preloads them."""
     found: dict[str, None] = {}
     left = [script]
     while left:
@@ -96,7 +96,7 @@ def _load(path: Path) -> StaticFile:
 
 @router.get("/static/{name:path}")
 def send_file(name: str, request: Request) -> Response:
-    """Return a file, packed where the browser takes that; under an earlier edition's name the present one."""
+    """Return a file, compressed if the browser accepts that; an earlier edition's name returns the present file."""
     edition, mark, rest = name.partition("/")
     if mark and edition.startswith("files-"):
         name = rest

@@ -1,4 +1,4 @@
-"""Files of a result as pages need them: small JSON, the report to look at, and its pictures by themselves."""
+"""Files of a result for the pages: small JSON files, the report, and the pictures in it."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from ..store import ArtifactDamaged, ArtifactMissing, Store
 REPORT = "report.html"
 
 PICTURE = re.compile(r'<img [^>]*?alt="([^"]*)"[^>]*? src="data:image/(png|gif);base64,([A-Za-z0-9+/=]+)"')
-"""A picture as our reports hold it: what it shows, and its bytes."""
+"""A picture in one of our reports: its alternative text and its bytes."""
 
 THUMBNAIL_TITLES = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", "scan, body")
-"""What a result is best known by: the beginning of that picture's text in each kind's report."""
+"""Beginnings of the titles of the picture that becomes the thumbnail, for each kind's report."""
 
 MAX_THUMBNAIL_SIZE_PX = (112, 150)
-"""Largest width and height of a small picture [pixels]: twice the size it is shown in, for dense screens."""
+"""Largest width and height of a thumbnail [pixels]: twice the size in which it is shown, for dense screens."""
 
 MAX_REPORT_FILE_SIZE = 32 * 1024**2
-"""Largest report whose pictures are shown by themselves [bytes]; ours are below 5 MB."""
+"""Largest report whose pictures are shown separately [bytes]; ours are below 5 MB."""
 
 MAX_JSON_FILE_SIZE = 4 * 1024**2
 """Largest JSON file that a page reads [bytes]; ours are below 100 kB."""
@@ -37,7 +37,7 @@ MAX_JSON_FILE_SIZE = 4 * 1024**2
 
 @dataclass(frozen=True)
 class Picture:
-    """Describe one picture of a report: what it shows, `png` or `gif`, and its bytes."""
+    """Describe one picture of a report: its title, `png` or `gif`, and its bytes."""
 
     title: str
     kind: str
@@ -45,7 +45,7 @@ class Picture:
 
 
 def find_file(services: Services, job: str, name: str) -> Artifact | None:
-    """Return a file of a job by its name, or None where it has none."""
+    """Return a file of a job by its name, or None if it has none."""
     return next((Artifact.from_row(row) for row in list_files(services.database, job) if row.name == name), None)
 
 
@@ -55,7 +55,7 @@ def read_bytes(services: Services, file: Artifact) -> bytes:
 
 
 def read_json(services: Services, job: str, name: str) -> Any:
-    """Return what a JSON file of a result holds, or None where there is none that can be read."""
+    """Return the content of a JSON file of a result, or None if there is no readable one."""
     file = find_file(services, job, name)
     if file is None or file.size > MAX_JSON_FILE_SIZE:
         return None
@@ -66,7 +66,7 @@ def read_json(services: Services, job: str, name: str) -> Any:
 
 
 def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
-    """Return the pictures of a result's report; none where it has no report, or one that is damaged or too large."""
+    """Return the pictures of a result's report; none if there is no report, or it is damaged or too large."""
     file = find_file(services, job, REPORT)
     if file is None or file.size > MAX_REPORT_FILE_SIZE:
         return ()
@@ -77,7 +77,7 @@ def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
 
 @lru_cache(maxsize=16)
 def _read_pictures(store: Store, sha256: str) -> tuple[Picture, ...]:
-    """Read them out of the stored report; a hash is for ever the same content."""
+    """Read the pictures from the stored report; a hash always has the same content."""
     text = store.get_bytes(sha256).decode("utf-8", "replace")
     return tuple(Picture(title, kind, base64.b64decode(data)) for title, kind, data in PICTURE.findall(text))
 
@@ -93,7 +93,7 @@ def pack_files(store: Store, files: tuple[tuple[str, str], ...]) -> bytes:
 
 @lru_cache(maxsize=512)
 def make_thumbnail(store: Store, sha256: str) -> bytes | None:
-    """Return the small picture of a report as PNG, or None where it has none."""
+    """Return the thumbnail of a report as PNG, or None if it has none."""
     from PIL import Image
 
     pictures = _read_pictures(store, sha256)

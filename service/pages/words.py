@@ -1,4 +1,4 @@
-"""What people read of a job: its state, age and verdict in words."""
+"""Text of a job's state, age and verdict on the pages."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from ..states import ENDED, State
 from .markup import Html, html, join
 
 STATE_CLASSES = {State.SUCCEEDED: "good", State.FAILED: "bad", State.DEAD: "bad", State.CANCELLED: "soft"}
-"""How a state looks."""
+"""CSS class of a state."""
 
 VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
-"""How a verdict looks."""
+"""CSS class of a verdict."""
 
 
 def draw_state(job: JobReport) -> Html:
-    """Return a job's state, with its stage where it runs."""
+    """Return a job's state, with its stage if it runs."""
     told = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
     return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, told)
 
 
 def draw_verdict(verdict: str | None) -> Html:
-    """Return a verdict; nothing where nothing was judged."""
+    """Return a verdict; empty if there is none."""
     return html('<span class="tag {}">{}</span>', VERDICTS.get(verdict, ""), verdict) if verdict else Html()
 
 
 def draw_time(seconds: float | None) -> Html:
-    """Return a time [s since 1970]; the page's script turns it into the reader's own time zone."""
+    """Return a time [s since 1970]; the page's script converts it to the reader's time zone."""
     if seconds is None:
         return Html()
     when = datetime.fromtimestamp(seconds, UTC)
@@ -47,7 +47,7 @@ def draw_gates(gates: Sequence[Gate]) -> Html:
 
 
 def draw_family(job: JobReport) -> Html:
-    """Return links to the jobs that a job was made by, reads and made; nothing where it stands alone."""
+    """Return links to a job's parent, inputs and children; empty if it has none."""
     links: Sequence[Html] = [
         html('<li><a href="{}">{}</a> <span class="soft">{}</span> <span data-child="{}">{}</span></li>',
              f"/{'results' if child.state == State.SUCCEEDED else 'jobs'}/{child.job}", child.name, child.kind,
@@ -67,7 +67,7 @@ def is_ended(job: JobReport) -> bool:
 
 
 def describe_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what the first stage understood of a job's files, as names and texts."""
+    """Return the first stage's description of a job's files, as names and texts."""
     return [(_name(key), text) for key, value in sorted(details.items()) if (text := _format_value(value))]
 
 

@@ -16,11 +16,11 @@ from garmentq.cli.bench.raw_packs import read_cover, read_raw_packs, read_true_l
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.garmentcode_writer import save_pattern
-from garmentq.core.reuse.wear.worn import load_worn_template
 from unseen_draw import Draft, draw_targets
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels
 from unseen_wearer import pose_by_steps, pose_wearer
+from worn_template import load_worn_template
 
 BLENDER = os.environ.get("GARMENTQ_BPY_PYTHON", "")
 

@@ -57,7 +57,7 @@ def test_r22_the_store_is_away(settings, database, queue_job, start_worker, mark
         settings.store_path.rename(away)
         hold_gate(marks, STEPS)
         wait_for(lambda: list_outages(database) or find_job(database, first).state != "running")
-        wait_for(lambda: "cannot be" in (text := (settings.home / "worker.log").read_text()) or "is away" in text)
+        wait_for(lambda: "cannot be" in (text := (settings.home / "worker.log").read_text()) or "unavailable" in text)
         assert {find_job(database, job).state for job in (first, *rest)} <= {"queued", "running"}
         away.rename(settings.store_path)
         rows = [wait_ended(settings, job) for job in (first, *rest)]

@@ -195,7 +195,7 @@ def test_run_shows_and_keeps_the_result(cli, tmp_path):
         done = cli("run", put_file(tmp_path, "bad.ply"), "--body", body)
         assert done.returncode == 4 and "error scan.truncated" in done.stderr and "Traceback" not in done.stderr
         done = cli("run", put_file(tmp_path, "slow.ply"), "--body", body, "--timeout", "0.5")
-        assert done.returncode == 8 and "goes on" in done.stderr
+        assert done.returncode == 8 and "continues" in done.stderr
         rows = cli("query", "--garment", "skirt", "--where", "surface_rms_mm.t2s < 6", "--json").stdout.splitlines()
         assert [json.loads(row)["job"] for row in rows] == [job]
         kinds = [json.loads(line)["kind"] for line in cli("logs", job, "--json").stdout.splitlines()]

@@ -51,8 +51,8 @@ def test_what_a_scan_is_taken_for(cli, database, tmp_path):
     for words, kind, said in (
         ("", "person", "whole person"),
         ("--as person --body builtin:female", "person", "whole person"),
-        ("--body builtin:female", "recover", "unless head, hands or feet"),
-        ("--as garment --body builtin:female", "recover", "taken for a garment"),
+        ("--body builtin:female", "recover", "unless it shows head, hands or feet"),
+        ("--as garment --body builtin:female", "recover", "treated as a garment"),
         ("--keep 1", "recover", "one garment"),
         ("--keep-colour #465faa", "recover", "one garment"),
         ("--wearing upper", "person", "whole person"),
@@ -158,7 +158,7 @@ def test_parts_in_front(tmp_path):
 )
 def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch, name, said, what):
     """Breaks where a whole person on a body is shown as a garment, or a suit from neck to ankles as a person."""
-    monkeypatch.setattr("garmentq.core.people.inspect.inspect_person", lambda *_: {"as": "person"})
+    monkeypatch.setattr("garmentq.service.inspect_scan.inspect_person", lambda *_: {"as": "person"})
     wearer = "builtin:female,height=1.70"
     body = builtin_body(wearer)
     corners = body.vertices[body.faces]

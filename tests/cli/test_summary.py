@@ -55,7 +55,7 @@ def test_what_it_says() -> None:
 @pytest.mark.parametrize(
     ("metrics", "text"),
     [
-        ({}, "taken as given"),
+        ({}, "was not fitted"),
         ({"fabric.k": None, "fabric.k.std": 1.2, "fabric.k.identifiable": 0.0}, "not identifiable"),
     ],
 )

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.people.inspect_garment import inspect_file
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan.contours.misfit import explain_misfit, find_misfit_warnings
+from garmentq.service.inspect_garment import inspect_file
 
 
 def test_file_alone_and_on_a_body(tmp_path, wearers, skin):

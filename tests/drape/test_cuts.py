@@ -20,8 +20,8 @@ from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.carry import PosePath, pose_cloth
 from garmentq.core.recover.drape.dress import dress
 from garmentq.core.recover.drape.follow import build_distance_constraints
-from garmentq.core.recover.drape.sizing import size_template
 from garmentq.core.recover.drape.waist import waist_loop
+from sized_template import size_template
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

@@ -16,8 +16,9 @@ from garmentq.core.recover.drape.follow import PbdState, build_distance_constrai
 from garmentq.core.recover.drape.layer_contact import LayerContact
 from garmentq.core.recover.drape.layers import find_layer_constraints
 from garmentq.core.recover.drape.shell import SHELL_CONTACT_THICKNESS, Shell
-from garmentq.core.recover.drape.sizing import measure_wearer, size_template
+from garmentq.core.recover.drape.sizing import measure_wearer
 from scipy.spatial import cKDTree
+from sized_template import size_template
 
 
 def strip() -> Garment:

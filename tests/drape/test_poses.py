@@ -21,8 +21,8 @@ from garmentq.core.recover.drape.carry import PosePath, pose_cloth
 from garmentq.core.recover.drape.dress import dress
 from garmentq.core.recover.drape.follow import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
-from garmentq.core.recover.drape.sizing import size_template
 from garmentq.core.recover.drape.waist import waist_loop
+from sized_template import size_template
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""

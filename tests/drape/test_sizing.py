@@ -12,13 +12,14 @@ from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.garment.curves import flat_contours
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.geometry import vertex_normals
-from garmentq.core.recover.drape.sizing import measure_wearer, oversize_measures, size_template
+from garmentq.core.recover.drape.sizing import measure_wearer, oversize_measures
 from garmentq.core.recover.drape.stage import drape_template
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.recover.start import find_template
 from garmentq.core.scan.contours.target import Target
+from sized_template import size_template
 
 
 @pytest.fixture(scope="module")

@@ -24,10 +24,11 @@ from garmentq.core.geometry.curves import ClosedCurve
 from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.reuse.edit.compare import compare_versions
 from garmentq.core.reuse.edit.redraping import EditedGarment, drape_edit, worn_length
-from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template, make_waist_target
+from garmentq.core.reuse.wear.worn import WornGarment, make_waist_target
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.contours.contours import name_contours
+from worn_template import load_worn_template
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 

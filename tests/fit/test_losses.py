@@ -17,11 +17,11 @@ from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.fit.losses.chamfer import ChamferLoss
 from garmentq.core.recover.fit.losses.contours import ContourLoss
 from garmentq.core.recover.fit.losses.panels import PanelLoss
-from garmentq.core.recover.fit.losses.plane import PlaneLoss
 from garmentq.core.recover.fit.losses.range import RangeLoss, logarithms
 from garmentq.core.recover.fit.losses.seams import SeamLoss
 from garmentq.core.scan.contours.loop import find_loops
 from garmentq.core.scan.contours.target import Contour, Target
+from plane_loss import PlaneLoss
 
 Evaluate = Callable[[np.ndarray], tuple[float, np.ndarray]]
 

@@ -43,7 +43,7 @@ from garmentq.core.reuse.animate.settings import AnimateSettings
 from garmentq.core.reuse.edit.redraping import drape_edit
 from garmentq.core.reuse.wear.dressing import dress_body
 from garmentq.core.reuse.wear.refit import make_to_measure
-from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
 from garmentq.core.scan.open3d_library import load_open3d
@@ -60,6 +60,7 @@ from golden_numbers import (
     measure_separation,
     pick,
 )
+from worn_template import load_worn_template
 
 SCENES_FOLDER = Path(__file__).parent / "scenes"
 

@@ -13,7 +13,7 @@ from garmentq.core.garment.seams import seam_mismatch
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import list_templates
 from garmentq.core.garment.validity import check_outline
-from garmentq.core.recover.grade.choice import TemplateMissing, choose_template
+from garmentq.core.recover.grade.choice import TemplateMissing, rank_templates
 from garmentq.core.recover.grade.grading import grade_pattern
 from garmentq.core.recover.grade.registration import register_coarsely
 from garmentq.core.run.errors import Cancelled
@@ -230,17 +230,17 @@ LEGS = {"leg.left": 0.5, "leg.right": 0.5}
 def test_each_garment_has_its_template(source, category, lengths, name):
     """Breaks where a garment is graded from a template of another topology or of a shape further off."""
     names = tuple(info.name for info in list_templates())
-    assert choose_template(opened(source, category, lengths), names) == name
+    assert rank_templates(opened(source, category, lengths), names)[0][0] == name
 
 
 @pytest.mark.parametrize(("category", "name"), [("shorts", "trousers"), ("long_sleeve_tshirt", "tshirt")])
 def test_sleeves_and_legs_of_any_length_are_graded_from_one(source, category, name):
     """Breaks where a caller's shorter list of templates leaves a garment without one that can be graded to it."""
     target = replace(aim(source), category=category)
-    assert choose_template(target, ("tshirt", "tank", "dress", "trousers", "skirt")) == name
+    assert rank_templates(target, ("tshirt", "tank", "dress", "trousers", "skirt"))[0][0] == name
 
 
 def test_a_category_without_template_is_refused(source):
     """Breaks where an unknown garment is silently graded from something else."""
     with pytest.raises(TemplateMissing, match="jumpsuit"):
-        choose_template(replace(aim(source), category="jumpsuit"), ("tshirt",))
+        rank_templates(replace(aim(source), category="jumpsuit"), ("tshirt",))

@@ -60,14 +60,14 @@ def test_a_dropped_scan_becomes_a_job(page, site, faults):
     page.locator("#looking", has_text="body.missing").wait_for()
     told = read_rows(page)
     assert "422" in faults.pop()  # the browser itself reports the refusal on its console
-    assert told["Taken for"] == "a garment" and told["Size"].startswith("1.00 × 1.00 × 1.00 m, y of the file is up")
-    assert told["Surface"] == "4 points, 4 faces" and told["With it"] == "no colours, no labels"
+    assert told["Detected as"] == "a garment" and told["Size"].startswith("1.00 × 1.00 × 1.00 m, y of the file is up")
+    assert told["Surface"] == "4 points, 4 faces" and told["Attributes"] == "no colours, no labels"
     assert "skirt.ply" in page.locator("#told").inner_text() and not page.locator("#sent").is_visible()
     page.get_by_label("Name", exact=True).first.fill("Anna's skirt")
     page.get_by_label("Tags").fill("spring, fitting")
     page.get_by_label("Method").select_option("deform")
     page.set_input_files("[name=body_file]", {"name": "anna.ply", "mimeType": "", "buffer": make_ply(0.5)})
-    page.get_by_text("are looked at by the job").wait_for()
+    page.get_by_text("will check the body and the labels").wait_for()
     page.get_by_role("button", name="Queue the job").click()
     page.wait_for_url("**/jobs/*")
     row = find_job(site.services.database, page.url.rsplit("/", 1)[1])
@@ -97,8 +97,8 @@ def test_a_scan_is_chosen_and_queued_by_touch(open_window, site, monkeypatch, tm
         chooser.value.set_files(scan)
         page.locator("#understood[data-sure='1']").wait_for()
         told = read_rows(page)
-        assert told["Taken for"] == "a whole person" and told["Wearer"] == "1.66 m tall"
-        assert (told["Mended"], told["Doubtful"]) == ("Dropped 7 points as flyers.", "The hem lies inside the body.")
+        assert told["Detected as"] == "a whole person" and told["Wearer"] == "1.66 m tall"
+        assert (told["Repaired"], told["Doubtful"]) == ("Dropped 7 points as flyers.", "The hem lies inside the body.")
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
         page.get_by_text("Options").tap()
         page.get_by_label("Tags").fill("touched")

@@ -151,7 +151,7 @@ def test_a_fill_takes_what_hangs_together(labels, shells):
     labels.mouse.click(*where(labels, shells.points[vertex]))
     wanted = np.where(shells.label == Part.UPPER, Part.ONE_PIECE, shells.label)
     assert np.array_equal(read_labels(labels), wanted)
-    assert "What was upper is one-piece" in labels.locator("#said").inner_text()
+    assert "The filled points were upper and are now one-piece" in labels.locator("#said").inner_text()
     labels.locator("#undo").click()
     assert np.array_equal(read_labels(labels), shells.label)
     before = labels.evaluate(f"{ROOT}.view.pick({ROOT}.view.middle).vertex")

@@ -139,7 +139,7 @@ def test_meshes_and_colours_are_chosen(shown):
         pictures.add(shown.locator("#space canvas").screenshot())
 
     look()
-    for name in ("Simulation", "Dressed anew", "Scan"):
+    for name in ("Simulation", "Re-draped", "Scan"):
         shown.get_by_label("Detail").uncheck()
         shown.get_by_role("checkbox", name=name).check()
         look()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from garmentq.core.people.layering import order_garments
+from garmentq.service.layering import order_garments
 
 
 def find(part: str, **hidden: bool) -> dict[str, Any]:

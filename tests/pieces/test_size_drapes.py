@@ -17,10 +17,10 @@ from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.production import Production, write_production
 from garmentq.core.deliver.formats.size_drapes import drape_size
 from garmentq.core.recover.drape.sizing import measure_wearer
-from garmentq.core.reuse.wear.dressing import is_valid_drape
-from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.report import ResultReport
 from PIL import Image
+from worn_template import is_valid_drape, load_worn_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 

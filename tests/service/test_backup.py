@@ -145,4 +145,4 @@ def test_the_commands(cli, settings, filled, tmp_path):
     assert cli("restore", tmp_path / "a.tar", "--home", tmp_path / "new").returncode == 0
     rows = [json.loads(line)["job"] for line in cli("status", "--json", "--home", tmp_path / "new").stdout.splitlines()]
     assert set(rows) == set(filled)
-    assert "stands at revision" in cli("db", "upgrade", "--home", tmp_path / "new").stderr
+    assert "is at revision" in cli("db", "upgrade", "--home", tmp_path / "new").stderr

@@ -117,7 +117,7 @@ def test_every_command_says_it(settings, two, cli, tmp_path):
 def test_a_backup_keeps_a_damaged_row(settings, store, two, cli, tmp_path, reopen):
     """Broken where a damaged row stops every backup, is lost in it, or the files that its rest names are not in it."""
     told = cli("backup", tmp_path / "a.tar")
-    assert told.returncode == 11 and two[0] in told.stderr and "are gone" not in told.stderr, told
+    assert told.returncode == 11 and two[0] in told.stderr and "are missing" not in told.stderr, told
     other = make_settings(tmp_path / "other")
     restored = restore_backup(other, tmp_path / "a.tar")
     assert {one.key for one in restored.rows} == set(two[:2]) and restored.missing == ()

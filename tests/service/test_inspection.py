@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 from garmentq.core.body.presence import ScanPartial
-from garmentq.core.people import inspect as found_by
-from garmentq.core.people.inspect import inspect_order
 from garmentq.core.run.errors import BadInput
+from garmentq.service import inspect_scan as found_by
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.api.meter import LimitedFull, LimitedOpen, Meter
+from garmentq.service.inspect_scan import inspect_order
 from garmentq.service.inspection import BodyNotBuiltin, inspect_scan
 
 DATA = Path(__file__).parents[2] / "examples" / "data"

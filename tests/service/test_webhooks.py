@@ -320,7 +320,7 @@ def test_no_redirect_is_followed():
     with receiving() as good, receiving(FAR) as bad:
         for status in (301, 302, 307, 308):
             target = bad.url("/").replace("/", "!")
-            assert ask_of(good, f"/{status},{target}") == Receipt(status, f"the answer was {status}, not 2xx")
+            assert ask_of(good, f"/{status},{target}") == Receipt(status, f"the response was {status}, not 2xx")
         assert len(good.got) == 4 and bad.got == []
 
 
@@ -334,7 +334,7 @@ def test_no_answer_takes_longer_than_its_time(monkeypatch):
     closed.bind(("127.0.0.2", 0))
     with closed:
         receipt = asyncio.run(send(message_to(f"http://127.0.0.2:{closed.getsockname()[1]}/"), NEAR))
-    assert receipt.status is None and "does not answer" in receipt.error
+    assert receipt.status is None and "does not respond" in receipt.error
 
 
 def test_tls_is_that_of_the_name(resolver, tmp_path):

@@ -16,9 +16,10 @@ from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.reuse.wear.dressing import dress_body, transfer_alone_to_body
 from garmentq.core.reuse.wear.parting import separate_layers
-from garmentq.core.reuse.wear.worn import WornGarment, load_worn_template
+from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
 from garmentq.core.scan.contours.target import Target
+from worn_template import load_worn_template
 
 RATE = 8.0
 """Angular velocity of a wearer who turns [rad/s]."""

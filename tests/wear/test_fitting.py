@@ -7,8 +7,8 @@ import pytest
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.reuse.wear.refit import make_to_measure, refit_pattern
-from garmentq.core.reuse.wear.worn import load_worn_template
 from garmentq.core.run.clock import Clock
+from worn_template import load_worn_template
 
 BROAD = "builtin:male,height=1.72,weight=95,chest=1.18,waist=1.04,hip=1.13"
 """A body for whose thighs the draft of trousers lacks a tenth of a metre."""

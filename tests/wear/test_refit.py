@@ -15,7 +15,6 @@ from garmentq.core.garment.polygon import polygon_area
 from garmentq.core.garment.seams import equalise_seams, seam_mismatch
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import list_templates, load_draped_template
-from garmentq.core.recover.drape.sizing import size_template
 from garmentq.core.reuse.wear.ease import MeasuredBody, measure_ease, measure_unposed_ease
 from garmentq.core.reuse.wear.fitting import widen_draft
 from garmentq.core.reuse.wear.kept_ease import EasePrediction
@@ -23,6 +22,7 @@ from garmentq.core.reuse.wear.refit import refit_pattern
 from garmentq.core.reuse.wear.waist import transfer_curve
 from garmentq.core.reuse.wear.widening import widening_rules
 from garmentq.core.reuse.wear.worn import WornGarment
+from sized_template import size_template
 
 OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
 

@@ -65,7 +65,7 @@ def test_what_is_no_wake_up_is_dropped(settings, database, queue_job, monkeypatc
     finally:
         stop_services(settings)
     told = (settings.home / "worker.log").read_text()
-    assert told.count("is no wake-up and was dropped") == len(strange)
+    assert told.count("is not a wake-up and was dropped") == len(strange)
     assert not any(word in told for word in ("Unrecoverable", "Connection to broker lost", "Traceback"))
 
 

@@ -158,7 +158,7 @@ def test_run_stops_waiting_and_the_job_goes_on(settings, start, database, tmp_pa
     wait_for(lambda: "scan ..." in told.read_text() or process.poll() is not None)
     process.send_signal(number)
     assert process.wait() == 130
-    assert "goes on; `garmentq logs -f" in told.read_text()
+    assert "continues; `garmentq logs -f" in told.read_text()
     assert any("worker --embedded" in words for words in list_processes(settings).values())
 
 

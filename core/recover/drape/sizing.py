@@ -9,8 +9,6 @@ from ...body.body import Body
 from ...body.girths import BELOW_ARMPIT, TapeMeasure, armpit_height, crotch_height
 from ...body.skinning import rest_body
 from ...garment.measures import BodyMeasures
-from ...garment.pattern import Pattern
-from ...garment.templates import draft_template
 
 GIRTH_HEIGHT_STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
@@ -72,12 +70,3 @@ def oversize_measures(body: Body) -> BodyMeasures | None:
     measures, usual = measure_wearer(body), BodyMeasures()
     is_larger = measures.bust > MAX_LIBRARY_SIZE_RATIO * usual.bust or measures.hip > MAX_LIBRARY_SIZE_RATIO * usual.hip
     return measures if is_larger else None
-
-
-def size_template(name: str, body: Body) -> Pattern:
-    """Draft a shipped template from the measures of a body.
-
-    Raises:
-        TemplateUnknown: where no template has that name.
-    """
-    return draft_template(name, measure_wearer(body))

@@ -160,15 +160,6 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: Hem
     return [_RankedCut(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
 
 
-def choose_template(target: Target, names: Sequence[str]) -> str:
-    """Return the name of the shipped template for grading to a target: the first of `rank_templates`.
-
-    Raises:
-        TemplateMissing: where there is none for the category.
-    """
-    return rank_templates(target, names)[0][0]
-
-
 def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:
     """Rank the templates of the target's category, best first.
 

@@ -168,9 +168,3 @@ def tabulate_ease(ease: tuple[Ease, ...]) -> dict[str, float | None]:
         found[f"ease.{one.place}_mm"] = 1e3 * one.value
         found[f"girth.garment.{one.place}_mm"], found[f"girth.body.{one.place}_mm"] = 1e3 * one.garment, 1e3 * one.body
     return found
-
-
-def is_valid_drape(metrics: dict[str, float | None]) -> bool:
-    """Check that a garment is at rest, does not cross itself, and is at most 1 mm inside the body."""
-    values = [metrics[name] for name in ("body_penetration_mm", "self_intersecting_faces", "drape.at_rest")]
-    return bool(np.all([values[0] <= 1.0, values[1] == 0.0, values[2] == 1.0]))  # type: ignore[operator]

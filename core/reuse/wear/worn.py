@@ -10,13 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from ...body.body import Body
-from ...body.builtin import builtin_body
 from ...cloth.fabric import Fabric
 from ...cloth.scene import SteadyRotation
 from ...garment.garment import Garment
 from ...garment.pattern import EdgeRef, Pattern
-from ...garment.templates import load_draped_template
-from ...recover.drape.shipped import TEMPLATE_WEARER
 from ...recover.drape.waist import waist_loop
 from ...recover.recovery import Recovery
 from ...run.checkpoints import pack, unpack
@@ -88,26 +85,6 @@ def make_waist_target(waist: np.ndarray | None, category: str) -> Target:
     contours = () if waist is None else (Contour("waist", np.arange(len(points)), length),)
     faces = np.zeros((0, 3), dtype=np.int64)
     return Target(points, faces, np.zeros_like(points), contours, (), category)
-
-
-def load_worn_template(name: str, fabric: Fabric) -> WornGarment | None:
-    """Return a shipped template on the built-in female body; None where no drape of it is shipped.
-
-    Args:
-        name: Of the template.
-        fabric: The cloth.
-
-    Raises:
-        TemplateUnknown: where there is no template of that name.
-    """
-    garment = load_draped_template(name)
-    if garment is None:
-        return None
-    waist = garment.contour("waist")
-    curve = None if waist is None else garment.nodes[waist.vertices]
-    return WornGarment(
-        garment, fabric, builtin_body(TEMPLATE_WEARER), curve, None, name, garment.pattern.category or name
-    )
 
 
 def worn_from_recovery(recovery: Recovery) -> WornGarment:

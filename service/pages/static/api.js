@@ -1,6 +1,6 @@
-// The service's own routes under /v1, as every page asks them.
+// Requests to the service's routes under /v1, for every page.
 
-/** What the service says is wrong: `code` is stable, the message names the next step. */
+/** An error of the service: `code` is stable, the message names the next step. */
 export class Problem extends Error {
   /** @param {string} code @param {string} message @param {number} status */
   constructor(code, message, status) {
@@ -11,13 +11,13 @@ export class Problem extends Error {
   }
 }
 
-/** @returns {string} what goes along with each change */
+/** @returns {string} the token that is sent with each change */
 function readCsrf() {
   return document.querySelector('meta[name="csrf-token"]')?.getAttribute('content') ?? '';
 }
 
 /**
- * Ask the service; a session that has ended leads to the page that begins one.
+ * Send a request to the service; if the session has ended, open the sign-in page.
  * @param {string} path @param {RequestInit} [options]
  * @returns {Promise<Response>}
  */
@@ -30,7 +30,7 @@ export async function ask(path, options = {}) {
     answer = await fetch(path, { ...options, method, headers, credentials: 'same-origin' });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
-    throw new Problem('service.unreachable', 'The service does not answer; check that it runs, then try again.', 0);
+    throw new Problem('service.unreachable', 'The service does not respond; check that it is running, then try again.', 0);
   }
   if (answer.ok) return answer;
   const told = await answer.json().catch(() => ({}));
@@ -72,7 +72,7 @@ export async function getText(path) {
 }
 
 /**
- * Upload a file and report how much of it has gone.
+ * Upload a file and report its progress.
  * @param {string} kind scans, bodies, labels, patterns or motions
  * @param {File} file
  * @param {(fraction: number) => void} [progress]
@@ -84,12 +84,12 @@ export function uploadFile(kind, file, progress = () => {}) {
     request.open('POST', `/v1/${kind}?name=${encodeURIComponent(file.name)}`);
     request.setRequestHeader('X-CSRF-Token', readCsrf());
     request.upload.onprogress = (event) => event.total && progress(event.loaded / event.total);
-    request.onerror = () => reject(new Problem('service.unreachable', 'The upload broke off; try again.', 0));
+    request.onerror = () => reject(new Problem('service.unreachable', 'The upload was interrupted; try again.', 0));
     request.onload = () => {
       let told = {};
       try {
         told = JSON.parse(request.responseText);
-      } catch { /* no JSON: the status alone tells */ }
+      } catch { /* not JSON: only the status is known */ }
       if (request.status < 300) resolve(told);
       else reject(new Problem(told.code ?? 'service.fault', told.detail ?? 'The upload was refused.', request.status));
     };

@@ -46,7 +46,7 @@ export function find(selector, root = document) {
 }
 
 /**
- * Show what went wrong where people look, for screen readers too.
+ * Show an error on the page, for screen readers too.
  * @param {Element} place @param {unknown} error
  */
 export function showError(place, error) {

@@ -1,12 +1,12 @@
-// What the service understands of a scan, before a job is asked for.
+// What the service detects in a scan, before a job is created.
 import { getJson } from './api.js';
 import { find, make, showError } from './dom.js';
 
 const KINDS = { person: 'a whole person', garment: 'a garment' };
 
-/** What a job makes of each. */
+/** Result of a job for each. */
 const MADE = {
-  person: 'One job takes the person apart; each garment found gets its pattern, fabric and meshes in a job of its own.',
+  person: 'One job segments the person; each garment gets its pattern, fabric and meshes in a job of its own.',
   garment: 'One job: the garment\'s pattern, fabric and meshes.',
 };
 
@@ -19,21 +19,21 @@ export function tellInspection(found) {
   const dropped = scan.file_count > scan.vertex_count ? `, of ${count(scan.file_count)} in the file` : '';
   const colours = scan.has_colours ? 'colours' : 'no colours', labels = scan.has_labels ? 'labels' : 'no labels';
   return [
-    ['Taken for', KINDS[found.as] + (found.is_sure ? '' : ', by its height')],
+    ['Detected as', KINDS[found.as] + (found.is_sure ? '' : ', by its height')],
     ['Size', `${metres(scan.extent_m)}, ${scan.up} of the file is up, its unit is ${scan.units}`],
     ['Surface', scan.is_cloud ? `a cloud of ${count(scan.vertex_count)} points${dropped}`
       : `${count(scan.vertex_count)} points${dropped}, ${count(scan.face_count)} faces`],
-    ['With it', `${colours}, ${labels}`],
+    ['Attributes', `${colours}, ${labels}`],
     body && ['Wearer', `${body.height_m.toFixed(2)} m tall`],
     found.category && ['Garment', found.category],
     openings.length && ['Openings', openings.map(([name, length]) => `${name} ${length.toFixed(2)} m`).join(', ')],
-    scan.notes.length && ['Mended', scan.notes.join(' ')],
+    scan.notes.length && ['Repaired', scan.notes.join(' ')],
     found.remarks.length && ['Doubtful', found.remarks.join(' ')],
-    ['Will be made', MADE[found.as]],
+    ['Result', MADE[found.as]],
   ].filter(Boolean);
 }
 
-/** Shows what is understood of the scan that was uploaded last. */
+/** Shows what is detected in the scan that was uploaded last. */
 export class Inspection {
   /** @param {HTMLElement} place */
   constructor(place) {
@@ -49,7 +49,7 @@ export class Inspection {
   }
 
   /**
-   * Ask what is understood, first of the file alone, then of its wearer too; a later question ends this one.
+   * Inspect a scan, first the file alone, then with its wearer; a later call ends this one.
    * @param {string} sha256 of the scan @param {Record<string, string>} said what the order says: as, body, units, up
    * @param {boolean} isWhole whether to look for the wearer: not where the body or labels are a file
    */
@@ -63,10 +63,10 @@ export class Inspection {
       told.textContent = 'Reading the scan…';
       const first = await read(true);
       this.show(first);
-      if (!isWhole) told.textContent = 'The body and the labels are looked at by the job.';
+      if (!isWhole) told.textContent = 'The job will check the body and the labels.';
       else if (first.needs) showError(told, first.needs);
       else {
-        told.textContent = 'Looking for the wearer; the job can be queued meanwhile.';
+        told.textContent = 'Fitting the wearer; the job can be queued meanwhile.';
         this.show(await read(false));
         told.textContent = '';
       }

@@ -36,7 +36,7 @@ function show(event) {
   }
 }
 
-/** Show what the first stage understood of the files, as soon as it has. */
+/** Show what the first stage detected in the files, once it is known. */
 async function showUnderstood() {
   const section = find('#understood');
   section.hidden = false;

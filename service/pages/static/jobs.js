@@ -4,12 +4,12 @@ import { find, showError } from './dom.js';
 import { Inspection } from './inspection.js';
 import { showTimes, tellSize } from './times.js';
 
-/** How often the states of open jobs are asked for, all in one request [ms]. */
+/** Interval at which the states of open jobs are polled, all in one request [ms]. */
 const PERIOD_MS = 1000;
 
 const OPEN = new Set(['waiting', 'queued', 'running']);
 
-/** Ask for the states of the page's open jobs until none is left; a family that grew or ended is drawn anew. */
+/** Poll the states of the page's open jobs until none is left; a family that grew or ended is redrawn. */
 async function followList() {
   for (;;) {
     const rows = [...document.querySelectorAll('tr.job.open')];
@@ -53,10 +53,10 @@ async function readOrder(form, scan) {
   return wanted;
 }
 
-/** Options that change what is understood of a scan. */
+/** Options that change what is detected in a scan. */
 const SAID = ['as', 'body', 'units', 'up'];
 
-/** Let a scan be dropped or chosen: it is uploaded and looked at at once, and queued when that is asked for. */
+/** Handle a dropped or chosen scan: it is uploaded and inspected at once, and queued on submission. */
 function startForm() {
   const form = document.querySelector('#submit');
   if (!form) return;

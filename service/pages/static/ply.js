@@ -11,7 +11,7 @@ export function readPly(content) {
   const own = head.slice(0, head.indexOf('element face'));
   const names = [...own.matchAll(/property double (\w+)/g)].map((match) => match[1]);
   const row = 8 * names.length + [...own.matchAll(/property uchar/g)].length;
-  if (!head.startsWith('ply\nformat binary_little_endian') || names.length < 3) throw new Error('not a PLY of ours');
+  if (!head.startsWith('ply\nformat binary_little_endian') || names.length < 3) throw new Error('not a PLY file of garmentq');
   const view = new DataView(content), positions = new Float32Array(3 * vertices), values = {};
   for (const name of names.slice(3)) values[name] = new Float32Array(vertices);
   for (let vertex = 0, at = end; vertex < vertices; vertex += 1, at += row) {

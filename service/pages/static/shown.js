@@ -15,7 +15,7 @@ const KINDS = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Arr
 export function readShown(content) {
   const start = 8 + new DataView(content).getUint32(4, true);
   const text = new TextDecoder();
-  if (text.decode(new Uint8Array(content, 0, 4)) !== 'GQV1') throw new Error('what the service packed cannot be read');
+  if (text.decode(new Uint8Array(content, 0, 4)) !== 'GQV1') throw new Error('the packed meshes cannot be read');
   const head = JSON.parse(text.decode(new Uint8Array(content, 8, start - 8)));
   const take = ([kind, place, count]) => new KINDS[kind](content, start + place, count);
   const meshes = new Map(Object.entries(head.meshes).map(([name, mesh]) => [name, {

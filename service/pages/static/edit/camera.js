@@ -1,4 +1,4 @@
-/** What part of the board is seen: the SVG's viewBox, moved and zoomed. */
+/** The visible part of the board: the SVG's viewBox, moved and zoomed. */
 
 /** Least and most of the board across the view [mm]. */
 const LEAST = 20,

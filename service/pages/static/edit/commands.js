@@ -1,5 +1,5 @@
 /**
- * What can be done by a button or a key, each written once: name, words, keys, and what it does.
+ * The commands of buttons and keys, each defined once: name, texts, keys, and its function.
  *
  * @typedef {{name: string, label: string, help: string, keys: string[], group: string, run: (session: object, camera: object, more: boolean) => void}} Command   more: with Shift
  */
@@ -22,7 +22,7 @@ export const COMMANDS = [
   {
     name: 'undo',
     label: 'Undo',
-    help: 'take the last change back',
+    help: 'undo the last change',
     keys: ['Ctrl+z'],
     group: 'Changes',
     run: (session) => session.undo(),
@@ -30,7 +30,7 @@ export const COMMANDS = [
   {
     name: 'redo',
     label: 'Redo',
-    help: 'make it again',
+    help: 'redo the last undone change',
     keys: ['Ctrl+y', 'Ctrl+Shift+z'],
     group: 'Changes',
     run: (session) => session.redo(),
@@ -38,7 +38,7 @@ export const COMMANDS = [
   {
     name: 'straighten',
     label: 'Straighten',
-    help: 'turn what lies between two selected points into a straight line',
+    help: 'straighten the outline between two selected points',
     keys: ['s'],
     group: 'Shape',
     run: straightenSelected,
@@ -110,7 +110,7 @@ export const COMMANDS = [
   {
     name: 'right',
     label: 'Turn right',
-    help: 'the other way',
+    help: 'turn the selected panels to the other side',
     keys: [']'],
     group: 'Panels',
     run: (session) => turnSelected(session, -TURN),
@@ -118,7 +118,7 @@ export const COMMANDS = [
   {
     name: 'next',
     label: 'Next point',
-    help: 'select the next control point; with Shift beside what is selected',
+    help: 'select the next control point; with Shift add it to the selection',
     keys: ['n', 'Shift+n'],
     group: 'Select',
     run: (session, _camera, more) => step(session, 1, more),
@@ -126,7 +126,7 @@ export const COMMANDS = [
   {
     name: 'previous',
     label: 'Previous point',
-    help: 'select the one before',
+    help: 'select the previous control point',
     keys: ['p', 'Shift+p'],
     group: 'Select',
     run: (session, _camera, more) => step(session, -1, more),
@@ -142,7 +142,7 @@ export const COMMANDS = [
   {
     name: 'panel',
     label: 'Panel',
-    help: 'select the panel of what is selected, or the next panel',
+    help: 'select the panel of the selection, or the next panel',
     keys: ['g'],
     group: 'Select',
     run: selectPanel,
@@ -185,7 +185,7 @@ export const COMMANDS = [
   {
     name: 'nearer',
     label: 'Zoom in',
-    help: 'or the wheel, or two fingers',
+    help: 'also by the wheel or two fingers',
     keys: ['+', '='],
     group: 'View',
     run: (_session, camera) => camera.zoom(1.25),
@@ -208,7 +208,7 @@ export function commandOf(event) {
 }
 
 /**
- * Move what is selected by arrow keys: points and handles in the pattern, panels on the board.
+ * Move the selection by arrow keys: points and handles in the pattern, panels on the board.
  *
  * @param {[number, number]} by   on the board [mm, y up]
  */
@@ -223,11 +223,11 @@ export function nudge(session, by) {
   const move = { x: by[0] / 1e3, y: by[1] / 1e3 };
   return session.change(
     (pattern) => movePanels(session, pattern, panels, move),
-    'Moved on the board; the pattern is the same.',
+    'Moved on the board; the pattern is unchanged.',
   );
 }
 
-/** Return a pattern whose selected panels lie elsewhere on the board. */
+/** Return a pattern with the selected panels moved on the board. */
 export function movePanels(session, pattern, items, move) {
   return items.reduce(
     (state, { panel }) => movePlace(state, getPanel(state, panel), session.placeOf(panel, pattern), move),
@@ -235,7 +235,7 @@ export function movePanels(session, pattern, items, move) {
   );
 }
 
-/** Return a pattern that says where each panel lies, so that parts of a panel lie where it lay. */
+/** Return a pattern with the place of each panel, so that the parts of a cut panel keep it. */
 export function withPlaces(session, pattern) {
   return { ...pattern, layout: Object.fromEntries(pattern.panels.map(({ name }) => [name, session.placeOf(name)])) };
 }
@@ -248,7 +248,7 @@ function twoPoints(session, what) {
 
 function straightenSelected(session) {
   session.change(
-    (pattern) => straighten(pattern, ...twoPoints(session, 'to straighten what lies between them'), session.keep),
+    (pattern) => straighten(pattern, ...twoPoints(session, 'to straighten the outline between them'), session.keep),
     'Straightened.',
   );
 }
@@ -258,7 +258,7 @@ function bendSelected(session, operation, became) {
     const points = session.selected('point');
     if (!points.length) throw new PatternError('select one or more control points.');
     return points.reduce((state, point) => operation(state, point, session.keep), pattern);
-  }, `The point is ${became} now.`);
+  }, `The point is now ${became}.`);
 }
 
 function addSelected(session) {
@@ -276,7 +276,7 @@ function removeSelected(session) {
   const done = session.change((pattern) => {
     const points = [...session.selected('point')];
     if (!points.length) throw new PatternError('select the control points to remove.');
-    // Numbers above a removed point change, so that each is found again by its place.
+    // Numbers above a removed point change, so each is found again by its place.
     const places = points.map(({ panel, point }) => ({ panel, place: getPanel(pattern, panel).points[point] }));
     return places.reduce((state, { panel, place }) => {
       const point = getPanel(state, panel).points.findIndex((at) => at[0] === place[0] && at[1] === place[1]);
@@ -317,7 +317,7 @@ function turnSelected(session, turn) {
     const panels = session.selected('panel');
     if (!panels.length) throw new PatternError('select a panel to turn it on the board.');
     return movePanels(session, pattern, panels, { turn });
-  }, 'Turned on the board; the pattern is the same.');
+  }, 'Turned on the board; the pattern is unchanged.');
 }
 
 function step(session, by, more) {

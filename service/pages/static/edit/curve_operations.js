@@ -25,13 +25,13 @@ export function edgesBetween(pattern, { panel: name, point: from }, { point: to 
 }
 
 /**
- * Turn what lies between two control points into one straight line; points between keep their share of the length.
+ * Straighten the outline between two control points; points between keep their share of the length.
  *
  * @param {import("./movement.js").Keep} keep
  */
 export function straighten(pattern, one, two, keep) {
   if (one.panel !== two.panel || one.point === two.point)
-    throw new PatternError('select two points of one panel to straighten what lies between them.');
+    throw new PatternError('select two points of one panel to straighten the outline between them.');
   const mirrors = keep.symmetric ? findMirrors(pattern) : [];
   let state = straightenOne(pattern, one, two);
   const held = heldBy(pattern, one, two);
@@ -75,7 +75,7 @@ function straightenOne(pattern, one, two) {
   return withPanels(pattern, { [panel.name]: { ...panel, points, edges } });
 }
 
-/** Tell by how much a panel's outline turns at a control point [rad]. */
+/** Return by how much a panel's outline turns at a control point [rad]. */
 export function turnAt(panel, point) {
   const [before, after] = sidesOf(panel, point);
   const one = subtract(panel.points[point], before.near),
@@ -140,7 +140,7 @@ export function toCorner(pattern, at, keep) {
   );
 }
 
-/** Give both edges at a point, and at its images, the handles that `bend` says; an edge with two corners is straight. */
+/** Set the handles that `bend` returns for both edges at a point and its images; an edge with two corners is straight. */
 function changePoints(pattern, at, keep, bend) {
   const mirrors = keep.symmetric ? findMirrors(pattern) : [];
   const changed = {},

@@ -1,7 +1,7 @@
 /**
- * Draping what is edited: the pattern is examined, handed in as a version of the result, followed, and shown.
+ * Draping of the edited pattern: it is checked, submitted as a version of the result, followed, and shown.
  *
- * A version names the one that it was made from and never replaces it, so two people's versions stand side by side.
+ * A version names its predecessor and never replaces it, so versions of two users coexist.
  */
 
 import { followJob, getJson, getText, postJson, uploadFile } from '../api.js';
@@ -47,7 +47,7 @@ export class Draping {
     return versions;
   }
 
-  /** Examine the pattern, drape it as a new version, and show what became of it. */
+  /** Check the pattern, drape it as a new version, and show the outcome. */
   async drape() {
     const button = find('#drape'),
       told = find('#draping');
@@ -63,7 +63,7 @@ export class Draping {
     this.running = null;
   }
 
-  /** Return whether the service takes the pattern; what is wrong is listed, and marked where it is. */
+  /** Return whether the service accepts the pattern; faults are listed, and marked at their places. */
   async examine() {
     const { is_sound: sound, findings } = await postJson('/v1/patterns/check', patternFile(this.session.present));
     const items = findings.map(({ severity, message, places }) => {
@@ -79,8 +79,8 @@ export class Draping {
         .filter(Boolean),
     );
     if (!sound) {
-      find('#draping').textContent = 'This pattern cannot be draped; what is wrong is marked on the board.';
-      this.session.say('This pattern cannot be draped; what is wrong is marked on the board.', true);
+      find('#draping').textContent = 'This pattern cannot be draped; its faults are marked on the board.';
+      this.session.say('This pattern cannot be draped; its faults are marked on the board.', true);
     }
     return sound;
   }

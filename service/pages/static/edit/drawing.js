@@ -74,7 +74,7 @@ export class Drawing {
       ]),
     );
     if (!options.between && !options.within) return looks;
-    // A drag keeps what is whose image, and moves no point out of the order of its panel.
+    // A drag keeps the mirror images and the order of a panel's points.
     findMirrors(this.session.present).forEach(({ source, target, order }, k) => {
       const [a, b] = [pattern.panels[source].name, pattern.panels[target].name];
       if (a !== b && options.between) {
@@ -189,7 +189,7 @@ function unitNotch(edge, at) {
   return notches.get(edge).points;
 }
 
-/** Write a panel's name in its middle, a word on each line, so that neighbours' names do not meet. */
+/** Write a panel's name in its middle, a word on each line, so that neighbours' names do not overlap. */
 function nameOf(panel) {
   const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
   const [x, y] = mm(middle).map((value) => value.toFixed(1));
@@ -212,7 +212,7 @@ function axisOf(pattern, panel) {
   return path('axis', `M ${pair(ends[0])} L ${pair(ends[1])}`);
 }
 
-/** Return the images of a selected point, to be told in words. */
+/** Return the images of a selected point, as text. */
 export function describeImages(pattern, point) {
   return imagePoints(pattern, findMirrors(pattern), point).map((image) => `${image.panel} ${image.point + 1}`);
 }

@@ -45,7 +45,7 @@ export function relativeToChord(points, start, end) {
   });
 }
 
-/** Tell whether an edge is straight: a line, or an arc as good as one. */
+/** Return whether an edge is straight: a line, or a nearly straight arc. */
 export function isStraight(edge) {
   return edge.kind === 'line' || (edge.kind === 'arc' && Math.abs(edge.handles[0][1]) < ARC_FLAT);
 }

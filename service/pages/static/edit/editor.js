@@ -85,7 +85,7 @@ function joinCommands(session, camera, svg) {
   }
   find('#shortcuts').append(
     make('dt', {}, 'Arrows'),
-    make('dd', {}, 'Move what is selected by the step; with Shift by ten; the view where nothing is selected'),
+    make('dd', {}, 'Move the selection by the step, with Shift by ten; move the view if nothing is selected'),
   );
   find('#commands').append(...groups.values());
   svg.addEventListener('keydown', (event) => {

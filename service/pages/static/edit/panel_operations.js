@@ -37,7 +37,7 @@ function cutOne(pattern, one, two) {
   const outline = panelOutline(panel, 32);
   for (let k = 1; k < 16; k += 1) {
     if (!contains(outline, placeOnChord([[k / 16, 0]], start, end)[0]))
-      throw new PatternError('the cut would leave the panel; choose two points that see each other.');
+      throw new PatternError('the cut would leave the panel; choose two points with a straight line inside it.');
   }
   const names = freeNames(pattern, panel.name);
   const halves = [
@@ -148,7 +148,7 @@ function crossings(panel, from, to) {
   return found;
 }
 
-/** Tell whether a point lies inside a polygon. */
+/** Return whether a point is inside a polygon. */
 export function contains(polygon, [x, y]) {
   let inside = false;
   polygon.forEach(([ax, ay], k) => {
@@ -200,9 +200,9 @@ export function joinAlong(pattern, index, keep) {
 function chainOf(pattern, index) {
   const { a, b, reversed } = pattern.seams[index];
   if (a.panel === b.panel)
-    throw new PatternError('this seam joins a panel with itself; it is no seam to join panels along.');
+    throw new PatternError('this seam joins a panel with itself; select a seam between two panels.');
   if (!reversed)
-    throw new PatternError('the sides of this seam run the same way; its panels cannot lie beside each other.');
+    throw new PatternError('the sides of this seam have the same direction; its panels cannot be placed side by side.');
   const counts = [a, b].map((ref) => getPanel(pattern, ref.panel).points.length);
   const chain = [index];
   for (const step of [1, -1]) {
@@ -266,7 +266,7 @@ function joinOne(pattern, chain) {
   const { move, misfit } = placeBeside(pattern, a.panel, b.panel, pairs);
   if (misfit > JOIN_TOLERANCE)
     throw new PatternError(
-      `the sides of this seam are not of one shape: laid on each other they are up to ${(misfit * 1e3).toFixed(1)} mm apart, so the panels cannot be joined along it.`,
+      `the sides of this seam differ in shape by up to ${(misfit * 1e3).toFixed(1)} mm, so the panels cannot be joined along it.`,
     );
   const rest = (panel, gone, from) =>
     Array.from({ length: panel.edges.length - gone.length }, (_, k) => (from + k) % panel.edges.length);

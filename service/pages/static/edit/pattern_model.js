@@ -2,7 +2,7 @@
  * The pattern that is edited: read from GarmentCode JSON as `core/garment/garmentcode.py` reads it, and written back.
  *
  * Metres inside; files have their own unit. A state never changes: an operation returns a new one, so undo keeps states.
- * What the format has and we do not know is kept; a panel that no operation touched is written as the file had it, and a
+ * Unknown fields of the format are kept; a panel that no operation changed is written as the file had it, and a
  * state as it was read is written as the very text that was read. One thing of core's reading is left out: panels that
  * other programs drew inside out stay as they are. Files that the service wrote have none.
  *
@@ -44,7 +44,7 @@ const TURN = [
   [0, 0, -1],
 ];
 
-/** Say what is wrong with a pattern file. */
+/** An error in a pattern, with the next step. */
 export class PatternError extends Error {}
 
 /**
@@ -58,7 +58,7 @@ export function readPattern(text) {
   const body = top.pattern ?? {},
     properties = top.properties ?? {};
   if (!body.panels || !(properties.units_in_meter > 0))
-    throw new PatternError('this file is no pattern: it has no panels or no units_in_meter.');
+    throw new PatternError('this file is not a pattern: it has no panels or no units_in_meter.');
   const scale = 1 / properties.units_in_meter;
   const relative = properties.curvature_coords !== 'absolute';
   const own = properties[OWN] ?? {};
@@ -79,7 +79,7 @@ export function readPattern(text) {
   const seams = (body.stitches ?? []).map((stitch, index) => {
     const [a, b] = stitch.slice(0, 2).map((side) => ({ panel: side.panel, edge: numbers[side.panel]?.get(side.edge) }));
     if (a?.edge === undefined || b?.edge === undefined)
-      throw new PatternError(`stitch ${index} names an edge that is not there.`);
+      throw new PatternError(`stitch ${index} names an edge that does not exist.`);
     const ratio = edgeLength(pattern, a) / edgeLength(pattern, b);
     const gathered = Array.isArray(said) ? said.includes(index) : Math.abs(ratio - 1) > GATHER_TOLERANCE;
     return { a, b, reversed: !stitch.slice(2).includes('right_wrong'), gathered };

@@ -1,7 +1,7 @@
 /**
- * What is edited and how: the states of the pattern, the selection, the options. Views listen and draw what it holds.
+ * The state of the editor: the states of the pattern, the selection, the options. Views listen and draw it.
  *
- * Events: `pattern` (the shown state is another), `selection`, `options`, `faults`, `said` (words for people), `hover`, `fit`.
+ * Events: `pattern` (the shown state is another), `selection`, `options`, `faults`, `said` (text for users), `hover`, `fit`.
  *
  * @typedef {import("./movement.js").Item} Item   or {panel, edge} for an edge, or {panel} for a whole panel
  */
@@ -19,7 +19,7 @@ export function kindOf(item) {
   return item.edge !== undefined ? 'edge' : 'panel';
 }
 
-/** Tell whether two items are the same. */
+/** Return whether two items are the same. */
 export const sameItem = (a, b) =>
   a.panel === b.panel && a.point === b.point && a.edge === b.edge && a.handle === b.handle;
 
@@ -50,7 +50,7 @@ export class Session extends EventTarget {
     this.tell('pattern');
   }
 
-  /** Mark where the service found what is wrong. */
+  /** Mark the places of the service's findings. */
   setFaults(items) {
     this.faults = items;
     this.tell('faults');
@@ -122,7 +122,7 @@ export class Session extends EventTarget {
   }
 
   /**
-   * Change the pattern by an operation; where it refuses, say why and change nothing.
+   * Change the pattern by an operation; if it refuses, show why and change nothing.
    *
    * @param {(pattern: object) => object} operation
    * @param {string} done   what to say
@@ -139,7 +139,7 @@ export class Session extends EventTarget {
     }
   }
 
-  /** Say why something was not done; what is no refusal is a fault and is thrown on. */
+  /** Show why an operation was refused; rethrow any other error. */
   refuse(error) {
     if (!(error instanceof PatternError)) throw error;
     this.say(error.message, true);
@@ -150,7 +150,7 @@ export class Session extends EventTarget {
   }
 
   redo() {
-    this.step(1, 'Done again.', 'There is nothing to do again.');
+    this.step(1, 'Redone.', 'There is nothing to redo.');
   }
 
   step(by, done, refused) {
@@ -163,7 +163,7 @@ export class Session extends EventTarget {
     return this.say(done);
   }
 
-  /** Select items, or with `more` turn each on or off beside what is selected. */
+  /** Select items, or with `more` add each to the selection or remove it. */
   select(items, more = false) {
     if (!more) this.selection = items;
     else {

@@ -1,4 +1,4 @@
-/** What stands beside the board: the selection in words, the seams with their lengths, the difference to what was opened. */
+/** The tables beside the board: the selection as text, the seams with their lengths, the difference to the opened pattern. */
 
 import { make } from '../dom.js';
 import { isStraight, norm, subtract } from './edge_geometry.js';
@@ -57,7 +57,7 @@ export class SeamTable {
   }
 }
 
-/** Return the selection in words, one line each. */
+/** Return the selection as text, one line each. */
 export function describeSelection(session) {
   const { pattern, selection } = session;
   if (!selection.length)
@@ -106,7 +106,7 @@ function describePair(pattern, one, two) {
   ];
 }
 
-/** Return how far each panel's outline strays from the opened pattern's [m]; null for panels it did not have. */
+/** Return the distance of each panel's outline from the opened pattern's [m]; null for panels it did not have. */
 export function findDifferences(pattern, original) {
   return pattern.panels.map((panel) => {
     const before = getPanel(original, panel.name);
@@ -139,7 +139,7 @@ function stray(polygon, other) {
   );
 }
 
-/** Return the differences in words. */
+/** Return the differences as text. */
 export function describeDifferences(pattern, original) {
   return findDifferences(pattern, original).map(({ panel, furthest }) => {
     if (furthest === null) return `${panel}: new`;

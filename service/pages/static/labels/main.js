@@ -14,7 +14,7 @@ const words = new Map(told.parts.map(({ value, word }) => [value, word]));
 /** How far a press of a button moves a ring [m]. */
 const RING_STEP = 0.005;
 
-/** Run what may fail, and show why it did. @param {() => unknown} work */
+/** Run a function, and show its error if it fails. @param {() => unknown} work */
 async function attempt(work) {
   try {
     problem.replaceChildren();
@@ -62,7 +62,7 @@ function connect(painting, view) {
     const old = words.get(painting.label[hit.vertex]);
     painting.fill(hit.vertex, Number(chosen('part')));
     painting.end();
-    say(`What was ${old} is ${words.get(Number(chosen('part')))}.`);
+    say(`The filled points were ${old} and are now ${words.get(Number(chosen('part')))}.`);
   }
 
   function ring(hit) {
@@ -174,12 +174,12 @@ function connect(painting, view) {
   show();
 }
 
-/** Hand the labels in, and say which job takes the scan apart by them. @param {Painting} painting */
+/** Submit the labels, and show the job that labels the scan with them. @param {Painting} painting */
 async function runAgain(painting) {
   const file = new File([writeNpy(painting.label)], 'points.npy');
   const { sha256 } = await uploadFile('labels', file);
   const made = await postJson(`/v1/jobs/${job}/labels`, { points: sha256 });
-  find('#made').replaceChildren(make('p', {}, made.is_new ? 'A new job takes the scan apart by these labels: ' : 'There is a job with these labels: ',
+  find('#made').replaceChildren(make('p', {}, made.is_new ? 'A new job labels the scan with these corrections: ' : 'There is a job with these labels: ',
     make('a', { href: `/jobs/${made.job}` }, made.job)));
 }
 
@@ -188,8 +188,8 @@ await attempt(async () => {
   const painting = new Painting(scan), view = new LabelView(find('#scene'), painting, told);
   if (!scan.confidence) find('input[value="confidence"]', root).disabled = true;
   connect(painting, view);
-  Object.assign(root, { painting, view }); // for who looks into the page from its console
+  Object.assign(root, { painting, view }); // for the browser's console
   say(`${scan.count.toLocaleString('en')} points${scan.faces.length ? '' : ' of a cloud'}.`);
   root.dataset.ready = 'true';
 });
-if (!root.dataset.ready) say('The scan is not shown. garmentq segment writes its labels as a file to mend elsewhere.');
+if (!root.dataset.ready) say('The scan is not shown. garmentq segment writes its labels as a file that other programs can correct.');

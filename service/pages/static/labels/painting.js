@@ -1,4 +1,4 @@
-// Labels that are painted, filled, moved by their borders, and taken back.
+// Labels that are painted, filled, moved by their borders, and undone.
 
 import { Cubes, findNeighbours, findNormals } from './scan.js';
 import { findRing } from './ring.js';
@@ -8,7 +8,7 @@ const CUBE = 0.03;
 
 /** @typedef {{points: Uint32Array, before: Uint8Array, after: Uint8Array, ring?: number}} Change */
 
-/** Holds a label for each point of a scan; whoever listens is told of each change. */
+/** Holds a label for each point of a scan, and notifies listeners of each change. */
 export class Painting extends EventTarget {
   /** @param {import('./scan.js').Scan} scan */
   constructor(scan) {
@@ -37,7 +37,7 @@ export class Painting extends EventTarget {
     return this.label.reduce((sum, own) => sum + (own === value ? 1 : 0), 0);
   }
 
-  /** Begin what is taken back as one. */
+  /** Begin a stroke, which is undone as one change. */
   begin() {
     this.stroke = new Map();
     this.ring = null;
@@ -61,7 +61,7 @@ export class Painting extends EventTarget {
     this.#set(this.cubes.find(at, radius).filter(facing), value);
   }
 
-  /** Give what hangs together with a point, and has its label, another label. @param {number} vertex @param {number} value */
+  /** Give all points that are connected with a point, and have its label, another label. @param {number} vertex @param {number} value */
   fill(vertex, value) {
     const old = this.label[vertex], { start, other } = this.neighbours;
     if (old === value) return;

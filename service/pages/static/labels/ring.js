@@ -47,7 +47,7 @@ function widthOf(border, positions) {
   return Math.max(...spans);
 }
 
-/** @returns {number[]} the points of either part that hang together with a point along the border of both */
+/** @returns {number[]} the points of either part that are connected with a point along the border of both */
 function walkBorder(first, parts, label, { start, other }) {
   const isBorder = (n) => {
     if (!parts.includes(label[n])) return false;

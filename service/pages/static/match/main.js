@@ -9,7 +9,7 @@ import { drawOverlay, drawTable } from './table.js';
 
 const problem = find('#problem'), { a, b } = find('#choose').dataset;
 
-/** Run what may fail, and show why it did. @param {() => unknown} work */
+/** Run a function, and show its error if it fails. @param {() => unknown} work */
 async function attempt(work) {
   try {
     problem.replaceChildren();

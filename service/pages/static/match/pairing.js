@@ -1,4 +1,4 @@
-// Which pieces stand for each other, and what the service measured of each pair.
+// The pairs of pieces, and what the service measured of each pair.
 
 import { getJson } from '../api.js';
 
@@ -11,7 +11,7 @@ import { getJson } from '../api.js';
 const COLOURS = ['#2f6f9f', '#c2571a', '#3d8b4f', '#8f4b9b', '#b8860b', '#c0395b', '#2a8c8c', '#6b5b3e', '#5566cc',
   '#7a9a01'];
 
-/** Holds the pairs; whoever listens is told of each change. */
+/** Holds the pairs, and notifies listeners of each change. */
 export class Pairing extends EventTarget {
   /** @param {string} first @param {string} second jobs, templates, or uploads by their hash */
   constructor(first, second) {
@@ -40,7 +40,7 @@ export class Pairing extends EventTarget {
     this.#tell();
   }
 
-  /** Part a pair. @param {number} row 0 or 1 @param {string} name of a piece in it */
+  /** Remove a pair. @param {number} row 0 or 1 @param {string} name of a piece in it */
   part(row, name) {
     this.pairs = this.pairs.filter((pair) => (row ? pair.second : pair.first) !== name);
     this.#tell();

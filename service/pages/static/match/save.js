@@ -1,4 +1,4 @@
-// What is found as files: the CSV and JSON of `garmentq match`, and the pairs alone for its `--pairs`.
+// The results as files: the CSV and JSON of `garmentq match`, and only the pairs for its `--pairs`.
 
 const HEADS = ['first', 'second', 'paired by', 'turning rad', 'area %', 'outline mm'];
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .part import Part
+from ..core.people.part import Part
 
 LAYER_ORDER = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
 """Garments from the innermost to the outermost by default."""

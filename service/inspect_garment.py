@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from ..body.body import Body
-from ..body.smpl import is_smpl, load_smpl
-from ..body.spec import BuiltinWearer, Wearer
-from ..scan.contours.garment import segment_garment
-from ..scan.contours.loop import find_loops, smoothed_length
-from ..scan.contours.misfit import find_misfit_warnings
-from ..scan.contours.rounded_rims import straighten_scan
-from ..scan.limits import Limits
-from ..scan.pieces import ScanInput, load_scan_input
-from ..scan.scan import Scan, describe_scan
-from ..scan.selection import Selection
-from .wearer import FoundWearer, fit_wearer
+from ..core.body.body import Body
+from ..core.body.smpl import is_smpl, load_smpl
+from ..core.body.spec import BuiltinWearer, Wearer
+from ..core.people.wearer import FoundWearer, fit_wearer
+from ..core.scan.contours.garment import segment_garment
+from ..core.scan.contours.loop import find_loops, smoothed_length
+from ..core.scan.contours.misfit import find_misfit_warnings
+from ..core.scan.contours.rounded_rims import straighten_scan
+from ..core.scan.limits import Limits
+from ..core.scan.pieces import ScanInput, load_scan_input
+from ..core.scan.scan import Scan, describe_scan
+from ..core.scan.selection import Selection
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def find_wearer(body: Body | Wearer | None, pieces: ScanInput) -> FoundWearer | 
     if isinstance(body, Body):
         return FoundWearer(body)
     if isinstance(body, BuiltinWearer):
-        from ..body.builtin import builtin_body
+        from ..core.body.builtin import builtin_body
 
         return FoundWearer(builtin_body(body))
     if body is not None and is_smpl(body):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..scan.raw import RawScan
-from .part import Part
-from .separation import FoundGarment, LabelledPerson
+from ..core.people.part import Part
+from ..core.people.separation import FoundGarment, LabelledPerson
+from ..core.scan.raw import RawScan
 
 
 def describe_person(raw: RawScan, separation: LabelledPerson) -> dict[str, Any]:

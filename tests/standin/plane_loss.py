@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from ....garment.garment import Garment
-from ....geometry.surface import TriangleSurface
-from .chamfer import flat_shares
+from garmentq.core.garment.garment import Garment
+from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.recover.fit.losses.chamfer import flat_shares
 
 
 @dataclass(frozen=True)

@@ -7,23 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from ..body.builtin import BodyMissing
-from ..body.person import fit_person
-from ..body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
-from ..body.registration import NotHuman
-from ..body.spec import Wearer, read_wearer
-from ..run.errors import BadInput
-from ..scan.limits import Limits
-from ..scan.load import load_scan
-from ..scan.load_raw import load_raw
-from ..scan.pieces import load_scan_input
-from ..scan.raw import RawScan
-from ..scan.refusal import MeshEmpty, NoFaces
-from ..scan.scan import Scan, describe_scan
-from .given import MAX_LISTED_NOTES, PersonInput, describe_person_input
+from ..core.body.builtin import BodyMissing
+from ..core.body.person import fit_person
+from ..core.body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
+from ..core.body.registration import NotHuman
+from ..core.body.spec import Wearer, read_wearer
+from ..core.people.given import MAX_LISTED_NOTES, PersonInput, describe_person_input
+from ..core.people.separate import check_single_person
+from ..core.people.whole import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
+from ..core.run.errors import BadInput
+from ..core.scan.limits import Limits
+from ..core.scan.load import load_scan
+from ..core.scan.load_raw import load_raw
+from ..core.scan.pieces import load_scan_input
+from ..core.scan.raw import RawScan
+from ..core.scan.refusal import MeshEmpty, NoFaces
+from ..core.scan.scan import Scan, describe_scan
 from .inspect_garment import find_body, inspect_file
-from .separate import check_single_person
-from .whole import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
 
 PERSON, GARMENT = "person", "garment"
 """What a file can hold."""
