@@ -97,7 +97,7 @@ def test_a_person_is_told_in_ten_lines(capsys) -> None:
     for text in (
         "person; cloud of 9 points without colours, cm, -z up", "7.2 mm RMS",
         "one-piece (73 %); or upper and lower (27 %)",
-        "one-piece (dress), confidence 0.91", "1 seen, the least sure one-piece hem 0.90; nothing shows one-piece neck",
+        "one-piece (dress), confidence 0.91", "1 shown, least confidence: one-piece hem 0.90; inferred: one-piece neck",
         "one-piece (aaaabbbbcccc, failed)",
     ):  # fmt: skip
         assert text in shown, text

@@ -97,5 +97,5 @@ def test_the_command_is_dry_unless_told(cli, database, store):
     assert json.loads(cli("gc", "--json").stdout)["files"] == 0
     assert json.loads(cli("gc", "--grace-hours", 0, "--json").stdout)["files"] == 1
     assert len(list(store.list_kept())) == 1
-    assert "removed 1 of 1" in cli("gc", "--grace-hours", 0, "--delete").stderr
+    assert "deleted 1 of 1" in cli("gc", "--grace-hours", 0, "--delete").stderr
     assert list(store.list_kept()) == []

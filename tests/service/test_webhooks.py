@@ -329,7 +329,7 @@ def test_no_answer_takes_longer_than_its_time(monkeypatch):
     monkeypatch.setattr(webhook_delivery, "WEBHOOK_DELIVERY_TIMEOUT", 0.4)
     with receiving() as server:
         for path in ("/drip", "/wait"):
-            assert ask_of(server, path) == Receipt(None, "no answer within 0.4 s")
+            assert ask_of(server, path) == Receipt(None, "no response within 0.4 s")
     closed = socket.socket()
     closed.bind(("127.0.0.2", 0))
     with closed:

@@ -46,7 +46,7 @@ def test_a_refusal_is_told_from_silence(broker):
     """Broken where a wrong password is called silence, an odd address is a traceback, or either shows the password."""
     port = broker.broker_url.split(":")[-1]
     found, _ = ask_doctor(broker, broker.broker_url)
-    assert found["ok"] and found["message"] == f"redis://:***@127.0.0.1:{port} answers"
+    assert found["ok"] and found["message"] == f"redis://:***@127.0.0.1:{port} responds"
     for who in (":wr0ng@", "", f"nobody:{SECRET}@", f"poor:{SECRET}@"):
         found, said = ask_doctor(broker, f"redis://{who}127.0.0.1:{port}")
         assert "service.broker_refused" in found["message"] and "GARMENTQ_BROKER_URL" in found["message"]
