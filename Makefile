@@ -46,7 +46,7 @@ nightly: $(VENV)/.installed-test
 REASON ?=
 SCENES ?=
 accept: $(VENV)/.installed-test
-	$(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %)
+	PYTHONPATH=benchmarks $(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %)
 
 # Mutated files of every kind through the readers; a failure names the seed: make fuzz FUZZ=1 SEED=1234
 FUZZ ?= 2000

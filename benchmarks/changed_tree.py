@@ -33,7 +33,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 def make_environment(root: Path) -> dict[str, str]:
     """Return the variables of a process of one thread that imports the package from a folder named `garmentq`."""
     search = [] if root == ROOT else [str(root.parent)]  # the checkout itself is installed under the package's name
-    path = os.pathsep.join([*search, *filter(None, [os.environ.get("PYTHONPATH")])])
+    shared = str(root / "benchmarks")  # the scenes import from it
+    path = os.pathsep.join([*search, shared, *filter(None, [os.environ.get("PYTHONPATH")])])
     return {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": path}
 
 
