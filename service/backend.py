@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .versions import Version
     from .webhook_records import Receipt, Webhook
 
+__all__ = ["Backend", "LocalOnly", "open_backend"]
+
 
 class LocalOnly(BadInput):
     """This command works only on a home of this machine; unset GARMENTQ_URL, or run it where the service runs."""

@@ -21,6 +21,8 @@ from .remote_libraries import read
 from .states import State
 from .submission import SubmissionResult
 
+__all__ = ["Client"]
+
 
 class Client(RemoteBackend):
     """Call every route of a service. Every refusal is a `GarmentqError` with the service's code."""

@@ -17,6 +17,8 @@ from .settings import ServiceSettings, read_settings
 if TYPE_CHECKING:
     from ..core.deliver.export.stored_result import StoredResult
 
+__all__ = ["open_result"]
+
 PLACE = re.compile(
     r"^(?P<base>https?://[^/?#]+(?:/[^?#]*?)??)/(?:v1/jobs|jobs|results)/(?P<job>[0-9a-f]{4,16})(?:[/?#]|$)"
 )

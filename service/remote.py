@@ -45,6 +45,8 @@ from .submission import BodyUnreadable, SubmissionResult
 from .terms import JobTerms
 from .versions import Version
 
+__all__ = ["RemoteBackend"]
+
 MAX_JOBS_PER_REQUEST = 1000
 """Largest number of jobs in one request for states, the service's limit."""
 

@@ -12,6 +12,8 @@ from typing import Any
 
 from ..core.run.errors import BadInput
 
+__all__ = ["ServiceSettingBad", "ServiceSettings", "read_settings"]
+
 PIPELINE = "garmentq.core.recover.pipeline:recover"
 """Function that runs a recovery. Tests of the queue replace it."""
 

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..geometry.geometry import vertex_normals
 
+__all__ = ["Body"]
+
 JOINTS = (
     "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle", "right_ankle",
     "spine3", "left_foot", "right_foot", "neck", "left_collar", "right_collar", "head", "left_shoulder",

@@ -16,6 +16,8 @@ from .skinning import skin
 from .spec import BUILTIN, BuiltinWearer, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
+__all__ = ["BodyMissing", "BodySpecBad", "builtin_body"]
+
 BUILTIN_HEIGHT_RANGE = (1.40, 2.10)
 """Heights [m] of the bodies from which the shape directions were made; outside this range bodies look wrong."""
 USUAL_HEIGHTS = {"female": 1.65, "male": 1.77}

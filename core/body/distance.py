@@ -13,6 +13,8 @@ from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
 from .solid import Solid
 
+__all__ = ["DistanceBad", "DistanceGrid"]
+
 NARROW_BAND_WIDTH = 4
 """Width of the band with exact distances on each side of the surface [cells]. The spline's prefilter damps an error by
 0.27 a cell, so errors of centimetres outside the band are below 0.05 mm at the surface."""
@@ -97,7 +99,7 @@ class DistanceGrid:
 
     @classmethod
     def from_values(cls, origin: np.ndarray, spacing: float, values: np.ndarray) -> DistanceGrid:
-        """Build a grid that interpolates given distances [m], shape [nx, ny, nz], at the grid points."""
+        """Build a grid that interpolates distances [m], shape [nx, ny, nz], at its points from `origin` [m], [3]."""
         from scipy.ndimage import spline_filter
 
         coefficients = spline_filter(np.asarray(values, dtype=np.float64), order=3, mode="mirror")

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from ..geometry.linear import Solver, SuperLU
 from .collision.coupling import extend_sparsity
 from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
@@ -16,8 +17,10 @@ from .friction import Friction, lag_friction
 from .rest import NotAtRest, find_rest
 from .scene import Scene
 from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
-from .solver import Solver, SuperLU, make_solver
+from .solver import make_solver
 from .topology import Topology
+
+__all__ = ["Derivative", "FactoredEquilibrium", "ImplicitDerivative", "Response"]
 
 
 class Response(Protocol):

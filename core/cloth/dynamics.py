@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .collision.advance import MIN_PAIR_REACH_SHARE
 from .collision.coupling import extend_sparsity
 from .collision.rubbing import ClothFriction
@@ -16,7 +17,6 @@ from .pins import move_pins
 from .quasi_newton import descend, step_with_frozen_pairs
 from .scene import Scene
 from .settings import SolveSettings
-from .solver import Solver
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from pathlib import Path
 from ..run.errors import NotFound
 from .fabric import Fabric
 
+__all__ = ["DEFAULT_FABRIC", "FabricUnknown", "get_fabric", "load_fabrics"]
+
 PARAMETERS = ("density", "H00", "H01", "H11", "H22", "k", "thickness", "friction")
 """The numbers of each fabric, every one with its source."""
 

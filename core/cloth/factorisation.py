@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .energy import Energy
-from .solver import Solver
 
 _EXACT_SHARE_DECAY_FACTOR = 0.6
 """Factor on the exact share after each indefinite matrix; below a tenth only the PSD form is factored."""

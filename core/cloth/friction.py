@@ -10,6 +10,8 @@ from numba import njit
 from .contact import contact_forces
 from .scene import Scene
 
+__all__ = ["Friction", "lag_friction"]
+
 
 class Friction(NamedTuple):
     """Describe the state of friction that is constant during a solve.
@@ -27,7 +29,8 @@ class Friction(NamedTuple):
     slip: float
 
     def slide(self, nodes: np.ndarray) -> np.ndarray:
-        """Return the anchors with the cloth at `nodes`: beyond `slip` they follow; off the body they are the nodes."""
+        """Return the anchors with the cloth at `nodes`, both [node_count, 3] [m]: beyond `slip` they follow; off the
+        body they are the nodes."""
         moved = nodes - self.anchors
         along = (moved * self.normals).sum(1, keepdims=True) * self.normals
         tangent = moved - along

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .derivative import adjoint, matrix_of, place_pinned
 from .energy import Energy
 from .rest import NotAtRest
 from .sensitivity import Sensitivity, pull_forces
-from .solver import Solver
 from .steps import TimeSteps
+
+__all__ = ["LinearisedSteps"]
 
 HESSIAN_DIFFERENCE_STEP = 1e-7
 """Largest motion of a node for a difference of Hessians [m]: forces change over millimetres (contact's thickness), so
@@ -45,7 +47,7 @@ class LinearisedSteps(TimeSteps):
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
     ) -> tuple[np.ndarray, Sensitivity]:
-        """See `TimeSteps`; the derivative by fixed nodes is that by their pinned points."""
+        """Pull dL/d(end), `bar`, [node_count, 3], back (`TimeSteps`); that by fixed nodes is by their pinned points."""
         from .hessian_form import pull_form
 
         placed, pins = place_pinned(step.scene, start), step.scene.pins

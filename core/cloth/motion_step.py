@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body.signed_distance import SignedDistance
+from ..geometry.linear import Solver
 from .bending_friction import measure_angles
 from .carry_step import move_collision_free
 from .collision.coupling import extend_sparsity
@@ -19,7 +20,7 @@ from .pins import Pins
 from .quasi_newton import descend
 from .scene import Scene
 from .settings import SettingsBad
-from .solver import Solver, make_solver
+from .solver import make_solver
 from .tangent_planes import TangentPlanes
 
 

@@ -16,6 +16,8 @@ from ..garment.symmetry import Symmetry
 from .scene import Scene
 from .sensitivity import FABRIC_PARAMETERS, Sensitivity
 
+__all__ = ["Parameters", "list_gathers", "map_rest"]
+
 
 @dataclass(frozen=True)
 class Parameters:

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..run.errors import BadInput
 
+__all__ = ["Pins", "PinsBad", "move_pins"]
+
 
 class PinsBad(BadInput):
     """The pinned nodes are not on the cloth; name one of the garment's contours."""
@@ -46,7 +48,7 @@ class Pins:
 
 
 def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarray:
-    """Move fixed nodes towards their pinned points by at most `max_step` [m]."""
+    """Return nodes [m], [node_count, 3], with the fixed ones moved towards their pins by at most `max_step` [m]."""
     if pins is None or pins.stiffness is not None:
         return nodes
     nodes = nodes.copy()

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .energy import Energy
 from .loads import largest_length
 from .settings import SolveSettings
-from .solver import Solver
 
 ARMIJO_DECREASE_SHARE = 1e-4
 """Share of the predicted decrease that a step must reach; the usual value (Nocedal and Wright 2006, 3.1)."""

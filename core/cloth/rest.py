@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from ..run.errors import GarmentqError
 from .energy import Energy
 from .factorisation import factor_regularised
 from .quasi_newton import ARMIJO_DECREASE_SHARE, descend
 from .settings import SolveSettings
-from .solver import Solver
 
 _ROUND_OFF_RESIDUAL = 1e-6
 """Residual [node weights] below which a Newton step that no longer helps is limited by round-off."""

@@ -18,6 +18,8 @@ from .settings import STANDARD_GRAVITY, ContactSettings, SettingsBad
 from .tangent_planes import TangentPlanes
 from .topology import Topology
 
+__all__ = ["Scene", "SteadyRotation"]
+
 HORIZONTAL_AXIS_MASK = np.array([1.0, 0.0, 1.0])
 """Mask of the horizontal components of a vector: y is up."""
 
@@ -121,6 +123,6 @@ class Scene:
         return float(largest_length(gradient)) / self.mean_weight
 
     def relative_rms(self, gradient: np.ndarray) -> float:
-        """Return the RMS force [N] of a gradient on the nodes that are free, relative to the mean weight of a node."""
+        """Return the RMS of a gradient [N], [node_count, 3], at nodes that are free, over the mean weight of a node."""
         free = gradient[~self.fixed]
         return float(np.sqrt((free**2).sum(axis=1).mean())) / self.mean_weight if len(free) else 0.0

@@ -16,6 +16,8 @@ from .fabric import Fabric
 from .membrane import membrane
 from .topology import Topology
 
+__all__ = ["FABRIC_PARAMETERS", "Sensitivity"]
+
 FABRIC_PARAMETERS = ("H00", "H01", "H11", "H22", "k", "density")
 """The fabric's parameters in the order of derivatives by them."""
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from ..run.errors import BadInput
 
+__all__ = ["ContactSettings", "SelfContactSettings", "SettingsBad", "SolveSettings"]
+
 STANDARD_GRAVITY = (0.0, -9.81, 0.0)
 """Standard gravity, y up [m/s2]."""
 

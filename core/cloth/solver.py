@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..geometry.linear import Solver, SuperLU
+from ..geometry.linear import Solver
 from .block_pattern import BlockPattern
 
-__all__ = ["Solver", "SuperLU", "make_solver"]
+__all__ = ["make_solver"]
 
 
 def make_solver(pattern: BlockPattern, single: bool = False) -> Solver:

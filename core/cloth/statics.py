@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .collision.advance import MIN_PAIR_REACH_SHARE
@@ -22,7 +23,8 @@ from .pins import move_pins
 from .quasi_newton import LbfgsRun, descend
 from .scene import Scene, SteadyRotation
 from .settings import MAX_REST_RESIDUAL, SolveSettings
-from .solver import Solver
+
+__all__ = ["Drape", "NodesBad", "equilibrium"]
 
 StopCallback = Callable[[int, np.ndarray], bool]
 """Called after each run with the number of runs and the nodes [m]; True stops the search."""

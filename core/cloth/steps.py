@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .energy import Energy, Inertia
 from .friction import Friction
 from .scene import Scene
 from .sensitivity import Sensitivity
 from .settings import SettingsBad
-from .solver import Solver, make_solver
+from .solver import make_solver
+
+__all__ = ["ClothTrajectory", "TimeSteps"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class TimeSteps(ABC):
         return ClothTrajectory(energy, self, np.stack(path), solver)
 
     def energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
-        """Return the energy that the next step minimises."""
+        """Return the energy that the next step minimises, after nodes [m] before and now, both [node_count, 3]."""
         return replace(energy, inertia=Inertia(now + self.damping * (now - before), 1.0 / self.dt**2))
 
     @abstractmethod

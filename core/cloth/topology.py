@@ -13,6 +13,8 @@ from ..geometry.geometry import lump, shape_gradients, signed_areas
 from ..run.errors import BadInput
 from .block_pattern import BlockPattern
 
+__all__ = ["RestShape", "Topology", "TopologyBad"]
+
 MIN_TRIANGLE_HEIGHT_SHARE = 1e-4
 """Smallest height of a flat triangle as a share of its longest edge. A lower one is so stiff that the rest of the
 matrix is lost in round-off."""

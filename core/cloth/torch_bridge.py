@@ -13,6 +13,8 @@ from .friction import Friction
 from .scene import Scene
 from .sensitivity import FABRIC_PARAMETERS
 
+__all__ = ["drape_tensor"]
+
 
 class _Drape(torch.autograd.Function):
     """Solve forwards; pull a gradient back through the solution."""

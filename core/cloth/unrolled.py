@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.linear import Solver
 from .derivative import adjoint, factor, place_pinned, pull_pins
 from .energy import Energy
 from .rest import find_rest
 from .sensitivity import Sensitivity, pull_forces
-from .solver import Solver
 from .steps import TimeSteps
+
+__all__ = ["UnrolledSteps"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class UnrolledSteps(TimeSteps):
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
     ) -> tuple[np.ndarray, Sensitivity]:
-        """See `TimeSteps`: the step depends on its start through y alone."""
+        """Pull dL/d(end), `bar`, [node_count, 3], back (`TimeSteps`): the step depends on its start through y alone."""
         blocks = step.hessian(end)[2]
         weights = adjoint(step.scene, factor(step, blocks, solver), bar)
         rest, fabric = pull_forces(step, end, weights)

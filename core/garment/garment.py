@@ -9,6 +9,8 @@ import numpy as np
 from ..scan.contours.target import Contour
 from .pattern import EdgeRef, Pattern
 
+__all__ = ["Garment"]
+
 
 @dataclass(frozen=True)
 class Garment:

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+__all__ = ["Edge", "EdgeRef", "Panel", "Pattern", "Seam"]
+
 EDGE_KINDS = ("line", "quadratic", "cubic", "arc")
 
 

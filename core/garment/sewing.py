@@ -12,6 +12,8 @@ from .orientation import place_points
 from .pattern import EdgeRef, Pattern
 from .validity import check_outline
 
+__all__ = ["mesh_pattern"]
+
 MAX_EDGE_SPLIT_ITERATIONS = 4
 """Largest number of iterations that split edges which four triangles would share; one sufficed on all patterns."""
 

@@ -20,6 +20,8 @@ from .parts.shipped_cuts import CUTS
 from .pattern import Pattern
 from .sewing import mesh_pattern
 
+__all__ = ["TemplateUnknown", "list_templates", "load_draped_template", "load_template"]
+
 
 class TemplateUnknown(NotFound):
     """No template has that name; `garmentq templates list` shows what there is."""

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...geometry.linear import Solver
 from ..block_pattern import ABSENT_BLOCK_SLOT
-from ..solver import Solver, make_solver
+from ..solver import make_solver
 
 if TYPE_CHECKING:
     from ..energy import Energy
