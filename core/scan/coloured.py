@@ -17,6 +17,7 @@ from . import refusal
 from .columns import as_bytes
 from .header import check_header
 from .limits import Limits
+from .obj import read_obj
 from .parse import parse
 from .scan import Scan
 from .texture import (
@@ -24,10 +25,8 @@ from .texture import (
     MAX_TEXTURE_PIXEL_COUNT,
     TextureBad,
     decode,
-    find_referenced_file,
     list_images,
     open_image,
-    read_corners,
     sample_image,
 )
 from .upright import AXES_UP, turn_upright
@@ -141,36 +140,37 @@ def _read_or_refuse(path: Path, form: str) -> ColouredScan:
 def _read(path: Path, form: str) -> ColouredScan:
     if form == "glb":
         return _read_glb(path)
-    arrays = parse(path, form, textures=form == "ply")  # an image of a PLY is sampled at its vertices
-    vertices, faces = arrays["vertices"], arrays["faces"]
-    corner_uv, image, told = np.zeros((len(faces), 3, 2)), np.full(len(faces), -1), ""
-    images: tuple[np.ndarray, ...] = ()
     if form == "obj":
-        try:
-            corner_uv, image, images = _read_obj_images(path, faces)
-        except TextureBad as error:
-            told = str(error)
-    return ColouredScan(vertices, faces, arrays.get("colours"), corner_uv, image, images, told)
+        return _read_obj(path)
+    arrays = parse(path, form, textures=True)  # an image of a PLY is sampled at its vertices
+    count = len(arrays["faces"])
+    corner_uv, image = np.zeros((count, 3, 2)), np.full(count, -1)
+    return ColouredScan(arrays["vertices"], arrays["faces"], arrays.get("colours"), corner_uv, image)
 
 
-def _read_obj_images(path: Path, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-    """Return coordinates, image of each face and images of an OBJ, as `ColouredScan` has them."""
-    uv, corners, materials, libraries = read_corners(path)
-    image = np.full(len(faces), -1)
-    if not len(uv) or not libraries or not (corners >= 0).any():
-        return np.zeros((len(faces), 3, 2)), image, ()
-    if len(corners) != len(faces) or corners[..., 0].max() >= len(uv):
-        raise TextureBad("its texture coordinates are not all there")
-    named = list_images(path, libraries)
+def _read_obj(path: Path) -> ColouredScan:
+    """Read an OBJ; a face has an image where each of its corners has a coordinate and its material names one."""
+    content = read_obj(path, textures=True)
+    corners, polygon = content.fans()
+    place, uv, material = content.places[corners], content.uv, content.material[polygon]
+    corner_uv, image, told = np.zeros((len(corners), 3, 2)), np.full(len(corners), -1), ""
     images: list[np.ndarray] = []
-    has_uv = (corners[..., 0] >= 0).all(axis=1)
-    for name, file in named.items():
-        own = has_uv & np.isin(corners[:, 0, 1], [n for n, material in enumerate(materials) if material == name])
-        if own.any():
-            image[own] = len(images)
-            images.append(open_image(find_referenced_file(path, file), f"the texture '{Path(file).name[:60]}'"))
-            _check_pixel_count(images)
-    return uv[np.maximum(corners[..., 0], 0)], image, tuple(images)
+    try:
+        if len(uv) and content.libraries and (place >= 0).any():
+            if place.max() >= len(uv):
+                raise TextureBad("its texture coordinates are not all there")
+            for name, file in list_images(path, content.libraries).items():
+                own = np.isin(material, [n for n, used in enumerate(content.materials) if used == name])
+                own &= (place >= 0).all(axis=1)
+                if own.any():
+                    images.append(open_image(path, file))
+                    _check_pixel_count(images)
+                    image[own] = len(images) - 1
+            corner_uv = uv[np.maximum(place, 0)]
+    except TextureBad as error:
+        image, images, told = np.full(len(corners), -1), [], str(error)
+    faces = content.corners[corners]
+    return ColouredScan(content.vertices, faces, content.colours, corner_uv, image, tuple(images), told)
 
 
 def _read_glb(path: Path) -> ColouredScan:

@@ -15,6 +15,7 @@ from . import refusal
 from .cloud import parse_pcd, parse_xyz
 from .columns import as_bytes, find_labels, read_fields
 from .limits import Limits
+from .obj import read_obj
 from .off import load_off
 from .texture import add_texture
 
@@ -77,8 +78,10 @@ def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray
     if form == "xyz":
         return parse_xyz(path)
     if form == "obj":
-        arrays = _parse_obj(path)
-        return add_texture(arrays, path, form) if textures else arrays
+        content = read_obj(path, textures)
+        arrays = {"vertices": content.vertices, "faces": content.corners[content.fans()[0]]}
+        arrays |= {} if content.colours is None else {"colours": content.colours}
+        return add_texture(arrays, path, form, content) if textures else arrays
     if form == "glb":
         return _parse_glb(path, textures)
     if form == "ply":
@@ -149,34 +152,4 @@ def _join_clouds(parts: list[Any]) -> dict[str, np.ndarray]:
     colours = [getattr(part, "colors", None) for part in parts]
     if all(each is not None and len(each) == len(part.vertices) for each, part in zip(colours, parts, strict=True)):
         arrays["colours"] = as_bytes(np.concatenate([np.asarray(each)[:, :3] for each in colours]))
-    return arrays
-
-
-def _parse_obj(path: Path) -> dict[str, np.ndarray]:
-    """Parse positions, polygons (as fans) and vertex colours of an OBJ.
-
-    Trimesh's parser is not used: it drops wrong indices silently and splits vertices at texture seams. A negative index
-    counts back from the last vertex, as the format defines; zero or an index beyond the ends is refused.
-    """
-    rows: list[list[float]] = []
-    faces: list[tuple[int, int, int]] = []
-    with path.open("r", encoding="utf-8", errors="replace") as file:
-        for line in file:
-            if line.startswith(("v ", "v\t")):
-                rows.append([float(word) for word in line.split()[1:7]])
-            elif line.startswith(("f ", "f\t")):
-                corners = [int(word.split("/", 1)[0]) for word in line.split("#", 1)[0].split()[1:]]
-                corners = [index - 1 if index > 0 else len(rows) + index if index < 0 else -1 for index in corners]
-                if len(corners) < 3:
-                    raise refusal.IndicesBroken("a face has fewer than three corners")
-                if min(corners) < 0:
-                    raise refusal.IndicesBroken(f"face '{line.strip()[:60]}' refers to a vertex that does not exist")
-                faces += [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
-    width = min((len(row) for row in rows), default=3)
-    if width < 3:
-        raise refusal.Unreadable("a vertex has fewer than three coordinates")
-    table = np.array([row[: 6 if width == 6 else 3] for row in rows], np.float64).reshape(len(rows), -1)
-    arrays = {"vertices": table[:, :3].copy(), "faces": np.array(faces, np.int64).reshape(-1, 3)}
-    if table.shape[1] == 6:
-        arrays["colours"] = as_bytes(table[:, 3:6])
     return arrays

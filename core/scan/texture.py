@@ -7,6 +7,7 @@ is decoded. Where a texture cannot be read, the scan has no colours and a note w
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 from .columns import as_bytes
 from .head import read_head
 from .header import PLY_END
+from .obj import ObjContent
 
 MAX_TEXTURE_PIXEL_COUNT = 150_000_000
 """Largest number of pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
@@ -31,14 +33,16 @@ class TextureBad(Exception):
     """A texture cannot be used; the text says why, for the scan's notes."""
 
 
-def open_image(source: Path, name: str) -> np.ndarray:
-    """Decode an image to RGB, bytes, shape [height, width, 3]; one that is too large is not decoded.
+def open_image(path: Path, file: str) -> np.ndarray:
+    """Decode an image that a scan's file names to RGB, bytes, shape [height, width, 3].
 
     Raises:
-        TextureBad: where the image is too large, or in no format that is read.
+        TextureBad: where it is not beside the scan, is too large, which is known before it is decoded, or in no format
+            that is read.
     """
     from PIL import Image
 
+    source, name = find_referenced_file(path, file), f"the texture '{Path(file).name[:60]}'"
     try:
         with Image.open(source, formats=_FORMATS) as image:
             return decode(image, name)
@@ -85,7 +89,7 @@ def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: An
         return arrays
     try:
         if form == "obj":
-            colours = _colour_obj(path, len(arrays["vertices"]))
+            colours = _colour_obj(path, loaded)
         elif form == "ply":
             colours = _colour_ply(path, loaded)
         else:
@@ -114,89 +118,33 @@ def find_referenced_file(path: Path, name: str) -> Path:
     raise TextureBad(f"its file '{Path(name).name[:60]}' is not beside the scan")
 
 
-def _colour_obj(path: Path, count: int) -> np.ndarray | None:
+def _colour_obj(path: Path, content: ObjContent) -> np.ndarray | None:
     """Return the mean colour at the corners of each vertex, or None where no material has an image."""
-    uv, corners, materials, libraries = _read_obj_corners(path, count)
-    if not len(uv) or not libraries:
+    count, has_uv = len(content.vertices), content.places >= 0
+    corners, places = content.corners[has_uv], content.places[has_uv]
+    if len(corners) and (places.max() >= len(content.uv) or corners.max() >= count):
+        raise TextureBad("its texture coordinates are not all there")
+    if not len(content.uv) or not content.libraries:
         return None
-    images = list_images(path, libraries)
+    images = list_images(path, content.libraries)
+    material = np.array(content.materials)[np.repeat(content.material, content.sizes)[has_uv]]
     sums, hits = np.zeros((count, 3)), np.zeros(count)
-    for name in sorted({material for material in materials if material in images}):
-        image = open_image(find_referenced_file(path, images[name]), f"the texture '{Path(images[name]).name[:60]}'")
-        mine = corners[np.array(materials)[corners[:, 2]] == name]
-        found = sample_image(image, uv[mine[:, 1]])
-        hits += np.bincount(mine[:, 0], minlength=count)
-        sums += np.stack([np.bincount(mine[:, 0], found[:, k], count) for k in range(3)], axis=1)
-    if not hits.any():
-        return None
-    return sums / np.maximum(hits, 1.0)[:, None]
+    for name in sorted(set(content.materials) & set(images)):
+        mine = material == name
+        found = sample_image(open_image(path, images[name]), content.uv[places[mine]])
+        hits += np.bincount(corners[mine], minlength=count)
+        sums += np.stack([np.bincount(corners[mine], found[:, k], count) for k in range(3)], axis=1)
+    return sums / np.maximum(hits, 1.0)[:, None] if hits.any() else None
 
 
-def list_images(path: Path, libraries: list[str]) -> dict[str, str]:
+def list_images(path: Path, libraries: Sequence[str]) -> dict[str, str]:
     """Return the image's name of each material that has one, of the libraries beside an OBJ.
 
     Raises:
         TextureBad: where a library is missing.
     """
-    return {
-        name: file for library in libraries for name, file in _read_mtl(find_referenced_file(path, library)).items()
-    }
-
-
-def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
-    """Read texture coordinates [t, 2], vertex, coordinate and material of each corner [c, 3], and material names."""
-    uv, rows, materials, libraries = _read_obj_rows(path)
-    corners = [(*word, material) for face, material in rows for word in face if word[1] >= 0]
-    table = np.array(corners, np.int64).reshape(-1, 3)
-    if len(table) and (table[:, 1].max() >= len(uv) or table[:, 0].max() >= count):
-        raise TextureBad("its texture coordinates are not all there")
-    return uv, table, materials, libraries
-
-
-def read_corners(path: Path) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
-    """Read the texture coordinates of an OBJ's triangles, polygons as fans, in the order in which they are parsed.
-
-    Returns:
-        The coordinates, shape [t, 2]; index of the coordinate (-1 for none) and of the material of each corner of each
-        triangle, shape [f, 3, 2]; names of the materials, and of their libraries.
-    """
-    uv, rows, materials, libraries = _read_obj_rows(path)
-    fans = [
-        ((face[0][1], material), (face[k][1], material), (face[k + 1][1], material))
-        for face, material in rows
-        for k in range(1, len(face) - 1)
-    ]
-    return uv, np.array(fans, np.int64).reshape(-1, 3, 2), materials, libraries
-
-
-def _read_obj_rows(
-    path: Path,
-) -> tuple[np.ndarray, list[tuple[list[tuple[int, int]], int]], list[str], list[str]]:
-    """Read texture coordinates, of each face its corners (vertex, coordinate or -1) and material, and names."""
-    uv: list[tuple[float, float]] = []
-    faces: list[tuple[list[tuple[int, int]], int]] = []
-    materials, libraries = [""], []
-    seen = 0
-    with path.open("r", encoding="utf-8", errors="replace") as file:
-        for line in file:
-            if line.startswith(("v ", "v\t")):
-                seen += 1
-            elif line.startswith("vt"):
-                words = line.split()
-                uv.append((float(words[1]), float(words[2])))
-            elif line.startswith("mtllib"):
-                libraries.append(line.split(None, 1)[1].strip())
-            elif line.startswith("usemtl"):
-                materials.append(line.split(None, 1)[1].strip())
-            elif line.startswith(("f ", "f\t")):
-                corners = []
-                for word in line.split("#", 1)[0].split()[1:]:
-                    parts = word.split("/")
-                    v, t = int(parts[0]), int(parts[1]) if len(parts) > 1 and parts[1] else 0
-                    place = t - 1 if t > 0 else len(uv) + t if t < 0 else -1
-                    corners.append((v - 1 if v > 0 else seen + v, place))
-                faces.append((corners, len(materials) - 1))
-    return np.array(uv, np.float64).reshape(-1, 2), faces, materials, libraries
+    read = [_read_mtl(find_referenced_file(path, library)) for library in libraries]
+    return {name: file for images in read for name, file in images.items()}
 
 
 def _read_mtl(path: Path) -> dict[str, str]:
@@ -220,9 +168,7 @@ def _colour_ply(path: Path, loaded: Any) -> np.ndarray | None:
     if named is None or uv is None:
         return None
     name = named.group(1).decode("utf-8", "replace")
-    return sample_image(
-        open_image(find_referenced_file(path, name), f"the texture '{Path(name).name[:60]}'"), np.asarray(uv)
-    )
+    return sample_image(open_image(path, name), np.asarray(uv))
 
 
 def _colour_glb(parts: Any) -> np.ndarray | None:

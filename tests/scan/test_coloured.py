@@ -60,6 +60,20 @@ def test_images_are_read_at_each_place(write, tmp_path: Path) -> None:
     check_places(load_coloured(write(tmp_path), "m", "y", INSIDE))
 
 
+def test_polygons_keep_their_coordinates(tmp_path: Path) -> None:
+    """Fails if corners of a polygon, of any size and counted from either end, get another corner's coordinates."""
+    draw().save(tmp_path / "skin.png")
+    (tmp_path / "p.mtl").write_text("newmtl m\nmap_Kd skin.png\n")
+    places = [(0, 0), (0.3, 0), (0.4, 0.2), (0.3, 0.4), (0, 0.4), (-0.4, 0.4), (-0.4, 0)]
+    lines = ["mtllib p.mtl", "usemtl m", *(f"v {x} {y} {x + y}" for x, y in places)]
+    lines += [f"vt {(x + 0.4) / 0.8} {(y + 0.4) / 0.8}" for x, y in places[::-1]]
+    lines += ["f 1/7 2/6 3/5 4/4 5/3", "f -7/-1 -3/-5 -2/-6 -1/-7"]
+    (tmp_path / "p.obj").write_text("\n".join(lines) + "\n")
+    found = load_coloured(tmp_path / "p.obj", "m", "y", INSIDE)
+    assert np.array_equal(found.faces, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 6]])
+    check_places(found)
+
+
 def test_a_limited_process_reads_the_same(tmp_path: Path) -> None:
     """Fails if what is handed over lost an image."""
     path = write_glb(tmp_path)
