@@ -8,7 +8,7 @@ import numpy as np
 
 from . import refusal
 from .cloud_header import PcdHeader, read_pcd_header
-from .columns import as_bytes, find_labels
+from .columns import are_whole, as_bytes, find_labels
 
 _BLANKS = str.maketrans(",;", "  ")
 XYZ_COLUMN_COUNTS = (3, 4, 6, 7, 9, 10)
@@ -135,7 +135,8 @@ def parse_xyz(path: Path) -> dict[str, np.ndarray]:
     """Parse rows of numbers: x y z, then optionally a colour (0 to 255, or 0 to 1), a normal, or both in either order.
 
     Three numbers are a normal where more than nine rows in ten have the length 1, else a colour. In rows of 4, 7 or 10
-    numbers the fourth is an intensity, which is dropped. A first row of one number is the count.
+    numbers one is an intensity, before, between or after these, which is dropped: the first without which the rest are
+    colours and normals, or else the fourth. A first row of one number is the count.
     """
     with path.open("r", encoding="latin-1") as file:
         text = file.read()
@@ -149,13 +150,26 @@ def parse_xyz(path: Path) -> dict[str, np.ndarray]:
     if width not in XYZ_COLUMN_COUNTS:
         raise refusal.Unreadable(f"its rows have {width} numbers, which is none of {XYZ_COLUMN_COUNTS}")
     arrays = {"vertices": table[:, :3].copy(), "faces": np.zeros((0, 3), np.int64)}
-    rest = table[:, 3:]
-    rest = rest[:, 1:] if width in (4, 7, 10) else rest
-    for block in (rest[:, :3], rest[:, 3:6]):
-        if block.shape[1] == 3:
-            name = "normals" if _are_normals(block) and "normals" not in arrays else "colours"
-            arrays[name] = block.copy() if name == "normals" else as_bytes(block)
+    splits = [_split_threes(table[:, 3:])]
+    if width in (4, 7, 10):
+        splits = [_split_threes(np.delete(table, k, axis=1)[:, 3:]) for k in range(3, width, 3)]
+    fitting = (split for split in splits if all(_are_normals(block) or _are_colours(block) for block in split))
+    for block in next(fitting, splits[0]):
+        name = "normals" if _are_normals(block) and "normals" not in arrays else "colours"
+        arrays[name] = block.copy() if name == "normals" else as_bytes(block)
     return arrays
+
+
+def _split_threes(columns: np.ndarray) -> list[np.ndarray]:
+    return [columns[:, k : k + 3] for k in range(0, columns.shape[1], 3)]
+
+
+def _are_colours(block: np.ndarray) -> bool:
+    """Check whether numbers are whole and 0 to 255, or 0 to 1."""
+    known = block[np.isfinite(block)]
+    if not len(known) or known.min() < 0:
+        return False
+    return bool(known.max() <= 1 or (known.max() <= 255 and are_whole(known)))
 
 
 def _are_normals(block: np.ndarray) -> bool:

@@ -87,6 +87,24 @@ def test_rows_with_bytes_commas_and_a_count(tmp_path):
     assert np.allclose(raw.colours, COLOURS[raw.origin] / 255.0)
 
 
+@pytest.mark.parametrize(
+    ("order", "scale", "strength"),
+    [(order, 255, strength) for order in ("icn", "cin", "cni", "inc", "ic", "ci", "in", "ni", "i")
+     for strength in ((0.0, 1.0), (-2048.0, 2047.0))]
+    + [("ic", 1, (0.0, 1.0)), ("ci", 1, (-2048.0, 2047.0))],
+)  # fmt: skip
+def test_an_intensity_is_found_by_the_values(tmp_path, order, scale, strength):
+    """Broken where an intensity after or between colour and normal shifts their channels, or is taken for one."""
+    intensity = np.linspace(*strength, len(P)).round(3)[:, None]
+    blocks = {"i": intensity, "c": COLOURS if scale == 255 else (COLOURS / 255).round(5), "n": NORMALS.round(5)}
+    path = tmp_path / "p.xyz"
+    np.savetxt(path, np.hstack([P, *(blocks[word] for word in order)]), fmt="%.6g")
+    arrays = parse(path, "xyz")
+    assert ("colours" in arrays) == ("c" in order) and ("normals" in arrays) == ("n" in order)
+    assert np.array_equal(arrays.get("colours", COLOURS), COLOURS)
+    assert np.allclose(arrays.get("normals", NORMALS), NORMALS, atol=1e-5)
+
+
 @pytest.mark.parametrize("extension", ["obj", "off", "glb"])
 def test_vertices_without_faces(tmp_path, extension):
     """Broken where a mesh format without a face is refused, though the points are a person."""
