@@ -24,11 +24,6 @@ from .refusal import (
     NoFaces,
 )
 
-FORMATS = ("ply", "obj", "stl", "off", "glb", "gltf")
-"""The accepted extensions of meshes; the content must agree."""
-CLOUDS = ("pcd", "xyz")
-"""The accepted extensions of files of points alone."""
-
 _ARCHIVES = (
     b"PK\x03\x04",
     b"PK\x05\x06",
@@ -80,7 +75,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
     with path.open("rb") as file:
         head = file.read(INITIAL_HEAD_BYTES)
     extension = path.suffix.lower().lstrip(".")
-    if extension in FORMATS + CLOUDS and any(head.startswith(magic) for magic in _ARCHIVES):
+    if extension in _CHECKS and any(head.startswith(magic) for magic in _ARCHIVES):
         raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
     check_extension(path)
     if size > limits.file_bytes:
@@ -88,11 +83,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
         raise FileTooLarge(f"{path.name} has {size >> 20} MiB, more than the {limit} MiB read; decimate the mesh.")
     if size == 0:
         raise MeshEmpty(f"{path.name} is an empty file; export the mesh again.")
-    check = {
-        "ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb,
-        "gltf": _check_glb, "pcd": _check_cloud, "xyz": _check_cloud,
-    }[extension]  # fmt: skip
-    declared = check(path, head, size, limits)
+    declared = _CHECKS[extension](path, head, size, limits)
     if needs_faces and declared.faces == 0:
         raise NoFaces(
             f"{path.name} holds points without faces, which only a whole person may be; give a garment as a mesh."
@@ -107,9 +98,9 @@ def check_extension(path: Path) -> None:
         ArchiveRefused, FormatUnknown: where it does not.
     """
     name, extension = path.name, path.suffix.lower().lstrip(".")
-    if extension in FORMATS + CLOUDS:
+    if extension in _CHECKS:
         return
-    accepted = ", ".join(FORMATS + CLOUDS).upper()
+    accepted = ", ".join(_CHECKS).upper()
     if extension in ("zip", "3mf", "usdz", "gz", "7z", "rar", "tar", "tgz", "bz2", "xz", "zst"):
         raise ArchiveRefused(f"{name} is an archive (.{extension}); give a mesh file instead ({accepted}).")
     raise FormatUnknown(f"{name}: files of type .{extension or '?'} are not read; export the mesh as {accepted}.")
@@ -285,3 +276,12 @@ def _check_cloud(path: Path, head: bytes, size: int, limits: Limits) -> Declared
     if count == 0:
         raise MeshEmpty(f"{path.name} holds no points; export the scan again.")
     return DeclaredContent("pcd", count, 0)
+
+
+FORMATS = {
+    "ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb, "gltf": _check_glb,
+}  # fmt: skip
+"""Check of each accepted extension of a mesh; the content must agree. `parse` reads them."""
+CLOUDS = {"pcd": _check_cloud, "xyz": _check_cloud}
+"""Check of each accepted extension of a file of points alone."""
+_CHECKS = FORMATS | CLOUDS

@@ -12,6 +12,7 @@ from sqlalchemy import select
 
 from ...core.recover.settings import METHODS
 from ...core.run.units import UNITS
+from ...core.scan.header import CLOUDS, FORMATS
 from ..api.access import AppState, AppStateDependency
 from ..families import find_below
 from ..materials import list_materials
@@ -137,7 +138,9 @@ def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
                    for one in list_materials(rooms.database))  # fmt: skip
     methods = join(html("<option>{}</option>", name) for name in METHODS)
     units = join((html("<option>{}</option>", name) for name in UNITS), "")
-    return html(DROP, fabrics=fabrics, methods=methods, units=units)
+    scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz")))
+    return html(DROP, fabrics=fabrics, methods=methods, units=units, scans=",".join(scans), bodies=",".join(bodies),
+                formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
 
 
 VERDICTS = ["pass", "doubtful", "fail"]
@@ -162,8 +165,8 @@ FILTER = """<details class="card filters"{open}><summary>Find jobs</summary><for
 
 DROP = """<form id="submit" class="card"><h2>New job</h2>
 <div id="drop" class="drop"><label for="scan">Drop a scan here, or choose a file</label>
-<input id="scan" name="scan" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.pcd,.xyz" required>
-<p id="told" class="soft" role="status">A raw scan of a person, or a garment: PLY, OBJ, STL, OFF, GLB, PCD, XYZ.</p>
+<input id="scan" name="scan" type="file" accept="{scans}" required>
+<p id="told" class="soft" role="status">A raw scan of a person, or a garment: {formats}.</p>
 </div>
 <details><summary>Options</summary><div class="options">
 <label>Name <input name="name" maxlength="255" placeholder="the file's name"></label>
@@ -174,7 +177,7 @@ DROP = """<form id="submit" class="card"><h2>New job</h2>
 <label>Up axis <select name="up"><option value="">detected</option><option>y</option><option>z</option>
 <option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
 <label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
-<label>Body's file <input name="body_file" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.npz"></label>
+<label>Body's file <input name="body_file" type="file" accept="{bodies}"></label>
 <label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>
 <label>Wearing <input name="wearing" placeholder="upper,lower"></label>
 <label>Template <input name="template" placeholder="chosen from the scan"></label>
