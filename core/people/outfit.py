@@ -164,7 +164,7 @@ def several_pieces_probability(posterior: np.ndarray) -> float:
 def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
     """Return the probability of each reading: exp(score), normalised to a sum of 1, shape [outfit_count]."""
     scores = np.array([outfit.score for outfit in outfits])
-    likely = np.exp(scores - scores.max())
+    likely = np.exp(scores - scores.max(initial=-np.inf))
     return np.asarray(likely / likely.sum())
 
 

@@ -6,11 +6,10 @@ import base64
 from collections.abc import Sequence
 from html import escape
 
-import numpy as np
-
 from ...people.colours import COLOURS
+from ...people.outfit import outfit_probabilities
 from ...people.part import Part
-from ...people.separation import LabelledPerson, Outfit
+from ...people.separation import LabelledPerson
 from ...scan.raw import RawScan
 from .page import page_html
 
@@ -40,13 +39,6 @@ def report_person(raw: RawScan, separation: LabelledPerson, warnings: Sequence[s
         _parts(raw, separation),
     ]
     return page_html(raw.name, sections)
-
-
-def reading_probabilities(outfits: Sequence[Outfit]) -> np.ndarray:
-    """Return the probability of each reading among all of them, exp(score) / sum exp(score)."""
-    scores = np.array([outfit.score for outfit in outfits])
-    weights = np.exp(scores - scores.max(initial=-np.inf))
-    return np.asarray(weights / weights.sum())
 
 
 def _header(raw: RawScan, separation: LabelledPerson, warnings: Sequence[str]) -> str:
@@ -96,7 +88,7 @@ def _garments(separation: LabelledPerson) -> str:
     readings = "".join(
         f"<tr><td>{' and '.join(part.word for part in outfit.parts) or 'nothing'}</td>"
         f"<td class=num>{weight:.2f}</td></tr>"
-        for outfit, weight in list(zip(separation.outfits, reading_probabilities(separation.outfits), strict=True))[:3]
+        for outfit, weight in list(zip(separation.outfits, outfit_probabilities(separation.outfits), strict=True))[:3]
     )
     return (
         "<section><h2>Garments</h2><table><tr><th>Garment</th><th>Category</th><th class=num>Confidence</th></tr>"
