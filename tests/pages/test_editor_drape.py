@@ -107,6 +107,16 @@ def test_a_place_on_the_board_is_marked_on_the_cloth(editor):
     assert editor.locator("#draped").get_attribute("data-marked") == ""
 
 
+def test_meshes_that_are_too_large_for_the_view_are_left_out(page, shirt, faults, monkeypatch):
+    """Broken where a result whose scan and meshes the service does not pack cannot be edited."""
+    monkeypatch.setattr("garmentq.service.pages.files_page.MAX_SHOWN_FILE_SIZE", 0)
+    editor = open_editor(page, shirt)
+    assert editor.locator("[data-layer]").count() == 0
+    assert editor.locator("#drape").is_enabled() and not editor.locator("#draping .error").count()
+    assert len(faults) == 2 and all("404" in one for one in faults), "the view and the scan"
+    faults.clear()
+
+
 def test_what_cannot_be_sewn_or_meshed_is_shown_where_it_is(editor, site):
     """Broken where a pattern that the service refuses is queued, or the edge that it names is not marked."""
     editor.uncheck("[data-option=sewn]")

@@ -68,7 +68,7 @@ def test_static_files_are_those_of_the_folder(visitor):
 def test_a_page_names_all_modules_that_it_will_need():
     """Broken where an import is overlooked, so that a browser learns of a module only from another one."""
     named = set(list_imports("result.js"))
-    assert {"viewer.js", "shown.js", "pattern_view.js", "npz.js", "inflate.js"} < named and named <= set(load_files())
+    assert {"viewer.js", "shown.js", "pattern_view.js", "frames.js"} < named and named <= set(load_files())
     assert any(name.startswith("vendor/three") for name in named)
 
 

@@ -1,38 +1,12 @@
-// A garment as `worn.npz` keeps it: its flat mesh, how that is sewn, and geometry between the two. All in metres.
-import { asText, readArrays } from './npz.js';
+// A garment: its flat mesh, how that is sewn, and geometry between the two. All in metres.
 
 /**
- * @typedef {{panel: string, index: number, label: string, contour: string, uv: Int32Array}} Edge an edge's uv vertices in order
+ * @typedef {Uint8Array|Uint16Array|Uint32Array} Indices
+ * @typedef {{panel: string, index: number, label: string, contour: string, uv: Indices}} Edge an edge's uv vertices in order
  * @typedef {{name: string, edges: Edge[]}} Panel
- * @typedef {{uv: Float64Array, uvFaces: Int32Array, uvNode: Int32Array, panelOfUv: Int32Array, faces: Int32Array,
- *   panels: Panel[], seams: [Edge, Edge][]}} Garment
+ * @typedef {{uv: Float32Array, uvFaces: Indices, uvNode: Indices, panelOfUv: Indices, panels: Panel[],
+ *   seams: [Edge, Edge][]}} Garment
  */
-
-const WANTED = /^garment\.((uv|uv_faces|uv_node|panel_of_uv|faces)$|edge_uv\.\d+$|edges\.\d+\.|pattern\.seams\.\d+\.[ab]\.|pattern\.panels\.\d+\.(name|edges\.\d+\.(label|contour))$)/;
-
-/** @param {ArrayBuffer} content @returns {Promise<Garment>} */
-export async function readGarment(content) {
-  const arrays = await readArrays(content, (name) => WANTED.test(name));
-  const numbers = (name) => arrays.get(`garment.${name}`).values;
-  const text = (name) => asText(arrays.get(`garment.${name}`));
-  const panels = [];
-  for (let n = 0; arrays.has(`garment.pattern.panels.${n}.name`); n += 1) panels.push({ name: text(`pattern.panels.${n}.name`), edges: [] });
-  const place = new Map(panels.map((panel, n) => [panel.name, n]));
-  for (let n = 0; arrays.has(`garment.edge_uv.${n}`); n += 1) {
-    const panel = text(`edges.${n}.panel`), index = Number(numbers(`edges.${n}.edge`)[0]), at = place.get(panel);
-    const label = text(`pattern.panels.${at}.edges.${index}.label`), contour = text(`pattern.panels.${at}.edges.${index}.contour`);
-    panels[at].edges[index] = { panel, index, label, contour, uv: numbers(`edge_uv.${n}`) };
-  }
-  const seams = [];
-  for (let n = 0; arrays.has(`garment.pattern.seams.${n}.a.edge`); n += 1) {
-    const side = (one) => panels[place.get(text(`pattern.seams.${n}.${one}.panel`))].edges[Number(numbers(`pattern.seams.${n}.${one}.edge`)[0])];
-    seams.push([side('a'), side('b')]);
-  }
-  return {
-    uv: numbers('uv'), uvFaces: numbers('uv_faces'), uvNode: numbers('uv_node'), panelOfUv: numbers('panel_of_uv'),
-    faces: numbers('faces'), panels, seams,
-  };
-}
 
 /**
  * Find where a point of a panel lies on its flat mesh.

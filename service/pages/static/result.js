@@ -1,9 +1,9 @@
 // A result: its meshes in 3D beside its pattern, each pointing into the other.
 import { followJob, getBytes, getJson, postJson } from './api.js';
 import { find, make, showError } from './dom.js';
+import { readFrames } from './frames.js';
 import { computeStrain, flatten, lift, locate, measureEdge, spreadToNodes } from './garment.js';
 import { PatternView } from './pattern_view.js';
-import { readFrames } from './ply.js';
 import { readShown } from './shown.js';
 import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 

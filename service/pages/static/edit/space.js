@@ -6,8 +6,8 @@
 
 import { getBytes, getJson } from '../api.js';
 import { draw, make } from '../dom.js';
-import { flatten, lift, locate, readGarment } from '../garment.js';
-import { readPly } from '../ply.js';
+import { flatten, lift, locate } from '../garment.js';
+import { readShown } from '../shown.js';
 import { Viewer } from '../viewer.js';
 import { toBoard } from './layout.js';
 
@@ -52,16 +52,11 @@ export class Space {
    */
   async show(job, first) {
     if (!this.begin()) return;
-    const names = await listFiles(job),
-      scanned = first === job ? names : await listFiles(first);
-    const name = CLOTHS.find((one) => names.has(`${one}.ply`));
-    const load = async (one, file) => readPly(await getBytes(`/v1/jobs/${one}/artifacts/${file}`));
-    const cloth = name ? await load(job, `${name}.ply`) : null;
-    const scan = scanned.has('scan.ply') ? await load(first, 'scan.ply') : null;
-    const body = names.has('body.ply') ? await load(job, 'body.ply') : null;
-    this.garment = names.has('worn.npz')
-      ? await readGarment(await getBytes(`/v1/jobs/${job}/artifacts/worn.npz`))
-      : null;
+    const scan = (await hasScan(first)) && (await load(`/results/${first}/scan.bin`)).meshes.get('scan');
+    const { meshes, garment } = await load(`/results/${job}/view.bin`);
+    const cloth = meshes.get(CLOTHS.find((name) => meshes.has(name)));
+    const body = meshes.get('body');
+    this.garment = garment;
     const before = this.cloth;
     this.cloth = cloth;
     this.clear();
@@ -136,9 +131,19 @@ export class Space {
   }
 }
 
-async function listFiles(job) {
+/** Return packed meshes and flat pattern of a result; none where it has none, or only larger ones than are packed. */
+async function load(path) {
+  try {
+    return readShown(await getBytes(path));
+  } catch (error) {
+    if (error.status !== 404) throw error;
+    return { meshes: new Map(), garment: null };
+  }
+}
+
+async function hasScan(job) {
   const { files } = await getJson(`/v1/jobs/${job}/artifacts`);
-  return new Set(files.map(({ name }) => name));
+  return files.some(({ name }) => name === 'scan.ply');
 }
 
 /** Return positions moved to the right of a mesh. */
