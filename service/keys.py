@@ -23,10 +23,10 @@ USED_SECONDS = 60.0
 """Resolution of a key's last use [s]: finer would be a write for each request."""
 
 MAX_JOB_PRIORITY = 100
-"""Highest priority of any job."""
+"""Largest number for a job's priority."""
 
 TOKEN_BYTES = 32
-"""Random bytes of a token: it cannot be guessed, so its plain hash is safe to store."""
+"""Number of random bytes of a token: it cannot be guessed, so its plain hash is safe to store."""
 
 DEFAULT_JOB_QUOTA = 100
 """Number of jobs that a new key may have queued or running; a studio's day, and too few to delay the jobs of others for

@@ -83,7 +83,7 @@ MAX_QUERY_CONDITIONS = 50
 """Largest number of conditions of one query; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
 
 MAX_QUERY_OFFSET = 1_000_000
-"""Largest offset of a page; the database steps over each job before it."""
+"""Largest number of jobs before a page; the database steps over each of them."""
 
 MAX_QUERY_ROWS = 10_000
 """Largest number of rows that one query may return; a program that needs more should read the database."""

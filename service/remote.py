@@ -57,7 +57,7 @@ UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file of a derived job, by its field."""
 
 ID_LENGTH = 12
-"""Letters of a job's complete id."""
+"""Number of letters of a job's complete id."""
 
 
 class RemoteBackend(RemoteLibraries):

@@ -57,7 +57,7 @@ PERSON_KIND = "person"
 """Name of the kind that segments a person; its class need not be loaded to name it."""
 
 MAX_FAMILY_NAME_LENGTH, MAX_TAG_LENGTH, MAX_FAMILY_TAGS = 255, 64, 20
-"""Limits of a family's name and tags; the longest name is the column's."""
+"""Largest numbers of letters of a family's name and of a tag, and of its tags; the longest name is the column's."""
 
 ALLOWED_NAME_SIGNS = "._-()+,"
 """Characters of a file's name that are kept beside letters and digits: none has a meaning in a page, a shell or a

@@ -43,7 +43,7 @@ KEPT_SECONDS = 7 * 86400.0
 """Time for which an accepted or abandoned message is kept [s]."""
 
 SECRET_BYTES = 32
-"""Random bytes of a signing secret, as many as SHA-256 has."""
+"""Number of random bytes of a signing secret, as many as SHA-256 has."""
 
 
 class WebhookUnknown(NotFound):

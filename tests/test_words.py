@@ -37,8 +37,8 @@ def is_number(node: ast.AST | None) -> bool:
     return False
 
 
-def list_constants(path: Path) -> Iterator[tuple[str, int, bool]]:
-    """Yield the numeric constants of a module: name, line, and whether a docstring follows."""
+def list_constants(path: Path) -> Iterator[tuple[str, int, str]]:
+    """Yield the numeric constants of a module: name, line, and the docstring that follows, or nothing."""
     body = ast.parse(path.read_text(encoding="utf-8")).body
     for node, after in zip(body, [*body[1:], None], strict=True):
         target = node.target if isinstance(node, ast.AnnAssign) else None
@@ -51,18 +51,19 @@ def list_constants(path: Path) -> Iterator[tuple[str, int, bool]]:
             if isinstance(one, ast.Name)
         ]
         value_after = after.value if isinstance(after, ast.Expr) else None
-        told = isinstance(value_after, ast.Constant) and isinstance(value_after.value, str)
+        is_text = isinstance(value_after, ast.Constant) and isinstance(value_after.value, str)
+        docstring = " ".join(value_after.value.split()) if is_text else ""
         if is_number(value):
-            yield from ((name, node.lineno, told) for name in names if name.strip("_").isupper())
+            yield from ((name, node.lineno, docstring) for name in names if name.strip("_").isupper())
 
 
 @cache
-def list_all() -> dict[tuple[str, str], tuple[int, bool]]:
+def list_all() -> dict[tuple[str, str], tuple[int, str]]:
     """Return line and docstring of each numeric constant of all layers, by path and name."""
     return {
-        (str(path.relative_to(ROOT)), name): (line, told)
+        (str(path.relative_to(ROOT)), name): (line, docstring)
         for path in list_modules(*LAYERS)
-        for name, line, told in list_constants(path)
+        for name, line, docstring in list_constants(path)
     }
 
 
@@ -77,6 +78,18 @@ REPLACED_SOON = {
 
 EXIT_CODES = "cli/exits.py"
 """Its constants are read as `exits.NAME`."""
+
+UNIT = re.compile(r"\[(1|[^\]]*[A-Za-z][^\]]*)\]")
+"""A unit in brackets: `[m]`, `[leg lengths]`, `[1]`; no shape or range, such as `[3, 3]` or `[0, 1]`."""
+
+UNITLESS = re.compile(
+    r"((largest|smallest|least|mean|approximate|accepted)( and (largest|smallest))? )?"
+    r"(numbers?|shares?|ratios?|factors?|fractions?|multiple|quantiles?|relative|cosine|sine|probability|log-odds|"
+    r"log-probability|index|indices|version|colours?|codes?|flags|permission bits|(exit|http) status(es)?|mask|matrix|"
+    r"rotation)\b|weights?\b.* relative to\b|.*\bas a (share|fraction) of\b",
+    re.IGNORECASE,
+)
+"""How the docstring of a number without unit begins; a weight says what it is relative to."""
 
 SAME_IN_TWO_LAYERS = {"MAX_JOBS_PER_REQUEST", "GARBAGE_GRACE_HOURS"}
 """Bounds of the service that a command or a client has without importing it; tests compare both."""
@@ -114,16 +127,38 @@ def test_numeric_constants_say_what_they_are() -> None:
     """Broken where a constant has no docstring with its unit and its reason; of several in a row the last has it."""
     lacking = [
         f"{path}:{line} {name}"
-        for (path, name), (line, is_documented) in list_all().items()
-        if not is_documented and not is_followed(path, line) and path not in {*REPLACED_SOON, EXIT_CODES}
+        for (path, name), (line, docstring) in list_all().items()
+        if not docstring and not is_followed(path, line) and path not in {*REPLACED_SOON, EXIT_CODES}
     ]
     assert lacking == []
 
 
 def is_followed(path: str, line: int) -> bool:
     """Check whether the constant on the next line has the docstring of both."""
-    lines = {found: told for (where, _), (found, told) in list_all().items() if where == path}
-    return line + 1 in lines and (lines[line + 1] or is_followed(path, line + 1))
+    lines = {found: docstring for (where, _), (found, docstring) in list_all().items() if where == path}
+    return line + 1 in lines and (bool(lines[line + 1]) or is_followed(path, line + 1))
+
+
+def states_unit(text: str) -> bool:
+    """Check whether a description of a number has a unit, or begins as that of a number without one."""
+    return UNIT.search(text) is not None or UNITLESS.match(text) is not None
+
+
+def test_numeric_constants_state_their_unit() -> None:
+    """Broken where nobody can tell whether a constant is in metres, in edges or a share."""
+    lacking = [
+        f"{path}:{line} {name}: {docstring}"
+        for (path, name), (line, docstring) in list_all().items()
+        if docstring and not states_unit(docstring) and path not in {*REPLACED_SOON, EXIT_CODES}
+    ]
+    assert lacking == []
+
+
+def test_units_are_recognised() -> None:
+    """Broken where the test of units passes a length without unit, or a shape in place of one."""
+    passing = ("Width of a band [m].", "Least share of faces.", "Stretch [1] above which", "Weight of x relative to y.")
+    lacking = ("Width of a band.", "Rotations, shape [3, 3].", "Weight of a node.", "Range [0, 1] of depths.")
+    assert all(map(states_unit, passing)) and not any(map(states_unit, lacking))
 
 
 def list_public_names(path: Path) -> Iterator[str]:

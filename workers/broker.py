@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import redis
 
 SOCKET_BYTES = 100
-"""Longest path of a unix socket; the system's limit is 107 bytes on Linux and 103 on macOS."""
+"""Longest path of a unix socket [bytes]; the system's limit is 107 bytes on Linux and 103 on macOS."""
 
 CELERY_SOCKET, PLAIN_SOCKET = "redis+socket://", "unix://"
 """Beginning of a broker address on a unix socket, as Celery and as redis-py write it."""

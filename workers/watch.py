@@ -12,7 +12,7 @@ from ..service.database import Database
 from ..service.jobs import Claim, HeartbeatResult, read_cancel_flag, renew
 
 BEATS_PER_LEASE = 4
-"""Heartbeats in one lease: three may fail before another worker takes over."""
+"""Number of heartbeats in one lease: three may fail before another worker takes over."""
 
 
 class JobTooLong(GarmentqError):

@@ -13,7 +13,7 @@ PERSON_PARTS = (Part.SKIN, Part.HAIR, Part.SHOES, *GARMENTS)
 """The parts that count; points that truly are not part of the person are left out."""
 
 MIN_SURE_CONFIDENCE = 0.9
-"""Least confidence (probability of the label) at which a point counts as sure."""
+"""Least probability of its label at which a point counts as sure."""
 
 CALIBRATION_BIN_COUNT = 15
 """Number of bins of confidence, of equal width, as the expected calibration error is usually stated (Guo et al.

@@ -8,8 +8,8 @@ from enum import Enum
 from ...core.people.part import Part
 
 MIN_FOUND_OVERLAP = 0.5
-"""Least overlap with its true points (intersection over union) at which a garment counts as found. Below it most of
-what is recovered is not the garment."""
+"""Least share of its true points (intersection over union) at which a garment counts as found. Below it most of what is
+recovered is not the garment."""
 
 
 class Outcome(Enum):

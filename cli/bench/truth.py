@@ -24,7 +24,7 @@ REST_METRIC_SUFFIXES = ("residual", "residual_rms", "iterations", "at_rest")
 """Last words of the metrics of how far a drape is at rest (`Drape.measure`)."""
 
 BODY_SAMPLES = 10_000
-"""Samples of the true body: an RMS then scatters by about 2 %."""
+"""Number of samples of the true body: an RMS then scatters by about 2 %."""
 
 
 def measure_recovery(

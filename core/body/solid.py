@@ -7,7 +7,7 @@ import numpy as np
 from ..geometry.geometry import signed_volume
 
 INSIDE_WINDING_NUMBER = 0.5
-"""Winding number above which a point is inside. Holes and overlapping parts change it near them only."""
+"""Winding number [1] above which a point is inside. Holes and overlapping parts change it near them only."""
 
 EXPOSURE_TEST_OFFSET = 5e-4
 """Height above the skin at which a point of exposed skin must be outside [m]: the least distance of cloth."""

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 ABSENT_BLOCK_SLOT = -(2**62)
-"""Slot of a block that is not in the pattern."""
+"""Index of the slot of a block that is not in the pattern."""
 
 
 class Derivatives(NamedTuple):

@@ -13,8 +13,8 @@ MAX_HOLD_BACK_ITERATIONS = 6
 brings it nearer to the next part."""
 
 MAX_EDGE_ADVANCE_SHARE = 0.25
-"""Largest difference of the shares of displacement of two neighbouring nodes. Around a collision the share so changes
-over four edges."""
+"""Largest difference of the shares of displacement [1] of two neighbouring nodes. Around a collision the share so
+changes over four edges."""
 
 
 def move_collision_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> tuple[Energy, np.ndarray]:

@@ -13,7 +13,7 @@ from .scene import Scene
 from .tangent_planes import TangentPlanes, plane_contact
 
 NO_BLOCKS = np.zeros((0, 3, 3))
-"""Hessian blocks of a kernel call of order 0 or 1."""
+"""Hessian blocks [N/m] of a kernel call of order 0 or 1."""
 
 
 class NodeElements(NamedTuple):

@@ -21,14 +21,14 @@ from .membrane import membrane, predict_stress
 from .scene import HORIZONTAL_AXIS_MASK, Scene
 
 NO_STRESS = np.zeros((0, 3))
-"""Argument of `membrane` for the stress of the positions."""
+"""Argument of `membrane` for the stress of the positions [N/m]."""
 
 
 NO_INERTIA_TARGET = np.zeros((0, 3))
 """Target positions of inertia where there is none [m], shape [0, 3]."""
 
 NO_SLOTS = np.zeros((0, 10), dtype=np.int64)
-"""Slots of pairs of a kernel call of order 0 or 1."""
+"""Indices of the slots of pairs of a kernel call of order 0 or 1."""
 
 
 @dataclass(frozen=True)

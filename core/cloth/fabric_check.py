@@ -25,10 +25,10 @@ FABRIC_RANGE_FACTOR = 10.0
 mm for m, uN for N) is a factor of 1000 or more and is refused."""
 
 FRICTION_COEFFICIENT_RANGE = (0.0, 2.0)
-"""Range of Coulomb coefficients. Cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
+"""Range of Coulomb coefficients [1]. Cloth on skin is between 0.2 and 1, on wet skin up to twice that."""
 
 MAX_SELF_WEIGHT_STRAIN = 0.2
-"""Largest strain of cloth under the weight of a metre of itself. Beyond it the linear membrane is no valid model."""
+"""Largest strain [1] of cloth under the weight of a metre of itself. Beyond it the linear membrane is not valid."""
 
 
 class FabricNameBad(BadInput):

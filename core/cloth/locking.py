@@ -8,7 +8,7 @@ from .fabric import Fabric
 from .settings import STANDARD_GRAVITY
 
 MAX_COARSE_MESH_STRAIN = 0.01
-"""Largest strain of a metre of cloth under its own weight in a drape on a coarse mesh. The mean is half of it, less
+"""Largest strain [1] of a metre of cloth under its own weight in a drape on a coarse mesh. The mean is half of it, less
 than the 1 to 3 % by which scanned cloth is stretched; in return folds can form (`reduce_membrane_stiffness`)."""
 
 

@@ -20,7 +20,7 @@ _ROUND_OFF_SCATTER_RATIO = 3.0
 """Factor between residuals that are both round-off: they scatter by about 2 from one evaluation to the next."""
 
 _MIN_RELATIVE_DECREASE = 1e-9
-"""Predicted decrease, relative to the energy, below which the energy's round-off hides whether a step helps."""
+"""Ratio of the predicted decrease to the energy below which the energy's round-off hides whether a step helps."""
 
 _MAX_ENERGY_RISE_RATIO = 10.0
 """Largest rise of the energy that one step may make [predicted decreases], by stretch that the next step removes. It

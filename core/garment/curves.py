@@ -20,7 +20,7 @@ AREA_SEGMENTS = 64
 """Number of segments of a curve whose area is summed; the error is 0.03 %."""
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
-"""Nodes and weights of 5-point Gauss-Legendre quadrature on [-1, 1]."""
+"""Nodes and weights [1] of 5-point Gauss-Legendre quadrature on [-1, 1]."""
 
 
 def edge_points(panel: Panel, edge: int, segments: int) -> np.ndarray:

@@ -29,7 +29,7 @@ TRIAL_MESH_VERTEX_COUNT = 1500
 """Number of nodes of the trial mesh, as in the first drape of a pattern."""
 
 CM2_PER_M2 = 1e4
-"""Square centimetres in a square metre."""
+"""Number of square centimetres in a square metre."""
 
 
 class Severity(StrEnum):

@@ -49,9 +49,9 @@ MAX_CATEGORY_LENGTH = 32
 MAX_SIZE = 50.0
 """Largest coordinate or translation [m]; beyond it the file's unit is wrong."""
 GATHER_TOLERANCE = 0.03
-"""Difference of a seam's length ratio from 1 above which it is gathered."""
+"""Difference [1] of a seam's length ratio from 1 above which it is gathered."""
 RADIUS_SLACK = 1e-3
-"""A radius shorter than half the chord by at most this fraction is rounding; the arc is then a half circle."""
+"""Share by which a radius may be shorter than half the chord from rounding; the arc is then a half circle."""
 
 
 def load_pattern(path: str | Path) -> Pattern:

@@ -24,8 +24,8 @@ SAME_PLACE_TOLERANCE = 0.01
 of that panel: a cut piece keeps its axes and its placement."""
 
 MAX_EXTRAPOLATION_WEIGHT = 20.0
-"""Largest barycentric weight of a point beyond the present cloth. At so many triangles' distance, 40 cm where they are
-of 2 cm, its position is unknown."""
+"""Largest barycentric weight [1] of a point beyond the present cloth. At so many triangles' distance, 40 cm where they
+are of 2 cm, its position is unknown."""
 
 
 def transfer_nodes(garment: Garment, pattern: Pattern) -> Garment | None:

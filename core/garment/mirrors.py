@@ -16,7 +16,7 @@ FLAT_TOLERANCE = 0.005
 Drafting noise is below it, a different cut above it."""
 
 HANDLE_TOLERANCE = 0.01
-"""Largest difference of mirrored curve handles, in chords."""
+"""Largest difference of mirrored curve handles [chords]."""
 
 PLACE_TOLERANCE = 0.25
 """Largest RMS distance in 3D between a placed panel's mirror image and its partner, as a fraction of the panel's

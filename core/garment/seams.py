@@ -18,10 +18,10 @@ MAX_SEAM_CLOSURE_ITERATIONS = 30
 """Largest number of Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
 
 MIN_SINGULAR_VALUE_SHARE = 0.05
-"""Singular values below this fraction of the largest are dropped: those of seams that depend on others (a chain that
-closes), or repeat those of the wearer's other side up to a file's rounding, which could be closed only by moving points
-20 times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up to
-0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
+"""Share of the largest singular value below which others are dropped: those of seams that depend on others (a chain
+that closes), or repeat those of the wearer's other side up to a file's rounding, which could be closed only by moving
+points 20 times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up
+to 0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
 
 PATTERN_SYMMETRY_TOLERANCE = 1e-6
 """Largest distance of a point from its image at which a pattern is symmetric [m]."""

@@ -110,8 +110,8 @@ def find_normal_orientation(points: np.ndarray, normals: np.ndarray) -> int:
 
 
 MIN_NOISY_NORMAL_SPREAD = 0.08
-"""Spread of normals (1 - length of the mean of `NORMAL_AVERAGING_COUNT`) from which they are noise: 0.01 to 0.02 with
-the scanner's noise of 1 to 2 mm, 0.21 with 5 mm."""
+"""Spread of normals [1] (1 - length of the mean of `NORMAL_AVERAGING_COUNT`) from which they are noise: 0.01 to 0.02
+with the scanner's noise of 1 to 2 mm, 0.21 with 5 mm."""
 NORMAL_AVERAGING_COUNT = 8
 """Number of points whose normals are averaged where they are noise: at 7 mm of spacing a disk of 1 cm radius."""
 

@@ -11,7 +11,7 @@ from .intersections import intersecting_pairs, self_intersections
 from .linear import Factor, factor_symmetric
 
 MAX_CONTOUR_GRADIENT = 3.0
-"""Largest length of a contour's gradient at one vertex: regular ones have 1 to 2, edges that graze a face 20."""
+"""Largest length of a contour's gradient at one vertex [m/m]: regular ones have 1 to 2, edges that graze a face 20."""
 
 UNTANGLING_STEP_LENGTH = 5e-4
 """Motion of a vertex with a uniform contour gradient in one iteration [m]: with 1 mm, detail meshes of shorts and

@@ -11,11 +11,11 @@ from scipy.spatial import cKDTree
 from ..geometry.surface import TriangleSurface
 
 SAMPLES_PER_SITE = 40
-"""Surface samples per mesh vertex that imitate a triangulation: the floor is 10 % above that of a perfect hexagonal
-lattice, as for even triangulations; 16 samples gave 17 %, 64 give 9 % and take twice the time."""
+"""Number of surface samples per mesh vertex that imitate a triangulation: the floor is 10 % above that of a perfect
+hexagonal lattice, as for even triangulations; 16 samples gave 17 %, 64 give 9 % and take twice the time."""
 
 LLOYD_ITERATIONS = 8
-"""Lloyd iterations that spread the imitated vertices; later ones change the floor by less than 1 % each."""
+"""Number of Lloyd iterations that spread the imitated vertices; later ones change the floor by less than 1 % each."""
 
 
 MAX_QUERY_VERTEX_COUNT = 200_000

@@ -24,7 +24,7 @@ COMPARED_CURVE_SEGMENT_COUNT = 24
 """Number of segments of each compared curve: the chord error on a 50 cm curve is 0.1 mm."""
 
 DRAWN_SEGMENTS = 12
-"""Segments of each drawn curve: the chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
+"""Number of segments of each drawn curve: the chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
 
 TURNING_DISTANCE_TOLERANCE = 1e-6
 """Difference below which two turning distances are equal [rad]; a mirror-symmetric panel is then not turned over."""

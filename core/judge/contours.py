@@ -12,7 +12,7 @@ from ..scan.contours.loop import find_loops
 from ..scan.contours.target import Contour
 
 CONTOUR_SAMPLES = 500
-"""Points along each loop: 2 mm apart on a wide hem, far less than the errors that matter."""
+"""Number of points along each loop: 2 mm apart on a wide hem, far less than the errors that matter."""
 
 
 def loop_rms(first: np.ndarray, second: np.ndarray) -> float:

@@ -24,7 +24,7 @@ from .crossings import count_crossings
 from .penetration import measure_penetration
 
 SURFACE_SAMPLES = 50_000
-"""Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
+"""Number of samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
 
 
 @dataclass(frozen=True)

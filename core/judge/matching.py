@@ -25,7 +25,7 @@ MATCHING_POINT_COUNT = 48
 """Number of points on an outline for matching. Different shapes differ by ten times the sampling error."""
 
 PANEL_MIRROR_SIGNS = np.array([-1.0, 1.0])
-"""Signs of x and y that mirror a flat panel, shape [2]."""
+"""Factors on x and y that mirror a flat panel, shape [2]."""
 
 
 @dataclass(frozen=True)

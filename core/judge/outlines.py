@@ -11,13 +11,13 @@ from ..geometry.curves import ClosedCurve, resample_polyline
 from ..geometry.rigid import RigidMotion, fit_rigid, plane_rotation
 
 EDGE_SAMPLES = 50
-"""Points on each edge: 2 cm apart on the longest side of trousers."""
+"""Number of points on each edge: 2 cm apart on the longest side of trousers."""
 
 FIT_START_COUNT = 12
 """Number of starting angles of a fit without corresponding edges; from 15 degrees off it converges."""
 
 FIT_SWEEPS = 15
-"""Closest-point iterations from each starting angle; enough to find the one with the best fit."""
+"""Number of closest-point iterations from each starting angle; enough to find the one with the best fit."""
 
 FINAL_SWEEPS = 300
 """Largest number of iterations from the best start: points slide along the outline slowly."""

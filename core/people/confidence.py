@@ -9,10 +9,10 @@ from .part import Part
 from .separation import FoundGarment, Outfit
 
 POSTERIOR_TEMPERATURE = 0.5
-"""Divisor of a point's log-probabilities within a reading of the outfit (temperature scaling), as smoothing lowers the
-networks' confidence. On 94 scans of simulated persons of held-out designs 0.967 of the samples are right where the
-outfit is read rightly. Their mean confidence is 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5; a lower value would give a
-confidence of 0.9 where less than 0.97 are right."""
+"""Factor by which a point's log-probabilities are divided within a reading of the outfit (temperature scaling), as
+smoothing lowers the networks' confidence. On 94 scans of simulated persons of held-out designs 0.967 of the samples are
+right where the outfit is read rightly. Their mean confidence is 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5; a lower
+value would give a confidence of 0.9 where less than 0.97 are right."""
 
 BORDER_STEP_SCALE = 2e-3
 """Step at a border that alone makes its evidence 1 [m]: a thin hem is 1 to 2 mm thick, and stands off more."""
@@ -34,7 +34,7 @@ CATEGORY_CONTOURS = ("cuff", "armhole", "leg")
 """Openings that determine a garment's category; of a skirt and a dress also the hem. A top's may be tucked."""
 
 MIN_OPENING_CONFIDENCE = 0.4
-"""Confidence below which an inferred opening counts as guessed: that for half of the evidence that shows an opening."""
+"""Probability below which an inferred opening counts as guessed: that for half of the evidence that shows one."""
 
 MIN_OUTFIT_LOG_ODDS = 0.7
 """Log-odds of the two best readings below which the labels are refused as unsure, unless checked: two to one."""

@@ -21,8 +21,8 @@ MIN_LINK_NORMAL_COSINE = 0.3
 """Least cosine between the normals of linked points: an arm beside the trunk and the inside of a sleeve face away."""
 
 DIFFUSION_STRENGTH = 4.0
-"""Weight of differences between neighbours against the points' own evidence: at 4, 40 % wrong points of a patch of 40K
-become 1 %, and a border between two parts is 4 samples, 3 cm, wide before the labels sharpen it."""
+"""Weight of differences between neighbours relative to the points' own evidence: at 4, 40 % wrong points of a patch of
+40K become 1 %, and a border between two parts is 4 samples, 3 cm, wide before the labels sharpen it."""
 
 
 @dataclass(frozen=True)

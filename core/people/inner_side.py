@@ -18,8 +18,8 @@ MIN_BACKED_SHARE = 0.3
 """Least share of an inward-facing piece with the outer side behind it: with less, the piece is a fold, or noise."""
 
 MAX_MEAN_NORMAL_LENGTH = 2.0 / np.pi
-"""Largest length of the mean of an inner side's unit normals: that of half a tube, since it goes around a limb or the
-trunk. The back of a pleat, which has the pleat's front behind it, faces one way."""
+"""Largest length of the mean of an inner side's unit normals [1]: that of half a tube, since it goes around a limb or
+the trunk. The back of a pleat, which has the pleat's front behind it, faces one way."""
 
 INNER_SIDE_QUERY_COUNT = 20_000
 """Approximate number of vertices at which an outer side is searched: every n-th of a dense scan."""

@@ -13,7 +13,7 @@ from ..scan.refusal import LabelsUnreadable
 from .part import Part
 
 LABEL_NAME_COUNT = max(Part) + 1
-"""Length of `names`: a label is the index of its name."""
+"""Number of `names`: a label is the index of its name."""
 
 
 def write_labels(

@@ -44,9 +44,9 @@ FILTER_DILATIONS = (1, 3)
 MAX_FEATURE_DEVIATION = 8.0
 """Number of standard deviations at which features are clamped, so that an unusual scan stays in the trained range."""
 MIN_RULE_PROBABILITY = 1.0e-3
-"""Lower bound of the rules' probabilities in the networks' input, before their logarithm is taken."""
+"""Least probability by the rules in the networks' input, before their logarithm is taken."""
 RECTIFIER_SLOPE = 0.1
-"""Slope of the leaky rectifier below zero."""
+"""Slope [1] of the leaky rectifier below zero."""
 TRAINING_HEADS = ("tightness", "border", "present")
 """Heads that only training uses."""
 KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
@@ -58,11 +58,11 @@ GARMENT_KIND = int(KIND_OF_COLUMN[PARTS.index(Part.UPPER)])
 BARE_KINDS = [int(KIND_OF_COLUMN[PARTS.index(part)]) for part in (Part.SKIN, Part.SHOES)]
 """Indices of the kinds beyond the ends of garments."""
 MAX_LOG_ODDS_CHANGE = float(np.log(50.0))
-"""Largest change by the networks of the log-odds of skin, or shoes, to garments: like colour, they count against
+"""Largest change by the networks [1] of the log-odds of skin, or shoes, to garments: like colour, they count against
 garments by 1 : 50 at most. They took a smooth sheet 12 mm over the legs for skin and boots, however sure the rules
 were, as no person of the training wears anything so close. The rules are less sure of hair and other things."""
 MIN_KIND_PROBABILITY = 1e-12
-"""Lower bound of a kind's probability before its logarithm is taken."""
+"""Least probability of a kind before its logarithm is taken."""
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ STEP_ROW_COUNT = 6
 MAX_RING_SLOPE = 3
 """Largest number of rows that a ring goes up or down from one column to the next: 45 degrees and more on every limb."""
 BEND_COST = 0.8
-"""Log-probability cost of a row up or down: a tilt of 10 cm and back costs what five columns of a clear step gain."""
+"""Log-probability lost by a row up or down: a tilt of 10 cm and back costs what five columns of a clear step gain."""
 HALF_CONFIDENCE_MARGIN = 8.0
-"""Margin of the log-probability at which a ring is as likely wrong as right. Simulated sleeves' and legs' rings with
-margins of 0 to 5, 5 to 15, 15 to 30 and more were within 2 cm of the true end in 0.21, 0.65, 0.67 and 0.81 of cases."""
+"""Log-probability margin at which a ring is as likely wrong as right. Simulated sleeves' and legs' rings with margins
+of 0 to 5, 5 to 15, 15 to 30 and more were within 2 cm of the true end in 0.21, 0.65, 0.67 and 0.81 of cases."""
 CORRELATED_COLUMN_COUNT = 4.0
 """Number of columns whose evidence is as good as that of one: folds and the fit's errors are 3 to 8 cm wide."""
 MIN_RING_DISTANCE = 0.04
@@ -27,9 +27,9 @@ MIN_RING_DISTANCE = 0.04
 MIN_STEP_NOISE = 0.001
 """Least standard deviation of a step's noise [m]: that of a fit's errors. A scan's own noise is measured."""
 MIN_RIDGE_NOISE = 0.05
-"""Least standard deviation of the noise of a difference of curvature between rows, times 2 cm (a pure number)."""
+"""Least standard deviation of the noise of a difference of curvature between rows, times 2 cm [1]."""
 CONTRAST_NOISE = 6.0
-"""Difference of mean colour (CIE76, lightness by 0.4) that shade and prints make over 10 cm."""
+"""Difference of mean colour [CIE76, lightness by 0.4] that shade and prints make over 10 cm."""
 EDGELESS_CELL_SHARE = 0.6
 """Share of a limb's cells without an edge, whose values give the noise: a limb with frills needs stronger edges."""
 

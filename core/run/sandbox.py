@@ -50,7 +50,7 @@ _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import
 _CLONE_NEWNET, _CLONE_NEWUSER = 0x40000000, 0x10000000
 """Flags of Linux' `unshare` for a network namespace and a user namespace of the process's own."""
 _DIE_WITH_PARENT = 1
-"""Linux' PR_SET_PDEATHSIG."""
+"""Code of Linux' PR_SET_PDEATHSIG."""
 
 
 class InputTooLarge(BadInput):

@@ -14,4 +14,4 @@ METRIC = ("m", "cm", "mm")
 """Units that are recognised by a garment's or body's size."""
 
 MM_PER_M = 1e3
-"""Millimetres in a metre, for display."""
+"""Number of millimetres in a metre, for display."""

@@ -27,7 +27,7 @@ person's and not a room's."""
 PERSON_BOX_MARGIN_SHARE = 0.1
 """Margin around the box of the person's samples that is kept for the next iteration, as a share of the height."""
 LINK_SPACING_RATIO = 2.5
-"""Distance up to which samples are linked to one piece, in sample spacings: in a random sample of a surface nearly all
+"""Distance up to which samples are linked to one piece [sample spacings]: in a random sample of a surface nearly all
 have a neighbour within 1.5, and a hand beyond a hole at the wrist is linked to the arm."""
 LINK_DIAGONAL_SHARE = 0.015
 """Distance up to which samples are linked whatever their density, as a share of the diagonal: 3 cm of a person. A
@@ -37,9 +37,9 @@ MAX_PART_GAP_SHARE = 0.04
 MIN_SCAN_PIECE_SHARE = 0.002
 """Share of the samples, or of a mesh's area, below which a piece is dropped as flyers: 40 cm2 of a person."""
 MIN_SECOND_PERSON_SHARES = (0.35, 0.6)
-"""Least surface and diagonal of a second person over the first one's: a child beside an adult has 0.4 and 0.6."""
+"""Least ratios of a second person's surface and diagonal to the first one's: a child beside an adult has 0.4, 0.6."""
 MAX_SECOND_MISFIT_RATIO = 2.0
-"""Largest misfit of a second person over the first one's; boxes and chairs have more than 3."""
+"""Largest ratio of a second person's misfit to the first one's; boxes and chairs have more than 3."""
 MIN_CANDIDATE_PIECE_SHARE = 0.25
 """Share of the largest piece's samples from which on a piece is a candidate for the person."""
 

@@ -12,9 +12,9 @@ from .columns import are_whole, as_bytes, find_labels
 
 _BLANKS = str.maketrans(",;", "  ")
 XYZ_COLUMN_COUNTS = (3, 4, 6, 7, 9, 10)
-"""Accepted counts of numbers in a row of an XYZ file: position, then optionally an intensity, a colour and a normal."""
+"""Accepted numbers of values in a row of an XYZ file: position, then optionally an intensity, a colour and a normal."""
 UNIT_SLACK = 0.05
-"""Deviation of a length from 1 up to which three numbers are a normal; rounding to two digits leaves 0.01."""
+"""Deviation [1] of a length from 1 up to which three numbers are a normal; rounding to two digits leaves 0.01."""
 
 
 def parse_pcd(path: Path) -> dict[str, np.ndarray]:

@@ -26,7 +26,7 @@ _JSON_BYTES = 64 * 1024**2
 _EMBEDDED = re.compile(r"data:[\w./+-]*;base64,")
 """Beginning of data that are embedded in the JSON."""
 _GLTF_TRIANGLES_MODE = 4
-"""glTF's mode for separate triangles, the default."""
+"""Code by glTF for separate triangles, the default."""
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_")
 """Required extensions that change only the appearance, or that keep plain accessors."""
 

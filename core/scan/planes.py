@@ -21,11 +21,11 @@ a door. A slice through a person has 10 times as many points on either side as i
 MIN_PLANE_POINT_SHARE = 0.025
 """Least share of all points on the bare part of a plane; soles, which are below shoes, have half of that."""
 PLANE_CLEARANCE_HEIGHT_SHARES = (0.006, 0.25, 0.05)
-"""Heights above a plane, as shares of the diagonal (1.2, 50 and 10 cm for a person). Points between the first two show
+"""Shares of the diagonal for heights above a plane (1.2, 50, 10 cm for a person). Points between the first two show
 that a place is not bare (before a back is a chest), points between the first and the third that it is under a shoe."""
 MIN_PLANE_CLEARANCE_RATIOS = (3.0, 1.2)
-"""Least distances of a plane's point from the points above it, in sample spacings: to count as bare floor or wall, and
-to be dropped once there is a bare place."""
+"""Least distances of a plane's point from the points above it [sample spacings]: to count as bare floor or wall, and to
+be dropped once there is a bare place."""
 
 
 @dataclass(frozen=True)

@@ -20,15 +20,15 @@ from .mend import mend_mesh
 from .open3d_library import load_open3d
 
 MAX_POISSON_DISTANCE_RATIO = 2.5
-"""Largest distance from the nearest point, in median spacings: up to 0.7 in a full grid, rarely 2 in random points."""
+"""Largest distance from the nearest point [median spacings]: up to 0.7 in a full grid, rarely 2 in random points."""
 MIN_POISSON_NORMAL_COSINE = 0.3
 """Least cosine between the normals of a face and of the points nearest to it: noise tilts a normal by up to half a
 right angle, a face that spans the step at a hem is perpendicular to the points."""
 MIN_POISSON_PIECE_SHARE = 0.01
 """Share of the largest piece's area below which a piece is dropped as a bubble closed by Poisson reconstruction."""
 OCTREE_DEPTH_RANGE = (6, 9)
-"""Least and largest depth of the octree: at 9 a cell of a person's box is 3.7 mm, and its surface as near to the true
-cloth (1.1 mm) as that of 8; at 10 it has millions of triangles of noise."""
+"""Least and largest number of levels of the octree: at 9 a cell of a person's box is 3.7 mm, and its surface as near to
+the true cloth (1.1 mm) as that of 8; at 10 it has millions of triangles of noise."""
 BOUNDS = Bounds(memory_bytes=6 * 1024**3, cpu_seconds=300, wall_seconds=600.0)
 """Limits of a reconstruction: a million points take some 60 s and 2 GB."""
 

@@ -15,7 +15,7 @@ MERGE_DISTANCE_SHARE = 1e-7
 """Distance below which vertices are merged, as a share of the bounding box's diagonal: the resolution of float32, in
 which STL and most PLY files store the same point once per triangle."""
 MAX_SLIVER_HEIGHT_RATIO = 1e-6
-"""Height of a triangle over its longest side up to which its direction is undefined in float32."""
+"""Ratio of a triangle's height to its longest side up to which its direction is undefined in float32."""
 MIN_MESH_PIECE_SHARE = 0.05
 """Share of the largest piece's area below which a separate piece is dropped: it is dust or an eye, never a garment."""
 MAX_MESH_PIECE_COUNT = 5000
@@ -104,7 +104,7 @@ def _merge_duplicates(surface: RepairedMesh) -> RepairedMesh:
 
 
 _ROW_HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-"""Odd factors for three integers, without a bit pattern (multiplicative hash): few unlike rows have equal sums."""
+"""Factors, odd, for three integers, without a bit pattern (multiplicative hash): few unlike rows have equal sums."""
 
 
 def _find_equal(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,8 +12,8 @@ from . import refusal
 from .scan import Scan
 
 GARMENT_COLOUR_TOLERANCE = 60.0
-"""Distance in RGB (0 to 255) up to which a colour is the garment's: camera noise of 9 a channel stays within 35, skin
-is 150 from denim. Strong shadows need more."""
+"""Distance of colours [RGB, 0 to 255] up to which a colour is the garment's: camera noise of 9 a channel stays within
+35, skin is 150 from denim. Strong shadows need more."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 DEFAULT_STATURE = 1.70
 """Height assumed for a person whose unit is none of `UNITS` [m]: between the means of women and men."""
 MAX_PERSON_MISFIT = 0.7
-"""Largest misfit of a person, whatever the unit: dressed people have up to 0.5, a box as tall or half a person more."""
+"""Largest misfit of a person [1] in any unit: dressed people have up to 0.5, a box as tall or half a person more."""
 PERSON_PART_SIZE_RANGE = (0.3, 5.0)
 """Least and largest size of what may be a part of a person, or several [m]."""
 PROFILE_SLICE_COUNT = 24
@@ -34,7 +34,7 @@ UNUSUAL_AXIS_PENALTY = 1.25
 """Factor on the misfit of all axes but the usual ones (y, z), which few files have. A person in a T-pose lying on the
 side matches at least 2 times worse than upright."""
 MIN_AXIS_MISFIT_RATIO = 1.3
-"""Misfit of the second best axis over that of the best above which the best is certain."""
+"""Ratio of the second best axis' misfit to that of the best above which the best is certain."""
 POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     "T": {},
     "A": {"left_shoulder": (0, 0, -0.8), "right_shoulder": (0, 0, 0.8)},
@@ -80,12 +80,12 @@ LEG_JOINTS = (
 )
 """Joints whose skin a skirt covers."""
 SKIRT_HEM_SHARES = ((0.02, 0.24), (0.02, 0.15), (0.28, 0.16))
-"""Height and radius of the hem of each skirt that a scan is compared with, as shares of the stature: a gown, a long
-dress, one to the knee. Without them a gown is more like a person head down with arms spread."""
+"""Shares of the stature that are height and radius of the hem of each skirt that a scan is compared with: a gown, a
+long dress, one to the knee. Without them a gown is more like a person head down with arms spread."""
 SKIRT_POSES = ("T", "A", "arms down", "on hips")
 """Poses of `POSES` that are combined with each of `SKIRT_HEM_SHARES`."""
 SKIRT_WAIST_SHARES = (0.62, 0.08)
-"""Height and radius of a skirt's upper end, as shares of the stature."""
+"""Shares of the stature that are height and radius of a skirt's upper end."""
 
 
 @dataclass(frozen=True)

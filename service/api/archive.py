@@ -10,7 +10,7 @@ from ..records import Artifact
 from ..store import Store
 
 ARCHIVE_MEMBER_TIME = (1980, 1, 1, 0, 0, 0)
-"""Date and time of every file in an archive: equal results give equal archives."""
+"""Date and time of every file in an archive [year to second]: equal results give equal archives."""
 
 
 class _Pipe(io.RawIOBase):

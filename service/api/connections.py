@@ -13,8 +13,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from .limits import ApiLimits
 
 UNSENT_BYTES = 1 << 17
-"""Bytes of a response that the system buffers beyond what the client has room for. By default it buffers megabytes, and
-a client that reads slowly would seem to read nothing while they are sent."""
+"""Size of what the system buffers of a response beyond the client's room for it [bytes]. By default it buffers
+megabytes, and a client that reads slowly would seem to read nothing while they are sent."""
 
 STALL_CHECK_COUNT = 4
 """Number of checks within `stalled_seconds` whether the client has read more of a response."""

@@ -34,7 +34,7 @@ HOST_FIELDS = ("owner",)
 """Fields of events that name a host, a process or a task."""
 
 MAX_EVENT_ID = 2**63 - 1
-"""Largest id of an event: the largest value of a 64-bit column."""
+"""Largest number of an event: the largest value of a 64-bit column."""
 EXAMPLE = {
     "id": 17, "job": "3685ecfd4f81", "at": 1795250000.5, "kind": "progress",
     "data": {"stage": "drape", "fraction": 0.4, "message": "", "overall": 0.34, "left_seconds": 41.0},

@@ -25,7 +25,7 @@ FabricName = TemplateName
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 MAX_RANDOM_SEED = 2**31 - 1
-"""Largest seed: the largest integer of every client."""
+"""Largest number for a seed: the largest integer of every client."""
 WORDS = tuple(part.word for part in GARMENTS)
 """The garments of a person."""
 MAX_JOBS_PER_REQUEST = 1000

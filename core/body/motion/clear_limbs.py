@@ -41,7 +41,7 @@ SPREAD_ANGLE_TOLERANCE = np.deg2rad(0.1)
 """Change of the angle at which the search ends [rad]."""
 
 MIN_LEG_WEIGHT_SHARE = 0.3
-"""Smallest weight share of a leg in a face of that leg. The inner thigh has half of its weights from the pelvis."""
+"""Smallest share of a leg in the weights of its faces. The inner thigh has half of its weights from the pelvis."""
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from ...geometry.geometry import unit
 from .joint_words import HELPER_WORDS, Part, name_part, split_name
 
 MIN_BONE_LENGTH_RATIO = 0.6
-"""Smallest length ratio of a limb's two bones: thigh and shin, upper arm and forearm 0.8 to 1, a twist bone 0.5."""
+"""Smallest ratio of a limb's two bones' lengths: thigh and shin, upper arm and forearm 0.8 to 1, a twist bone 0.5."""
 
 MIRROR_LIKENESS = 0.9
-"""One minus the relative error [of the distance from the fork] of mirrored chains: persons are symmetric to 5 %."""
+"""Share of the distance from the fork in which mirrored chains agree: persons are symmetric to 5 %."""
 
 
 @dataclass(frozen=True)

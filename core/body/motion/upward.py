@@ -11,8 +11,8 @@ MIN_UP_AGREEMENT_COSINE = 0.5
 mean lean of a person who works bent over."""
 
 MIN_MEAN_RESULTANT_LENGTH = 0.8
-"""Smallest length of the mean of unit directions at which a person's posture is constant, within 37 degrees. Walks have
-0.98; a person who rolls on the floor has less than 0.5."""
+"""Smallest length of the mean of unit directions [1] at which a person's posture is constant, within 37 degrees. Walks
+have 0.98; a person who rolls on the floor has less than 0.5."""
 
 MEAN_AXIS_COSINE = 0.94
 """Cosine to an axis of the file above which a mean direction is that axis: 20 degrees."""

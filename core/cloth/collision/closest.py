@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 NODE_FACE, EDGE_EDGE = 0, 1
-"""Kinds of pairs in the kernels. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
+"""Codes of the kinds of pairs in the kernels. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
 
 PARALLEL_EDGE_SHARE = 1e-3
 """Share of |e1|^2 |e2|^2 at rest under which |e1 x e2|^2 counts as nearly parallel (Li et al. 2020, 6.3)."""

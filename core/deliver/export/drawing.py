@@ -12,7 +12,7 @@ from ...garment.pieces.shelves import pack_on_shelves
 from ...geometry.curves import polyline_length, resample_polyline
 
 DRAWING_SCALE_DENOMINATOR = 10
-"""Denominator of the scale of the report's drawing: at 1:10 a dress's pieces fit the width of a page."""
+"""Ratio of true size to that in the report's drawing: at 1:10 a dress's pieces fit the width of a page."""
 
 REPORT_SHEET_WIDTH = 1.75
 """Width of the sheet [m]: 175 mm on paper at 1:10, the width inside an A4 page's margins."""

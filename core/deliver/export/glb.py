@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 GL_FLOAT, GL_UNSIGNED_INT = 5126, 5125
-"""OpenGL's numbers for the component types float32 and uint32, as glTF uses them."""
+"""Codes by OpenGL for the component types float32 and uint32, as glTF uses them."""
 
 GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER = 34962, 34963
-"""OpenGL's numbers for the targets of a buffer view, vertex attributes and vertex indices, as glTF uses them."""
+"""Codes by OpenGL for the targets of a buffer view, vertex attributes and vertex indices, as glTF uses them."""
 
 GLTF_ACCESSOR_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 """glTF's names of vectors by their length."""

@@ -21,14 +21,14 @@ STUDIO_LIGHTS = (
     ((0.75, 0.10, 0.45), 0.22),
     ((0.10, -0.60, 0.55), 0.08),
 )
-"""Directions (right, up, towards the eye) and strengths of the key, fill and floor lights, as in a studio."""
+"""Directions (right, up, towards the eye) and strengths [1] of the key, fill and floor lights, as in a studio."""
 
 AMBIENT_LIGHT_STRENGTH = 0.27
 """Strength of the light from all directions, as a share of a surface's colour. With the three lights a surface that
 faces the key light is just below white."""
 
 RIM_LIGHT_STRENGTH = 0.10
-"""Strength of the light along the outline, added to RGB in 0..1, which separates the picture from its ground."""
+"""Strength of the light along the outline [RGB, 0 to 1], which is added and separates the picture from its ground."""
 
 CAVITY_SHADING_STRENGTH = 14.0
 """Darkening of a point per depth below its surroundings [1/m]; it makes folds visible."""

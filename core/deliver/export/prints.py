@@ -20,7 +20,7 @@ PRINT_BLEED_WIDTH = 0.04
 """Width of the print beyond the sew line [m]: the widest usual seam allowance, that of a leg's hem."""
 
 PRINT_MIRROR_MATRIX = np.diag([-1.0, 1.0])
-"""Mirror matrix, shape [2, 2], from a pair's mirrored copy as it is drawn to the copy as it is cut."""
+"""Matrix that mirrors, shape [2, 2], from a pair's mirrored copy as it is drawn to the copy as it is cut."""
 
 
 @dataclass(frozen=True)

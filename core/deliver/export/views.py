@@ -34,7 +34,7 @@ ERROR_COLOUR_STOPS = (
     (0.75, (0.80, 0.25, 0.20)),
     (1.00, (0.42, 0.05, 0.24)),
 )
-"""Stops of the error map's colour scale, fraction and RGB in 0..1; readable in print and without red-green vision."""
+"""Fractions and colours of the error map's scale, RGB in 0..1; readable in print and without red-green vision."""
 
 MIN_ERROR_RANGE_MM = 5.0
 """Smallest upper end of the colour bar [mm]; below it a scanner's noise would look like an error."""

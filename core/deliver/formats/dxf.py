@@ -30,7 +30,7 @@ DRILL_HOLE_DIAMETER = 0.003
 """Diameter of a drill hole [m]."""
 
 ARCHIVE_FILE_TIMESTAMP = (1980, 1, 1, 0, 0, 0)
-"""Time of the files in an archive (year to second); constant, so that its bytes depend on its content alone."""
+"""Time of the files in an archive [year to second]; constant, so that its bytes depend on its content alone."""
 
 Rules = dict[str, list[tuple[np.ndarray, int]]]
 """By the piece's name: its points [m], and the number of the rule that moves each."""

@@ -9,7 +9,7 @@ MM_PER_POINT = 25.4 / 72.0
 """Length of a typographic point, 1/72 inch [mm]."""
 
 MAX_PAGE_SIDE_UNITS = 14400.0
-"""Longest side of a page in the page's own units (PDF 1.7, annex C); a longer page has larger units."""
+"""Longest side of a page [the page's own units] (PDF 1.7, annex C); a longer page has larger units."""
 
 
 @dataclass(frozen=True)

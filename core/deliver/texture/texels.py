@@ -12,7 +12,7 @@ TEXEL_CHUNK_SIZE = 4_000_000
 """Number of pairs of texel and face that are tested together: 0.5 GB at most."""
 
 TEXEL_BARYCENTRIC_TOLERANCE = 1e-9
-"""Largest negative barycentric coordinate of a texel in a face, without sign: a texel on an edge is in one face."""
+"""Largest negative barycentric coordinate [1] of a texel in a face, without sign: a texel on an edge is in one face."""
 
 
 @dataclass(frozen=True)

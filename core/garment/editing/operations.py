@@ -31,7 +31,7 @@ MAX_POINT_MOVE_MM = 10_000.0
 """Largest motion of a point [mm]."""
 
 MAX_OPERATION_NUMBER = 100_000
-"""Upper bound of a number in an operation; the operation checks it against the panel."""
+"""Largest number in an operation; the operation checks it against the panel."""
 
 OperationFields = Mapping[str, Any]
 

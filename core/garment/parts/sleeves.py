@@ -37,7 +37,7 @@ ELBOW_BOW = 0.008
 sleeve then follows an arm that hangs slightly bent, as the two-piece block's elbow line does."""
 
 FULL_CAP = 0.6
-"""Length of the handles of a set-in cap by its half width: the cap then rises bell-shaped over the shoulder's end."""
+"""Ratio of the handles of a set-in cap to its half width: the cap then rises bell-shaped over the shoulder's end."""
 
 
 @dataclass(frozen=True)

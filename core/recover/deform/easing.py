@@ -10,8 +10,8 @@ from ...geometry.linear import factor_symmetric
 from .acceptance import falloff_weights, find_crossing_faces
 
 MIN_FACE_STRETCH, MAX_FACE_STRETCH = 0.45, 1.55
-"""Bounds on the singular values of flat panel to surface. Cloth at rest keeps within 0.9 to 1.2, and panels may be off
-by a fifth; a triangle beyond these bounds is collapsed or torn, and spoils a texture."""
+"""Bounds on the singular values of flat panel to surface [1]. Cloth at rest keeps within 0.9 to 1.2, and panels may be
+off by a fifth; a triangle beyond these bounds is collapsed or torn, and spoils a texture."""
 
 MAX_STRAIN_LIMIT_ITERATIONS = 10
 """Largest number of iterations of strain limiting; single triangles need three, a pleat that was pressed flat ten."""

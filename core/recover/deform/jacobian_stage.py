@@ -16,7 +16,7 @@ from .rest_metric import RestMetric
 from .settings import DeformSettings
 
 PLATEAU_WINDOW = 20
-"""Iterations over which the improvement is judged: longer than a step's ripple, a seventh of the whole."""
+"""Number of iterations over which the improvement is judged: longer than a step's ripple, a seventh of the whole."""
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,14 @@ SQUARED_CURVATURE_WEIGHTS = (1e-8, 1e-9)
 """Weights of the squared curvature at first and last step [m4]: they resist folds shorter than 1 cm and 0.6 cm."""
 
 POINT_DISTANCE_WEIGHT, PLANE_DISTANCE_WEIGHT, CONTOUR_DISTANCE_WEIGHT = 0.2, 1.0, 10.0
-"""Weights of the distance to the closest point, of its part along the normal, and of the rows of the contours. A fifth
-along the surface lets triangles slide; the contours keep the border from sliding too."""
+"""Weights of the squared distances to the closest point, along the normal and of contours, relative to that along the
+normal. A fifth along the surface lets triangles slide; the contours keep the border from sliding too."""
 
 MIN_MATCH_NORMAL_COSINE = 0.2
 """Cosine between normals below which a match has no weight: it belongs to another layer or to a wrong fold."""
 
 BODY_CONTACT_WEIGHT = 10.0
-"""Weight of a node inside the body, larger than that of a target inside the body."""
+"""Weight of a node inside the body, relative to a match's: larger, since its match may be inside the body, too."""
 
 
 def polish_nodes(

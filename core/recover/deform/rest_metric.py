@@ -9,7 +9,7 @@ from ...geometry.connectivity import HalfEdges
 from ...geometry.linear import factor_symmetric
 
 MIN_REST_STRETCH, MAX_REST_STRETCH = 0.6, 1.6
-"""Bounds on a smoothed stretch: a panel that is off by more was graded wrongly, and must not be copied."""
+"""Bounds on a smoothed stretch [1]: a panel that is off by more was graded wrongly, and must not be copied."""
 
 
 class RestMetric:

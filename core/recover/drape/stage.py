@@ -39,7 +39,7 @@ MIDDLE_PLANE_DISTANCE = 0.1
 """Distance of placed panels from the middle plane while contours are named [m]: more than bones deviate from it."""
 
 MAX_DRESSED_STRETCH = 1.5
-"""Stretch, exceeded by a thousandth of the faces of a dressed pattern at rest, above which it is dressed again on a
+"""Stretch [1], exceeded by a thousandth of the faces of a dressed pattern at rest, above which it is dressed again on a
 finer mesh, because cloth is caught. A caught T-shirt had 4.7, wide trousers with legs caught in each other 3.0,
 trousers with hems caught under the feet 1.65 (1.1 from the finer mesh), 102 others at most 1.4: five of these, from
 1.31 on, have 1.32 to 1.52 on the finer mesh, too."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 FIRST_MOMENT_DECAY, SECOND_MOMENT_DECAY = 0.9, 0.999
-"""Decay rates of the first and the second moment, those of the authors and of the thesis (section 3.3.1)."""
+"""Factors by which the first and the second moment decay, those of the authors and of the thesis (section 3.3.1)."""
 
 ADAM_EPSILON = 1e-30
 """Number added to the root of the second moment: it keeps a parameter without any gradient in place."""

@@ -32,15 +32,15 @@ MIN_DART_WIDTH = 0.01
 """Smallest width of the mouth of a dart [m]: a narrower one is within 5 mm of its fold and eased."""
 
 MIN_PANEL_STRAIN = 0.01
-"""RMS over a panel of the strain that no flat shape takes, below which it gets no dart: woven cloth has as much."""
+"""RMS over a panel of the strain that no flat shape takes [1], below which it gets no dart: woven cloth has as much."""
 
 PROPOSED_SHARE = 0.4
 """Share of the sum of squared strain that a dart has to take to be tried. On panels cut without one the best dart of
 `MIN_DART_ANGLE` takes at most 0.36 (one had 0.45, which a drape with it rejects), on those cut with one 0.43 to 0.7."""
 
 KEPT_SHARE = 1.0 / 3.0
-"""The same for a dart that is kept, after the whole pattern was fitted with it: equal seams, symmetry and proportions
-leave some strain that the panel alone would not have."""
+"""Share of the same sum for a dart that is kept, after the whole pattern was fitted with it: equal seams, symmetry and
+proportions leave some strain that the panel alone would not have."""
 
 MIN_DART_ANGLE = np.radians(5.0)
 """Smallest angle of a dart at its apex [rad]: `MIN_DART_WIDTH` at 11 cm, between skirt darts' lengths."""

@@ -24,7 +24,7 @@ RIM_ARM_LENGTH = 0.04
 arms 12 cm, a third of the narrowest cuffs."""
 
 MIN_CORNER_SIGMA_COUNT = 3.0
-"""Standard deviations by which a corner has to be larger than `MAX_SMOOTH_CORNER_ANGLE`."""
+"""Number of standard deviations by which a corner has to be larger than `MAX_SMOOTH_CORNER_ANGLE`."""
 
 MIN_CORNER_STD = np.radians(0.5)
 """Lower bound of a corner's standard deviation [rad]: smaller corners are not corrected in patterns either."""

@@ -44,7 +44,7 @@ that is sewn otherwise. Grading corrects proportions and adds no seam, so seams 
 has fewer right parts than by contours; at 0.7 for both 93 of 110 parts are right instead of 84, one cut has fewer."""
 
 RIVAL_MISFIT_SHARE = 0.85
-"""Of clearly better cuts that with fewest changes is taken unless another's misfit is below this share of its own."""
+"""Share of the misfit of the clearly better cut with fewest changes, below which another one is taken."""
 
 SPECIAL_SEAM_SKIRTS = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
 """Skirts whose seams differ from those of two plain panels."""

@@ -18,22 +18,22 @@ MIN_SISTER_AREA_RATIO = 0.6
 """Smallest ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
 
 AREA_RATIO_STD = 0.03
-"""Standard deviation of ln of a ratio of areas; five patterns graded up to twofold by authors keep it within 2.5 %."""
+"""Standard deviation of ln of a ratio of areas [1]; five patterns graded up to twofold by authors keep to 2.5 %."""
 
 MIN_COMPARED_AREA_SHARE = 0.5
 """Smallest share of a panel's area that is compared: two sewn discs have 0, panels of 60 patterns 0.56 or more."""
 
 LENGTH_RATIO_STD = 0.05
-"""Standard deviation of ln of a ratio of lengths of two edges in the same place of sister panels; within 5 % there."""
+"""Standard deviation of ln of a ratio of lengths of two edges in one place of sister panels [1]; within 5 % there."""
 
 NOTCH_RATIO_STD = 0.2
-"""Standard deviation of ln of the ratio of lengths of two consecutive edges of one seam: the cloth does not show where
-along a smooth seam the point between them is. A dress and shorts graded by their authors' program keep it within 0.3,
-0.2 in the root mean square: the hip stays, the hem moves down."""
+"""Standard deviation of ln of the ratio of lengths of two consecutive edges of one seam [1]: the cloth does not show
+where along a smooth seam the point between them is. A dress and shorts graded by their authors' program keep it within
+0.3, 0.2 in the root mean square: the hip stays, the hem moves down."""
 
 WIDTH_RATIO_STD = 0.04
 """Standard deviation of ln of the ratio of a bodice's width across the shoulders to that across the chest, from armhole
-to armhole: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. On a smooth shoulder
+to armhole [1]: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. On a smooth shoulder
 nothing else shows where the armhole crosses it."""
 
 MIN_UNLIKE_LENGTH_RATIO = 1.7
@@ -51,7 +51,7 @@ MAX_THREAD_ANGLE = np.radians(1.0)
 """Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad]: drawing inaccuracy."""
 
 DIRECTION_SHARE = 0.1
-"""Cost of one standard deviation of a direction by that of a ratio: enough where the cloth gives no evidence, and a
+"""Weight of a direction's standard deviation relative to a ratio's: enough where the cloth gives no evidence, and a
 tenth of its evidence on a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 changed nothing more."""
 
 

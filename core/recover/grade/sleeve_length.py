@@ -20,7 +20,7 @@ MIN_SLEEVE_MISMATCH_FACTOR = 1.5
 shoulder seam a short sleeve reaches 1.3 to 1.5 times its length."""
 
 MAX_SLEEVE_DISTANCE_SHARE = 1.0 / 3.0
-"""A sleeve replaces another if its distance from the scan's length, in logarithms, is below this share of the other's:
+"""Share of a sleeve's distance from the scan's length, in logarithms, below which another's distance replaces it:
 halfway between two a change gains nothing (that of a T-shirt at 0.47: panels 3.0 % off become 3.4 % off)."""
 
 

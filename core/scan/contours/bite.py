@@ -10,7 +10,7 @@ import numpy as np
 from ...geometry.curves import ClosedCurve
 
 MIN_BITE_RIM_RATIO = 2.5
-"""Least length of a bite's rim over its mouth. Design has less: a half-round scallop 1.6, a pointed V-neck 2."""
+"""Least ratio of a bite's rim to its mouth. Design has less: a half-round scallop 1.6, a pointed V-neck 2."""
 MIN_BITE_DEPTH = 0.05
 """Least depth of a bite into the garment [m]; less is a tooth of a cut along triangles."""
 MIN_BITE_DEPTH_SHARE = 0.25
@@ -20,10 +20,10 @@ MIN_BITE_AREA_SHARE = 0.6
 has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and 2.7 near the tip;
 a round hole whose rim is 2.5 times its mouth has 1.0."""
 MIN_TEAR_RIM_RATIO = 4.0
-"""Length of the rim over the mouth from which a neck's bite with less area than `MIN_BITE_AREA_SHARE` is a tear; a V
-has this ratio where it is twice as deep as wide."""
+"""Ratio of the rim to the mouth from which a neck's bite with less area than `MIN_BITE_AREA_SHARE` is a tear; a V has
+this ratio where it is twice as deep as wide."""
 MAX_SLIT_AREA_RATIO = 0.02
-"""Area over the squared length of a rim below which it is a slit's, whose area vector has no reliable direction."""
+"""Ratio of area to a rim's squared length below which it is a slit's, whose area vector has no reliable direction."""
 MIN_BITE_NORMAL_COSINE = 0.1
 """Least cosine between a bite's area vector and its direction for missing surface: nearer to 0 its sign is random. A
 fold of a flared hem had 0.06, stretches of it that are a vertex shorter -0.07 to -0.4."""
@@ -33,12 +33,12 @@ MAX_BITE_CANDIDATE_COUNT = 500
 """Largest number of stretches that are checked, narrowest first: the many folds of a gathered hem are all rejected."""
 
 MIN_BAY_AREA_RATIO = 0.3
-"""Least area of an unseen bay over that of the square on its mouth: a half disk has 0.39."""
+"""Least ratio of an unseen bay's area to that of the square on its mouth: a half disk has 0.39."""
 MIN_BAY_NORMAL_COSINE = 0.85
 """Least cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
 MIN_MEAN_NORMAL_LENGTH = 2.0 / np.pi
-"""Least length of the mean of a bay's unit normals: that of half a tube. A stretch that goes further around is the end
-of the tube, whose normals cancel and give no direction for its area vector."""
+"""Least length of the mean of a bay's unit normals [1]: that of half a tube. A stretch that goes further around is the
+end of the tube, whose normals cancel and give no direction for its area vector."""
 MIN_BAY_AREA = 4e-4
 """Smallest area of a bay [m2]: less is a tooth of the triangles."""
 MIN_SEEN_LENGTH = 0.01

@@ -10,13 +10,13 @@ from .encirclement import find_crossings
 from .target import Contour
 
 LONG_SLEEVE = 1.5
-"""Place on the arm (1 is the elbow, 2 the wrist) beyond which a cuff makes a sleeve long: the middle of the forearm.
-Loose T-shirt sleeves reach a little past the elbow."""
+"""Place on the arm [bones: 1 is the elbow, 2 the wrist] beyond which a cuff makes a sleeve long: the middle of the
+forearm. Loose T-shirt sleeves reach a little past the elbow."""
 SHORTS_END = 1.4
-"""Place on the leg (1 is the knee, 2 the ankle) above which trousers are shorts: knee-length shorts still are."""
+"""Place on the leg [bones: 1 the knee, 2 the ankle] above which trousers are shorts: knee-length shorts still are."""
 DRESS_START = 0.4
-"""Place on the leg (0 is the hip joint, 1 the knee) below which a hem makes a top a dress. The crotch is at about 0.25,
-and a long shirt covers it."""
+"""Place on the leg [bones: 0 is the hip joint, 1 the knee] below which a hem makes a top a dress. The crotch is at
+about 0.25, and a long shirt covers it."""
 
 
 def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: Body) -> str:

@@ -17,11 +17,11 @@ MIN_RIM_CORNER_ANGLE = np.radians(5.0)
 """Least turn of a corner of an outline [rad] (`core/garment/fairness.py`)."""
 
 MIN_NARROW_TURN_RATIO = 0.7
-"""Least turn of a corner in the narrow window over the broad one: 1 at a corner, 0.5 on a curve wider than both."""
+"""Least ratio of a corner's turn in the narrow window to the broad one's: 1 at a corner, 0.5 on a wide curve."""
 
 MIN_CORNER_NOISE_RATIO = 6.0
-"""Least turn of a corner over the median along its edge: four standard deviations, which noise exceeds on one of 300
-edges (50 independent windows each)."""
+"""Least ratio of a corner's turn to the median along its edge: four standard deviations, which noise exceeds on one of
+300 edges (50 independent windows each)."""
 
 MIN_RIM_CORNER_DISTANCE = 0.08
 """Least distance of two corners of one edge [m]: four times `BROAD_WINDOW_STD`."""

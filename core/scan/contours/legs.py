@@ -8,8 +8,8 @@ from ...geometry.curves import ClosedCurve
 from .loop import smoothed_length
 
 MAX_PINCH_CHORD_RATIO = 0.15
-"""Largest chord across a pinch, over the shorter way around: 0.01 to 0.05 where scanned legs touch; 0.6 for a round
-skirt's hem, 0.25 for one four times as wide as deep."""
+"""Largest ratio of the chord across a pinch to the shorter way around: 0.01 to 0.05 where scanned legs touch; 0.6 for a
+round skirt's hem, 0.25 for one four times as wide as deep."""
 
 MAX_PINCH_CHORD = 0.08
 """Largest chord across a pinch [m]: scanned legs touch to within 3 cm. Tiered hems of 2.5 to 3.4 m have chords of 15 to

@@ -13,7 +13,7 @@ triangles (1 cm), narrower than any feature of a contour's design."""
 LOOP_SAMPLE_SPACING = 0.004
 """Spacing of the samples of a loop [m]: several in one smoothing width."""
 MIN_SMOOTHED_LENGTH_SHARE = 0.8
-"""Length of a smoothed curve over its own below which it was cut along triangles; a wavy hem keeps more."""
+"""Share of its own length of a smoothed curve below which it was cut along triangles; a wavy hem keeps more."""
 
 
 def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[np.ndarray, ...]:

@@ -13,9 +13,9 @@ NECK_SMOOTHING_LENGTH = 0.02
 """Width of smoothing before a neck contour is unrolled [m]: two teeth of a cut; a right angle is rounded by 2 mm."""
 
 MAX_STRAP_LEAN_RATIO = 0.35
-"""Largest inward shift of a strap's edge over its height on the way to the side neck point. A neckline is widest there,
-except a square one, whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and pointed ones
-lean in by more than a half below that point; 0.3 to 0.4 give the same lines on eleven drapes."""
+"""Largest ratio of a strap's edge's inward shift to its height on the way to the side neck point. A neckline is widest
+there, except a square one, whose lower corners are as wide or wider, by 0.29 of their depth on a drape. Round and
+pointed ones lean in by more than a half below that point; 0.3 to 0.4 give the same lines on eleven drapes."""
 
 HALF_NECKLINE_SAMPLE_COUNT = 96
 """Number of samples of half a neckline: one every 3 mm of a deep one."""

@@ -15,15 +15,15 @@ gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, whi
 1.7 mm to the truth, without 2.6."""
 
 MIN_ROUGHNESS_RATIO = 0.35
-"""Least roughness of noise over the edge length: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise on
-edges of 14 to 20 mm 0.38 to 0.5."""
+"""Least ratio of noise's roughness to the edge length: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise
+on edges of 14 to 20 mm 0.38 to 0.5."""
 
 ROUGH_OF_NOISE = 1.66
-"""Median distance of a vertex from its ring's mean over the noise: 1.54 (median of chi, 3 degrees) sqrt(1 + 1/6)."""
+"""Ratio of a vertex's median distance from its ring's mean to the noise: 1.54 (median of chi, 3 degrees) sqrt(7/6)."""
 
 MIN_DENOISING_WEIGHT, MAX_DENOISING_WEIGHT = 1.0, 1e4
-"""Range of the smoothing weight: 1 removes half the noise of an even mesh, and 10 000 half the depth of a fold 30 edges
-long, 40 cm on a garment's."""
+"""Weights of smoothing, least and largest, relative to the distance from the scan: 1 removes half the noise of an even
+mesh, and 10 000 half the depth of a fold 30 edges long, 40 cm on a garment's."""
 
 TRACE_PROBE_COUNT = 4
 """Number of random vectors in the estimate of the trace: at 4 thousand vertices one alone is within 2 %."""

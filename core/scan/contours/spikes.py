@@ -8,7 +8,7 @@ from ...geometry.connectivity import HalfEdges, adjacency_matrix
 from ...geometry.geometry import edge_lengths
 
 SPIKE_EDGES = 1.3
-"""Least distance of a spike from the median of its ring, in median edges (a trial found 113 of 115)."""
+"""Least distance of a spike from the median of its ring [median edges] (a trial found 113 of 115)."""
 
 SPIKE_OWN = 0.7
 """Least distance of a spike, as a share of its own shortest edge: a coarse but sound patch has less."""

@@ -15,15 +15,15 @@ COARSE_ZIGZAG_LENGTH = 0.02
 later, or of labels coarser than the scan. A hem's folds and its design's corners are longer."""
 
 MIN_FINE_ZIGZAG_RATIO = 0.35
-"""Height of the zigzag between neighbouring vertices, over half the chord, from which a contour was cut. 37 designed
-contours of scans with 5 to 16 thousand faces had 0.00 to 0.15, 10 with 16 to 64 times the faces and 0.2 mm of noise 0;
-27 hems cut along triangles 0.57 to 1.7, and 3 whose rows of triangles run along the cut 0.01 to 0.16."""
+"""Ratio of the zigzag's height between neighbouring vertices to half the chord from which a contour was cut. 37
+designed contours of scans with 5 to 16 thousand faces had 0.00 to 0.15, 10 with 16 to 64 times the faces and 0.2 mm of
+noise 0; 27 hems cut along triangles 0.57 to 1.7, and 3 whose rows of triangles run along the cut 0.01 to 0.16."""
 
 MIN_COARSE_ZIGZAG_RATIO = 0.2
-"""The same at `COARSE_ZIGZAG_LENGTH`: designed contours had 0.00 to 0.09, hems cut on coarse meshes 0.24 to 0.6."""
+"""Ratio at `COARSE_ZIGZAG_LENGTH`: designed contours had 0.00 to 0.09, hems cut on coarse meshes 0.24 to 0.6."""
 
 MIN_ZIGZAG_NOISE_RATIO = 1.5
-"""Least height of the zigzag over the contour's roughness across the surface; noise is equal both ways."""
+"""Least ratio of the zigzag's height to the contour's roughness across the surface; noise is equal both ways."""
 
 MAX_SMOOTH_ZIGZAG_SHARE = 0.85
 """Share of the limits up to which another contour of the same garment counts as uncut. Where all have a larger zigzag,

@@ -14,8 +14,8 @@ REFERENCE_FOLD_RADIUS = 0.025
 """Radius of a fold whose inverse is the unit of mean curvature [m]: a fold of 2.5 cm counts twice a flat place."""
 
 MAX_RELATIVE_CURVATURE = 4.0
-"""Largest curvature that counts, in units of 1 / `REFERENCE_FOLD_RADIUS`: a weight of 5, the cap of Bongratz et al.
-(2022). Radii under 6 mm are the noise of a scan and the corners of its triangles."""
+"""Largest curvature that counts [1 / `REFERENCE_FOLD_RADIUS`]: a weight of 5, the cap of Bongratz et al. (2022). Radii
+under 6 mm are the noise of a scan and the corners of its triangles."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ LIBRARY_RANGE_FACTOR = 2.0
 """Factor by which the library's range is extended at both ends: its 19 fabrics are not all that exist."""
 
 MAX_STIFFNESS_COUPLING = 0.95
-"""Largest H01 / sqrt(H00 H11): at 1 the cloth could be stretched one way without resistance."""
+"""Largest ratio H01 / sqrt(H00 H11): at 1 the cloth could be stretched one way without resistance."""
 
 
 @dataclass(frozen=True)
