@@ -97,7 +97,7 @@ class Scene:
     @cached_property
     def mean_weight(self) -> float:
         """Return the mean weight of a node under standard gravity [N]: the unit of residuals."""
-        return float(self.masses.mean()) * 9.81
+        return float(self.masses.mean()) * -STANDARD_GRAVITY[1]
 
     @property
     def fixed(self) -> np.ndarray:

@@ -24,7 +24,7 @@ FABRIC_UNITS = {
 }  # fmt: skip
 """Unit of each number of a fabric."""
 
-SQUARE_TRIES = 40
+LAYOUT_WIDTH_COUNT = 80
 """Number of widths, in steps of 2 % from the widest panel on, tried for a layout in the smallest square."""
 
 
@@ -91,7 +91,7 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
     sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
     widest = float(sizes[:, 0].max())
     best, side = np.zeros_like(low), np.inf
-    for width in widest * 1.02 ** np.arange(SQUARE_TRIES * 2):
+    for width in widest * 1.02 ** np.arange(LAYOUT_WIDTH_COUNT):
         places = pack_on_shelves(sizes, UV_GAP, width + 1e-9)
         needed = float((places + sizes).max())
         if needed < side - 1e-12:

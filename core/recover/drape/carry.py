@@ -18,6 +18,7 @@ from ...body.signed_distance import SignedDistance
 from ...body.skinning import skin, unskin, weights_at
 from ...body.solid import Solid
 from ...body.untangling import untangle_outside
+from ...cloth.settings import STANDARD_GRAVITY
 from ...geometry.connectivity import adjacency_matrix
 from ...geometry.geometry import vertex_normals
 from ...geometry.intersections import self_intersections, undo_crossings
@@ -158,10 +159,10 @@ def pose_cloth(
     if held is not None:
         out[held] = push_outside(nodes[held], way.own, settings.follow.thickness) - nodes[held]
     state, around = PbdState.at_rest(nodes, out), ShellDistance(way.own, body)
-    calming = replace(settings.follow, calm=True)
+    calming, weight = replace(settings.follow, calm=True), -STANDARD_GRAVITY[1]
     for _ in range(settings.settlings):
         state = simulate_pbd(
-            threads, state, around, settings.settle, settings=calming, gravity=9.81, held=held, layers=CREEPING_LAYERS
+            threads, state, around, settings.settle, settings=calming, gravity=weight, held=held, layers=CREEPING_LAYERS
         )
         if state.is_settled:
             break

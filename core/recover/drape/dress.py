@@ -11,6 +11,7 @@ from ...body.body import Body
 from ...body.girths import TapeMeasure, armpit_height
 from ...body.signed_distance import SignedDistance
 from ...body.skinning import rest_body
+from ...cloth.settings import STANDARD_GRAVITY
 from ...garment.garment import Garment
 from ...garment.parts.tops import STRAPLESS_DROP
 from ...geometry.connectivity import HalfEdges
@@ -357,14 +358,7 @@ def dress(
         hooks.check()
     if settings.iron:
         nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
-    state = simulate_pbd(
-        threads,
-        PbdState.at_rest(nodes),
-        distance,
-        settings.settle,
-        settings=settings.follow,
-        gravity=9.81,
-        held=waist,
-        layers=LayerContact(),
-    )
-    return state.nodes
+    start, weight, layers = PbdState.at_rest(nodes), -STANDARD_GRAVITY[1], LayerContact()
+    return simulate_pbd(
+        threads, start, distance, settings.settle, settings=settings.follow, gravity=weight, held=waist, layers=layers
+    ).nodes

@@ -15,7 +15,7 @@ from ...cloth.collision.self_contact import SelfContact
 from ...cloth.fabric import Fabric
 from ...cloth.locking import reduce_membrane_stiffness
 from ...cloth.scene import Scene, SteadyRotation
-from ...cloth.settings import SolveSettings
+from ...cloth.settings import STANDARD_GRAVITY, SolveSettings
 from ...cloth.statics import Drape, StopCallback, equilibrium
 from ...cloth.topology import Topology
 from ...garment.garment import Garment
@@ -179,9 +179,9 @@ def _pose_garment(
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
-        start, steps = PbdState.at_rest(nodes), settings.pose_steps
+        start, steps, weight = PbdState.at_rest(nodes), settings.pose_steps, -STANDARD_GRAVITY[1]
         nodes = simulate_pbd(
-            threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=weight, held=waist
         ).nodes
     if settings.ease_steps:
         start, steps = PbdState.at_rest(nodes), settings.ease_steps
