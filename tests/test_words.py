@@ -154,6 +154,26 @@ def test_numeric_constants_state_their_unit() -> None:
     assert lacking == []
 
 
+def list_settings(path: Path) -> Iterator[tuple[str, str, str]]:
+    """Yield the numbers of a module's settings: class, name, and the entry in the class' `Attributes:`, or nothing."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef) and node.name.endswith("Settings"):
+            attributes = (ast.get_docstring(node) or "").partition("Attributes:")[2]
+            entries = re.findall(r"^    ([a-z_, ]+): ((?:.|\n {8})*)", attributes, re.MULTILINE)
+            documented = {name: " ".join(text.split()) for names, text in entries for name in names.split(", ")}
+            for field in node.body:
+                if isinstance(field, ast.AnnAssign) and re.search(r"\b(int|float)\b", ast.unparse(field.annotation)):
+                    name = ast.unparse(field.target)
+                    yield node.name, name, documented.get(name, "")
+
+
+def test_settings_state_their_unit() -> None:
+    """Broken where a number of an estimator's settings has no entry in `Attributes:`, or none with a unit."""
+    found = [(path.name, *each) for path in list_modules("core") for each in list_settings(path)]
+    assert len(found) > 100
+    assert [f"{path} {of}.{name}: {text}" for path, of, name, text in found if not states_unit(text)] == []
+
+
 def test_units_are_recognised() -> None:
     """Broken where the test of units passes a length without unit, or a shape in place of one."""
     passing = ("Width of a band [m].", "Least share of faces.", "Stretch [1] above which", "Weight of x relative to y.")

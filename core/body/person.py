@@ -76,12 +76,12 @@ class PersonSettings:
 
     Attributes:
         search: The search of the start, as if bare.
-        surface_count: Points of the scan in the last stages: one every 2 cm.
-        fine_count: Template points in the last stages: one every 3 cm.
-        pull: Weight of cloth outside the body in the last stages.
-        gap: Scale of the distance of cloth outside the body, relative to that of skin.
+        surface_count: Number of points of the scan in the last stages: one every 2 cm.
+        fine_count: Number of template points in the last stages: one every 3 cm.
+        pull: Weight of cloth outside the body in the last stages, relative to that of skin.
+        gap: Ratio of the scale of the distance of cloth outside the body to that of skin.
         refuses: Whether scans that are not one whole person are refused.
-        seed: Seed of the choice of points.
+        seed: Number that seeds the choice of points.
     """
 
     search: PersonSearch = field(default_factory=PersonSearch)

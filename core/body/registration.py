@@ -57,15 +57,15 @@ class RegistrationSettings:
     """Describe how a mesh is registered.
 
     Attributes:
-        coarse_count: Points on either side while all starts compete: a few per limb segment distinguish them.
-        fine_count: Template points in the last stages: one every 3 cm, finer than the joints are determined.
-        surface_count: Points of the mesh in the last stages: one every 2 cm, where the plane through a point is within
-            a millimetre or two of the surface.
+        coarse_count: Number of points on either side while all starts compete: a few per limb segment distinguish them.
+        fine_count: Number of template points in the last stages: one every 3 cm, finer than the joints are determined.
+        surface_count: Number of points of the mesh in the last stages: one every 2 cm, where the plane through a point
+            is within a millimetre or two of the surface.
         kept: Number of starts in the middle and in the last stages, in addition to the best of every other distinct
             fit: under a long dress the first 3 were the same fit, which faced backward.
-        worst_fit: Largest accepted RMS over the body's height. People, also dressed, have up to 0.006; a box as tall as
-            a person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
-        seed: Seed of the choice of points.
+        worst_fit: Largest ratio of RMS to the body's height. People, also dressed, have up to 0.006; a box as tall as a
+            person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
+        seed: Number that seeds the choice of points.
     """
 
     coarse_count: int = 350

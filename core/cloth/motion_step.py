@@ -33,15 +33,15 @@ class StepSettings:
             1.3 m/s (drag coefficient 1.2), which is a rate of 7.5; edge-on the rate is 0. 2 is a third of 7.5, the mean
             over all directions, rounded down, and includes the yarns' own losses. Assumed.
         wind: Velocity of the air [m/s].
-        tolerance: Largest force left on a node, relative to the mean weight of a node. 0.1: 1 m/s2 on the worst node
-            for a step, which in 1/30 s moves it by at most a millimetre; on 99 of 100 nodes it is a fifth of that.
+        tolerance: Largest force left on a node [mean weight of a node]. 0.1: 1 m/s2 on the worst node for a step, which
+            in 1/30 s moves it by at most a millimetre; on 99 of 100 nodes it is a fifth of that.
         still: Motion of the fastest node in a run under which the step counts as converged [m], unless a near collision
             cut the run short.
-        steps_per_factor: Quasi-Newton steps per factored matrix (a run).
+        steps_per_factor: Number of quasi-Newton steps per factored matrix (a run).
         legs: Largest number of runs; a step that needs more is taken in two halves. 40: steps of a skirt in a walk that
             failed after 12 runs, and then took 14 to 21 in two halves, converged after 14 to 26.
-        renewals: Runs before which planes and friction's normal forces are computed anew. In a crease they and the
-            cloth keep changing each other, so that they stay constant after so many runs.
+        renewals: Number of runs before which planes and friction's normal forces are computed anew. In a crease they
+            and the cloth keep changing each other, so that they stay constant after so many runs.
         reach: Distance to the skin within which a node has a plane [m]: more than it moves in a run.
         max_step: Largest displacement of a node in a quasi-Newton step [m].
     """

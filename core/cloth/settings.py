@@ -63,8 +63,8 @@ class SelfContactSettings:
             body, so that two sheets fit between touching limbs; on fine meshes it is less (`SelfContact.reach`).
         stiffness: Pressure of the law [Pa]. 100: one sheet on another (2 Pa) sinks by a tenth of the thickness, a tight
             waistband (1 kPa) to an eighth of it.
-        friction: Coefficient of friction of cloth on cloth; 0 for none. 0.4: woven cotton on itself is reported at 0.3
-            to 0.6.
+        friction: Coefficient of friction of cloth on cloth [1]; 0 for none. 0.4: woven cotton on itself is reported at
+            0.3 to 0.6.
         slip: Displacement at which friction is fully mobilised [m], as of `ContactSettings`.
     """
 
@@ -90,15 +90,15 @@ class SolveSettings:
             two keep the cloth from stretching visibly.
         max_step: Largest displacement of a node in one Newton iteration [m]. Without a clamp a static step on slack
             cloth diverges; 5 cm was found to be safe.
-        tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-3: accelerations of 1 cm/s2.
-        steps_per_factor: Quasi-Newton steps per factored matrix in the search for equilibrium. At 4000 nodes a factor
-            costs as much as five steps; five garments took 29 s of CPU with 5, 24 s with 8, 28 s with 12.
+        tolerance: Largest force left on a node [mean weight of a node]. 1e-3: accelerations of 1 cm/s2.
+        steps_per_factor: Number of quasi-Newton steps per factored matrix in the search for equilibrium. At 4000 nodes
+            a factor costs as much as five steps; five garments took 29 s of CPU with 5, 24 s with 8, 28 s with 12.
         still: Motion of the fastest node per iteration below which the drape counts as at rest [m]: 0.1 mm is an eighth
             of what registration resolves. 0: only `tolerance` counts.
         max_iterations: Largest number of factorisations of `equilibrium`; 120 take about 16 s at 4000 nodes, and twelve
             garments needed 26 to 69 (3.5 to 9 s).
-        max_cpu_seconds: CPU time after which equilibrium stops with its present state, or None, the default, because a
-            limit makes the result depend on the machine.
+        max_cpu_seconds: CPU time [s] after which equilibrium stops with its present state, or None, the default,
+            because a limit makes the result depend on the machine.
     """
 
     damping: float = 0.9

@@ -23,14 +23,14 @@ class MeshSettings:
     """Describe how panels are meshed.
 
     Attributes:
-        vertex_count: Nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
+        vertex_count: Number of nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
-        sweeps: Force sweeps; angles stop improving after about 20.
+        sweeps: Number of force sweeps; angles stop improving after about 20.
         clearance: Distance to the outline [edge lengths] below which lattice points are left out: 0.6 is between the
             height of an equilateral triangle and half of it, so that boundary triangles are neither flat nor tall.
         push: Rest length of springs [mean edges]; above 1 they fill the panel (DistMesh's 1.2).
         step: Fraction of a spring's force that moves its ends in a sweep (DistMesh's 0.2).
-        refinements: Rounds in which an edge that the triangulation lost gets 1.5 times its samples.
+        refinements: Number of rounds in which an edge that the triangulation lost gets 1.5 times its samples.
     """
 
     vertex_count: int = 4000

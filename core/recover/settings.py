@@ -35,14 +35,14 @@ class RecoverySettings:
         fabric: Name of a shipped fabric, a fabric (imported: looked up when queued), or None for `DEFAULT_FABRIC`.
         units: A name of `UNITS`, of the scan's and body's file, or None to find it.
         up: `y` or `z` of the file, or None to find it.
-        vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, which still resolve
-            the folds of a scan, and Newton steps of about 0.2 s.
-        seed: Seed of the surface samples of the metrics; nothing else is random.
+        vertex_count: Number of vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, which still
+            resolve the folds of a scan, and Newton steps of about 0.2 s.
+        seed: Number that seeds the surface samples of the metrics; nothing else is random.
         keep: Labels of a dressed person's scan that are the garment, separated by commas (`upper,sleeve`), or None.
         labels_key: Name of the array with the labels in a label file of several, or None to find it.
         keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.
-        colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
-            and soft shadows, while skin is 150 from denim.
+        colour_tolerance: Distance of colours [RGB, 0 to 255] up to which a colour is the garment's; 60 spans a camera's
+            noise and soft shadows, while skin is 150 from denim.
         lock: What the fit keeps as given or graded, comma-separated, or None: `fabric`, `panel:NAME`,
             `point:PANEL/INDEX` (the point where edge INDEX begins, from 0), and mirror images; `symmetry`: the default.
         free: What grading and fit may change beyond the default, or None: `symmetry` lets left and right differ. A

@@ -26,28 +26,29 @@ class DeformSettings:
             (eq. 3.8), which snaps vertices onto vertices and cannot rank good results, kept for comparison.
         reduction: `mean` of the squared distances, or `sum` over vertices (the thesis' reading that works).
         iterations: Largest number of Adam's steps; on simulated pairs nothing moves after about 150.
-        learning_rate: Adam's step on the Jacobians; 2e-2 is a stretch or turn of 2 % a step, the largest that settles.
+        learning_rate: Adam's step on the Jacobians [1]; 2e-2 is a stretch or turn of 2 %, the largest that settles.
         translation_rate: Adam's step on the free translation [m]; 2 mm, so that 30 mm of offset need 15 steps.
         cosine_decay: Reduce the steps along a half cosine to 2 %; without it the last steps still jitter by 0.3 mm.
-        plateau: Stop when the best loss has improved by less than this share over 20 iterations in the second half.
-        contour: Weight of the matched open contours (eq. 4.2), mean squared distance between curves.
-        normal: Weight of the normals' cosine distance (eq. 4.3), the thesis' value. It unfolds wrong folds.
-        bending: Weight of the dihedral energy (eq. 4.4); a tenth of the thesis' 0.1, which limits the fit to 1.3 mm.
-        bending_stiffness: k of eq. 4.4, thesis' value.
-        strain: Weight of the StVK energy (eq. 4.5). 1e-4 balances 1 mm with 2 % of strain; the thesis has 1.
-        strain_from: Iteration at which strain sets in.
+        plateau: Share by which the best loss has to improve, or iteration stops, over 20 iterations in the second half.
+        contour: Weight of the matched open contours (eq. 4.2), relative to the surface's distance.
+        normal: Weight of the normals' cosine distance (eq. 4.3) [m2], the thesis' value. It unfolds wrong folds.
+        bending: Weight of the dihedral energy (eq. 4.4) [m2/J]; a tenth of the thesis', which fits to 1.3 mm only.
+        bending_stiffness: k of eq. 4.4 [J/rad2], thesis' value.
+        strain: Weight of the StVK energy (eq. 4.5) [m2/J]. 1e-4 balances 1 mm with 2 % of strain; the thesis has 1.
+        strain_from: Index of the iteration at which strain sets in.
         lame_lambda: First Lame coefficient of eq. 4.5 [N/m], thesis' value.
         lame_mu: Second Lame coefficient of eq. 4.5 [N/m], thesis' value.
         metric_scale: Length [m] over which the rest metric of the strain follows the surface; 0 keeps the flat panels'
             metric. Panels may be 20 % off after grading: with the flat metric the strain would pull the whole tube away
             from the target. At 10 cm it resists only what is finer than a panel: collapse, shear noise.
-        match_every: Iterations between searches for closest points, which take half of one; in two they hardly move.
-        metric_every: Iterations between two updates of that rest metric.
+        match_every: Number of iterations between searches for closest points, which take half of one and hardly move in
+            two.
+        metric_every: Number of iterations between two updates of that rest metric.
         body: Weight of the cubic body term (eq. 4.6), mean of cubes [1/m]; 300 is 2.2 times the distance term at 5 mm.
         body_margin: Distance to the body below which the body term acts, and that the clearance restores [m]; 1 mm
             keeps the middle of a flat triangle outside a round body.
         repair: Repair the target first: spikes to the median of their ring, orientation by vote.
-        polish_iterations: Steps of the local-global polish; its annealing is done after 20. 0 leaves it out.
+        polish_iterations: Number of steps of the local-global polish; its annealing is done after 20. 0 leaves it out.
         clear_body: Push the result out of the exact body mesh at the end.
     """
 

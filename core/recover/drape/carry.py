@@ -34,10 +34,10 @@ class PosingSettings:
 
     Attributes:
         turn: Largest turn of a joint in a frame [rad]; 2.25 degrees move a wrist by 2 cm and a knee by 1.5.
-        steps: Position-based steps a frame, without weight.
+        steps: Number of position-based steps a frame, without weight.
         spread: Width over which the displacement by the skin is smoothed [m]: wider than the crease of a joint, where
             skin moves against skin, and narrower than a limb's girth.
-        settle: Position-based steps under gravity at the end.
+        settle: Number of position-based steps under gravity at the end.
         settlings: Largest number of such runs until the cloth is settled. One was enough in 47 of the suite's 48 cases
             of a template in a pose; a jumpsuit needed two on one processor, one on another.
         follow: The position-based steps.

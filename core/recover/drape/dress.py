@@ -38,9 +38,9 @@ class DressSettings:
         flatten: Distance of the flattened panels from the body's middle plane [m]; more than half the thickness of the
             squashed body with its contact layer, so that it starts between them.
         squash: Depth of the squashed body as a share of its own; 4 % leaves a torso 1 cm thick.
-        frames: Frames in which it is inflated; 40 move its surface by about 3 mm a frame.
-        relax: Steps that relax the welded panels' edges in their planes; 60 were enough from 5 times too long.
-        settle: Steps under gravity at the end.
+        frames: Number of frames in which it is inflated; 40 move its surface by about 3 mm a frame.
+        relax: Number of steps that relax the welded panels' edges in their planes; 60 suffice from 5 times too long.
+        settle: Number of steps under gravity at the end.
         outline: Keep the seams between front and back outside the body's outline in the middle plane.
         iron: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it crotches
             came out with half as many crossing faces again.

@@ -54,11 +54,12 @@ class PbdSettings:
 
     Attributes:
         dt: Step [s]; 1/60 s moves free-falling cloth by 3 mm at first, less than the contact thickness.
-        sweeps: Gauss-Seidel sweeps a step; 20 keep a T-shirt's edges within about 2 % under its weight.
+        sweeps: Number of Gauss-Seidel sweeps a step; 20 keep a T-shirt's edges within about 2 % under its weight.
         damping: Share of the velocity lost in a step; 0.1 settles cloth in about 60 steps.
         thickness: Distance kept from the body [m]; the simulator's contact begins at 4 mm, so Newton starts without it.
-        friction: Coulomb coefficient against the body.
-        bending: Stiffness across hinges; 0.1 keeps folds wider than three edges and does not keep a skirt spread.
+        friction: Coulomb coefficient against the body [1].
+        bending: Share of a hinge's error that a sweep removes; 0.1 keeps folds wider than three edges, but no skirt
+            spread.
         travel: Longest move of a node in a step [m]; half an edge, so that nothing passes through the body.
         calm: In the second half of the steps, bring nodes to rest that two surfaces (an armpit's, a lap's) push back
             and forth, each the nearest in turn; in the first half they may find a way out of a crease.

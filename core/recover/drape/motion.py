@@ -30,12 +30,12 @@ class MotionSettings:
         rates: Angular velocities tried [rad/s], from a slow turn to two turns a second; the centrifugal force at 30 cm
             is 0.8, 2.0 and 4.4 times the weight. Beyond, only the stretch grows.
         explained: Share of the distance at rest above which a rotation does not explain it; 0.7 halves the squares.
-        alike: Of rotations whose distances differ by less than this share, the slowest is taken: more speed pulls on a
-            flounce that stands out without changing its shape.
-        vertices: Vertices of the meshes on which rotations are compared; 1000 come to rest in 1 to 2 s.
-        patience: Factorisations after which a drape is stopped that misses the scan by `hopeless`: of eight garments
-            seven were at rest by then or nearer than 20 mm; the skirt in motion was 40 mm away.
-        hopeless: That distance, as a multiple of `missed`: cloth that still moves may come nearer by some millimetres.
+        alike: Share by which rotations' distances may differ for the slowest to be taken: more speed pulls on a flounce
+            that stands out without changing its shape.
+        vertices: Number of vertices of the meshes on which rotations are compared; 1000 come to rest in 1 to 2 s.
+        patience: Number of factorisations after which a drape is stopped that misses the scan by `hopeless`: of eight
+            garments seven were at rest by then or nearer than 20 mm; the skirt in motion was 40 mm away.
+        hopeless: Ratio of that distance to `missed`: cloth that still moves may come nearer by some millimetres.
     """
 
     missed: float = 0.025

@@ -53,15 +53,15 @@ class DrapeSettings:
     """Describe both drapes.
 
     Attributes:
-        template_vertices: Vertices of the template's mesh; 1500 resolve a T-shirt with edges of 2.5 cm, enough for the
-            measures that grading takes, and dress in under 2 s.
-        pose_steps: Position-based steps that settle the skinned cloth on the posed body.
-        ease_steps: Position-based steps under little weight that remove the stretch of a template in the pose. Under
-            its own weight the sweeps do not converge: a dress hung 12 cm too low, its straps stretched to 1.6, its
-            waist seam on the hips. 40 steps leave 1 to 3 % of that.
-        settle_steps: Position-based steps without weight before Newton. The registered mesh is stretched by up to half
-            in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not converge on
-            4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
+        template_vertices: Number of vertices of the template's mesh; 1500 resolve a T-shirt with edges of 2.5 cm,
+            enough for the measures that grading takes, and dress in under 2 s.
+        pose_steps: Number of position-based steps that settle the skinned cloth on the posed body.
+        ease_steps: Number of position-based steps under little weight that remove the stretch of a template in the
+            pose. Under its own weight the sweeps do not converge: a dress hung 12 cm too low, its straps stretched to
+            1.6, its waist seam on the hips. 40 steps leave 1 to 3 % of that.
+        settle_steps: Number of position-based steps without weight before Newton. The registered mesh is stretched by
+            up to half in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not
+            converge on 4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
         apart: The cloth does not pass through itself at rest. Off where a pattern is still to be graded or fitted.
         dress: The first drape.
         follow: The position-based steps in the pose.

@@ -34,21 +34,21 @@ class InverseSettings:
     """Describe the thesis' inverse fit.
 
     Attributes:
-        vertices: Vertices of the mesh of the loop; with 1000 one iteration takes 0.1 to 0.3 s.
+        vertices: Number of vertices of the mesh of the loop; with 1000 one iteration takes 0.1 to 0.3 s.
         iterations: Largest number of steps over the control points; on three garments the plateau came after 45 to 80.
         fabric_iterations: Largest number of steps over control points and fabric, after the plateau of the first ones;
             0 leaves the fabric as given. Both bounds together keep a recovery within 150 s of CPU.
         rate: Adam's step of a control point [m]; the thesis' 1e-3.
-        fabric_rate: Adam's step of a stiffness' logarithm; 5 % a step, so that a factor of 10 takes 46.
-        curvature: Additional weight of strongly curved places of the target (eq. 3.9); 0 is the plain distance (3.8).
-        contour: Weight of the open contours, lambda_open of eq. 3.7.
-        seam: Weight of unequal seams, lambda_seam of eq. 3.6; 0 leaves seams unequal. At 1 a millimetre in ten seams of
-            ten edges costs as much as 1 mm of distance; the thesis' 0.01 allows centimetres.
-        panel: Weight of fold-over and of corners that should stay: a centimetre of swing counts as 3 mm of distance.
+        fabric_rate: Adam's step of a stiffness' logarithm [1]; 5 % a step, so that a factor of 10 takes 46.
+        curvature: Weight added to curved places of the target relative to flat ones (eq. 3.9); 0: plain distance (3.8).
+        contour: Weight of the open contours relative to the surface's distance, lambda_open of eq. 3.7.
+        seam: Weight of unequal seams relative to it, lambda_seam of eq. 3.6; 0 leaves seams unequal. At 1 a millimetre
+            in ten seams of ten edges costs as much as 1 mm of distance; the thesis' 0.01 allows centimetres.
+        panel: Weight of fold-over and kept corners relative to it: a centimetre of swing counts as 3 mm of distance.
         material: Weight of a fabric outside the library's range [m2]: a factor of e costs as much as 10 mm of distance.
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
-        patience: Steps; fewer would take one jump of a fold for the end.
-        keep_every: Steps from one checkpoint to the next.
+        patience: Number of steps; fewer would take one jump of a fold for the end.
+        keep_every: Number of steps from one checkpoint to the next.
         solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30 factorisations
             suffice; a step that ends before it is at rest still has a direction of descent.
     """

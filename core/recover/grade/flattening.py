@@ -33,13 +33,13 @@ class FlatteningSettings:
     """Describe the fit of the control points.
 
     Attributes:
-        rounds: Alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
+        rounds: Number of alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
         keep: Weight that keeps the control points in place, as a share of the panels' stiffness; it only fixes what the
             stretch leaves free (a panel's place and rotation).
-        keep_vectors: The same for `kept_vectors`: a standard deviation costs as much as a square metre strained by 1 %.
-        stretch_limit: Stretches beyond this factor, either way, come from bad triangles and are clipped.
-        least_strain, most_strain: Principal stretches of the template's cloth are clipped to these: woven cloth hangs
-            within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
+        keep_vectors: The same for `kept_vectors` [m2]: a standard deviation costs as a square metre strained by 1 %.
+        stretch_limit: Factor beyond which stretches, either way, come from bad triangles and are clipped.
+        least_strain, most_strain: Principal stretches of the template's cloth are clipped to these [1]: woven cloth
+            hangs within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
         band_width: Narrower panels, such as waistbands, keep the template's strain unclipped [m]: they are cut shorter
             than what they hold, and the place of their long seams on the target is not visible.
     """

@@ -30,7 +30,7 @@ class GradeSettings:
         registration: The coarse registration in 3D.
         flattening: The fit of the control points.
         least_area: Least share of its area that a panel keeps in one grading; otherwise the step is shortened.
-        back_offs: Halvings of the step before the pattern is left unchanged.
+        back_offs: Number of halvings of the step before the pattern is left unchanged.
     """
 
     registration: RegistrationSettings = field(default_factory=RegistrationSettings)

@@ -49,29 +49,30 @@ class IsometrySettings:
     """Describe the joint fit of pattern and nodes.
 
     Attributes:
-        vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.1 s. Seams move as a whole.
+        vertices: Number of vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.1 s.
         steps: Largest number of steps; most garments converge after 5 to 10.
         surface: Distance of a node from the target's tangent plane [m] that costs as much per area as a strain of 1.
             With 4 mm nodes stay on the surface, and a fold may be cut short.
         border: The same for a node on an open contour, across the contour [m].
         along: Share of that cost for sliding along the contour, which is not visible.
         newton: True for Gauss-Newton steps on Green's strain, False for steps with fixed rotations (`Isometry`).
-        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1; only needed where
-            nothing else holds a node. Gauss-Newton steps begin with `reach_first`, and it doubles from step to step up
-            to this: 1 m moves a seam by a few centimetres at once.
+        reach, reach_first: Damping: the motion in one step [m] that costs as much as a strain of 1; only needed where
+            nothing else holds a node. Gauss-Newton steps begin with `reach_first`, which moves a seam by a few
+            centimetres at once, and it grows from step to step up to `reach`.
         farthest: Largest motion of a node in one Gauss-Newton step [m], two edges: beyond, its closest point changes.
-        proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
+        proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area [1]: as much as a
             strain of 3 % everywhere, which unlike cloth and folds leave.
-        believed: Bound on the strain of a drape's cloth: above a tenth the triangles are bad. A garment that hangs from
-            its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %, panels of
-            ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
-        facing: As in the coarse registration.
+        believed: Bound on the strain of a drape's cloth [1]: above a tenth the triangles are bad. A garment that hangs
+            from its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %,
+            panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
+        facing: Cosine of matched normals, as in the coarse registration.
         curves: True where the handles of curves move, too.
-        keep: Damping of the parameters, relative to the mean diagonal of their matrix.
-        stay: Cost by area of a panel's strain from the start of the fit; 0 for free panels.
-        stay_band: The same for panels narrower than 12 cm.
-        stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; if not
-            0 these nodes follow their panels, for a drape sags in the armpit, and lengths from there are wrong.
+        keep: Damping of the parameters, as a share of the mean diagonal of their matrix.
+        stay: Weight of a panel's strain from the start of the fit, relative to the cloth's; 0 for free panels.
+        stay_band: Weight of the same relative to the cloth's for panels narrower than 12 cm.
+        stay_hidden: Weight of it relative to the cloth's at nodes that a hanging arm hides where a sleeve begins, or
+            beside them; if not 0 these follow their panels, for a drape sags in the armpit, and lengths from there are
+            wrong.
         seen: Distance of a seam's node from its seen place (`find_seen_seams`) that costs as a strain of 1 [m]; 0: off.
     """
 

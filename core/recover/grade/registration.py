@@ -62,18 +62,18 @@ class RegistrationSettings:
     """Describe the coarse registration.
 
     Attributes:
-        steps: Solves; each takes one closest-point query each way. 40 let matches settle between two reaches.
+        steps: Number of solves; each takes one closest-point query each way. 40 let matches settle between two reaches.
         reach_first, reach_last: Length [m] below which displacements are smoothed, at the first and the last step: from
             half a torso, so that garments slide over each other as a whole, to half a fold; that reduced the panels'
             area error on five garments from 16 % (at 4 cm) to 13 %.
-        contour_reach: The same for matched contours: 5 mm, they fit almost exactly.
-        facing: A closest point counts where both normals agree to this cosine; 0.3 keeps folds, not the other leg.
+        contour_reach: The same for matched contours [m]: 5 mm, they fit almost exactly.
+        facing: Cosine to which both normals agree for a closest point to count; 0.3 keeps folds, not the other leg.
         across_seams: Cost of a kink of the displacement at a seam between parts of the garment, such as sleeve and body
             or top and skirt, as a share of that within a part. Each part is graded in its own proportion: a sleeve
             twice as long must not move the shoulder. A thousandth halves the error of the panels' areas on five
             garments, from 7 to 3.5 %, and that of their outlines from 21 to 15 mm; a hundredth achieves half of that.
         samples: Largest number of target vertices that are matched to the source; as many as a garment mesh has.
-        even: `HiddenCloth.even` beyond the target's end at an open curve without a matched contour. Extrapolated
+        even: `HiddenCloth.even` [m] beyond the target's end at an open curve without a matched contour. Extrapolated
             instead, the end of a sleeve became a spike. With 15 cm a skirt whose hem is cut off takes a little more of
             the scan's flare, and crumpled cuffs are off by twice as much.
         hidden: How cloth beyond a hidden border follows the cloth at it; None: it stays where it is.
