@@ -108,7 +108,7 @@ class ChangedTree:
         found = []
         for path in (self.root / "core").rglob("*.py"):
             text = path.read_text()
-            if "njit" in text and any(word in text for word in words):
+            if "kernel(" in text and any(word in text for word in words):
                 found.append(path)
         return found
 

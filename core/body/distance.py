@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..geometry.connectivity import HalfEdges
 from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
+from ..run.kernels import kernel
 from .solid import Solid
 
 __all__ = ["DistanceBad", "DistanceGrid"]
@@ -174,34 +174,34 @@ def _is_closed(faces: np.ndarray) -> bool:
     return bool((HalfEdges.of(faces).face_counts == 2).all())
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _spline_weights(t):  # type: ignore[no-untyped-def]
     """Return the four cubic B-spline weights at t in 0..1."""
     s = 1.0 - t
     return s * s * s / 6.0, 2.0 / 3.0 - t * t + 0.5 * t * t * t, 2.0 / 3.0 - s * s + 0.5 * s * s * s, t * t * t / 6.0
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _spline_slopes(t):  # type: ignore[no-untyped-def]
     """Return the weights' first derivatives."""
     s = 1.0 - t
     return -0.5 * s * s, -2.0 * t + 1.5 * t * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _spline_curvatures(t):  # type: ignore[no-untyped-def]
     """Return the weights' second derivatives."""
     s = 1.0 - t
     return s, -2.0 + 3.0 * t, -2.0 + 3.0 * s, t
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _blend(flat, at, w):  # type: ignore[no-untyped-def]
     """Return the weighted sum of four neighbours along the last axis."""
     return flat[at] * w[0] + flat[at + 1] * w[1] + flat[at + 2] * w[2] + flat[at + 3] * w[3]
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no-untyped-def]
     """Return the distance at one point [m] and write its gradient [3] (order >= 1) and Hessian [3, 3] (order 2).
     Further than `reach` [m] from the surface, and outside the grid, `slope` and `curve` are not written; where the
@@ -258,7 +258,7 @@ def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no
     return value
 
 
-@njit(cache=True)
+@kernel()
 def _sample_all(points, grid, values, slopes, curves):  # type: ignore[no-untyped-def]
     """Sample many points at full accuracy."""
     for v in range(len(points)):

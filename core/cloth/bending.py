@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ..run.kernels import kernel
 from .block_pattern import add_block
 
 
-@njit(cache=True)
+@kernel()
 def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[no-untyped-def]
     """Add the hinges' gradient (order >= 1) and Hessian blocks (order 2) and return their energy [J].
 
@@ -95,7 +95,7 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
     return energy
 
 
-@njit(cache=True)
+@kernel()
 def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: ignore[no-untyped-def]
     """Add `first` times one triangle's share of the Hessian of theta. The apex gradient G = -|e| n / m, n = sign e x p,
     m = n.n, depends on this triangle alone; the edge's ends have -t G and -(1 - t) G with t = p.e / |e|^2. `edge`: e,
@@ -127,7 +127,7 @@ def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: i
             curve[0, d, f] += first * ((1.0 - t) * (by_p + by_e) - apex[d] * (t_p + t_e))
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
     """Return sine and cosine of half an angle in -pi .. pi from its own times a length; accurate for small angles."""
     sine, cosine = sine / length, cosine / length
@@ -138,19 +138,19 @@ def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
     return half_sine, 0.5 * sine / half_sine
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def subtract(a, b):  # type: ignore[no-untyped-def]
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def cross(a, b):  # type: ignore[no-untyped-def]
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def dot(a, b):  # type: ignore[no-untyped-def]
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -7,7 +7,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 ABSENT_BLOCK_SLOT = -(2**62)
 """Index of the slot of a block that is not in the pattern."""
@@ -111,7 +112,7 @@ class BlockPattern:
         return data
 
 
-@njit(cache=True)
+@kernel()
 def _spread(blocks, pairs, places, stride, fixed, data):  # type: ignore[no-untyped-def]
     """Copy each block and its transpose to their places in the scalar matrix."""
     rows, columns = pairs
@@ -131,7 +132,7 @@ def _spread(blocks, pairs, places, stride, fixed, data):  # type: ignore[no-unty
                     data[there + e * stride[j] + d] = value
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
     """Add a 3x3 block to its slot, transposed where the slot is negative (~slot)."""
     if slot >= 0:
@@ -144,7 +145,7 @@ def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
                 blocks[~slot, e, d] += block[d, e]
 
 
-@njit(cache=True)
+@kernel()
 def _find_slots(elements, node_count, keys):  # type: ignore[no-untyped-def]
     """Return the slots of elements by the ascending keys of all blocks; see `BlockPattern.find_slots`."""
     corners = elements.shape[1]

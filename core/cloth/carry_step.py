@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ..run.kernels import kernel
 from .collision.advance import collision_free_share
 from .energy import Energy
 
@@ -44,7 +44,7 @@ def move_collision_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> 
     return energy, goal if free == 1.0 and (share == 1.0).all() else nodes + free * step
 
 
-@njit(cache=True)
+@kernel()
 def _find_pair_shares(x, step, pairs):  # type: ignore[no-untyped-def]
     """Return the largest share of a step [m] that each pair may go, 0 to 1, shape [pair_count]."""
     kinds, nodes, sizes = pairs

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..body.distance import sample_distance
+from ..run.kernels import kernel
 from .block_pattern import Derivatives
 from .scene import Scene
 from .tangent_planes import TangentPlanes, plane_contact
@@ -67,7 +67,7 @@ def add_contact(
     return float(kernel(nodes, body.arrays, elements, scene.contact.law, *order, derivatives, forces))
 
 
-@njit(cache=True)
+@kernel()
 def contact(x, grid, nodes, law, order, exact, derivatives, forces):  # type: ignore[no-untyped-def]
     """Add the contact's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 

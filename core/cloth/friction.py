@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..run.kernels import kernel
 from .contact import contact_forces
 from .scene import Scene
 
@@ -48,7 +48,7 @@ def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Fricti
     return Friction(anchors, normals, scene.per_node("friction") * force, scene.contact.slip)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def mobilise(y, square, slip):  # type: ignore[no-untyped-def]
     """Return f(y), f'(y) / y and f''(y) of friction at a displacement y [m], y^2 = `square`, fully mobilised at
     `slip`."""
@@ -61,7 +61,7 @@ def mobilise(y, square, slip):  # type: ignore[no-untyped-def]
     return y - slip / 3.0, 1.0 / y, 0.0
 
 
-@njit(cache=True)
+@kernel()
 def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
     """Add friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 
-@njit(cache=True)
+@kernel()
 def loads(x, masses, gravity, inertia, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
     """Add the gradient (order >= 1) and Hessian blocks (order 2) of weight and inertia and return their energy [J].
 
@@ -35,7 +36,7 @@ def loads(x, masses, gravity, inertia, order, diagonal, derivatives):  # type: i
     return energy
 
 
-@njit(cache=True)
+@kernel()
 def largest_length(vectors):  # type: ignore[no-untyped-def]
     """Return the length of the longest of vectors, shape [n, 3]; NaN where a vector has NaN."""
     most = 0.0

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ..run.kernels import kernel
 from .block_pattern import add_block
 
 
-@njit(cache=True)
+@kernel()
 def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore[no-untyped-def]
     """Add the membrane's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
@@ -78,7 +78,7 @@ def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore
     return energy
 
 
-@njit(cache=True)
+@kernel()
 def predict_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
     """Return the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it. sigma = H
     (eps(x) + D eps(x)[step]): without the term quadratic in the step, the stretch of a straight step along a fold."""
@@ -105,13 +105,13 @@ def predict_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True)
+@kernel()
 def _make_scratch():  # type: ignore[no-untyped-def]
     """Return the kernel's scratch rows, allocated once per call."""
     return np.zeros((5, 3))
 
 
-@njit(cache=True)
+@kernel()
 def positive_part(a, b, c):  # type: ignore[no-untyped-def]
     """Return the positive semi-definite part of [[a, c], [c, b]] as (a, b, c)."""
     mean, half = 0.5 * (a + b), 0.5 * (a - b)

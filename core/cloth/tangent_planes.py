@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..body.signed_distance import SignedDistance
+from ..run.kernels import kernel
 
 ABSENT_PLANE_OFFSET = -1e9
 """Offset of a plane that no node comes near [m]."""
@@ -85,7 +85,7 @@ class TangentPlanes:
         return PlaneArrays(self.normals, self.offsets)
 
 
-@njit(cache=True)
+@kernel()
 def plane_contact(x, planes, nodes, law, order, exact, derivatives, forces):  # type: ignore[no-untyped-def]
     """Add the contact's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from ..run.kernels import kernel
 from .geometry import edge_lengths
 
 MAX_COLLAPSED_EDGE_SHARE = 0.4
@@ -108,7 +108,7 @@ def _inner_edges(faces: np.ndarray) -> np.ndarray:
     return np.stack([tail[once], head[once]], axis=1)
 
 
-@njit(cache=True)
+@kernel()
 def _roots(stands):  # type: ignore[no-untyped-def]
     """Find the vertex into which each vertex is finally merged."""
     found = stands.copy()
@@ -120,7 +120,7 @@ def _roots(stands):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True)
+@kernel()
 def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type: ignore[no-untyped-def]
     """Collapse edges in their order, each vertex at most once, until `most` faces are removed; modifies all but
     `edges`. Return which faces remain, and the number of removed ones."""
@@ -176,7 +176,7 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
     return alive, gone
 
 
-@njit(cache=True)
+@kernel()
 def _has_two_common(fans, seen, u, v, token):  # type: ignore[no-untyped-def]
     """Check the link condition: exactly two vertices are neighbours of both ends."""
     faces, alive, first, following = fans
@@ -201,7 +201,7 @@ def _has_two_common(fans, seen, u, v, token):  # type: ignore[no-untyped-def]
     return common == 2
 
 
-@njit(cache=True)
+@kernel()
 def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def]
     """Check that no face of u without v turns over or becomes thin where u moves to the goal."""
     faces, alive, first, following = fans
@@ -219,7 +219,7 @@ def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _normal(x, y, z, points, b, c):  # type: ignore[no-untyped-def]
     """Return the unit normal of a triangle from (x, y, z) to vertices b and c, and its height over its longest side."""
     px, py, pz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 MIN_EDGE_FACE_SINE = 0.1
 """Sine of the angle between an edge and a face to which smaller ones are clamped: for an edge almost in the face the
@@ -36,7 +37,7 @@ def measure_contour(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) 
     return float(_measure(vertices, np.ascontiguousarray(faces, dtype=np.int64), pairs, gradient)), gradient
 
 
-@njit(cache=True)
+@kernel()
 def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
     """Sum the segments of all pairs and their gradients."""
     total = 0.0
@@ -69,7 +70,7 @@ def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True)
+@kernel()
 def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
     """Check whether an edge passes through a face; write where, t, the weights, the normal and N . E."""
     a, b, c = face[0], face[1], face[2]
@@ -100,7 +101,7 @@ def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _scatter_gradient(x, corners, sizes, pull, gradient):  # type: ignore[no-untyped-def]
     """Add the gradient by a segment's end to the five vertices on which that end depends."""
     p, q = corners[0], corners[1]

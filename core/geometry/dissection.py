@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 MAX_LEAF_NODE_COUNT = 24
 """Largest number of nodes of a part that is not cut further: from 72 rows, three a node, dense algebra is faster."""
@@ -87,7 +88,7 @@ def _bisect(
     return [nodes[between], nodes[(field <= 0) & ~between], nodes[field > 0]]
 
 
-@njit(cache=True)
+@kernel()
 def _spread_levels(indptr, indices, start, mark, token, level, queue):  # type: ignore[no-untyped-def]
     """Number nodes by their distance from `start` within the marked set; return how many were reached."""
     level[start] = 0
@@ -105,7 +106,7 @@ def _spread_levels(indptr, indices, start, mark, token, level, queue):  # type: 
     return tail
 
 
-@njit(cache=True)
+@kernel()
 def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # type: ignore[no-untyped-def]
     """Find the pair of far nodes with the cheapest cut between two levels of the difference of distances to them. The
     separator of a level m are the nodes up to m with a neighbour above m; its cost is its size over the product of the
@@ -142,7 +143,7 @@ def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # typ
     return found
 
 
-@njit(cache=True)
+@kernel()
 def _links_within(indptr, indices, nodes, mark, token, place):  # type: ignore[no-untyped-def]
     """Return the graph within the marked set: start of each node's neighbours, and these by their place in `nodes`."""
     first, beside = np.zeros(len(nodes) + 1, np.int64), np.zeros((indptr[nodes + 1] - indptr[nodes]).sum(), np.int64)
@@ -156,7 +157,7 @@ def _links_within(indptr, indices, nodes, mark, token, place):  # type: ignore[n
     return first, beside
 
 
-@njit(cache=True)
+@kernel()
 def _cheapest_level(starts, below, count):  # type: ignore[no-untyped-def]
     """Return the least cost of a cut between two levels, and the lower one; infinite where no cut has two sides."""
     best, found, separator, here = np.inf, 0, 0, 0
@@ -169,7 +170,7 @@ def _cheapest_level(starts, below, count):  # type: ignore[no-untyped-def]
     return best, found
 
 
-@njit(cache=True)
+@kernel()
 def _touches(indptr, indices, nodes, mark, token, place, field):  # type: ignore[no-untyped-def]
     """Find the nodes of levels up to 0 with a neighbour above 0 in the marked set."""
     found = np.zeros(len(nodes), dtype=np.bool_)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 MAX_UNDO_ITERATIONS = 12
 """Largest number of iterations that undo crossing steps; an undone node may cross a neighbour that moved on."""
@@ -86,7 +87,7 @@ def undo_crossings(
     return found
 
 
-@njit(cache=True)
+@kernel()
 def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Test every pair of overlapping boxes, in ascending order of `low[:, 0]`."""
     pairs = np.zeros((64, 2), np.int64)
@@ -112,7 +113,7 @@ def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.nda
     return pairs[:count]
 
 
-@njit(cache=True)
+@kernel()
 def _adjacent(first: np.ndarray, second: np.ndarray) -> bool:
     """Check whether two faces share a vertex."""
     for p in first:
@@ -122,7 +123,7 @@ def _adjacent(first: np.ndarray, second: np.ndarray) -> bool:
     return False
 
 
-@njit(cache=True)
+@kernel()
 def _crosses(first: np.ndarray, second: np.ndarray) -> bool:
     """Check whether an edge of the first triangle passes through the inside of the second."""
     for k in range(3):
@@ -140,7 +141,7 @@ def _crosses(first: np.ndarray, second: np.ndarray) -> bool:
     return False
 
 
-@njit(cache=True)
+@kernel()
 def _volume(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> float:
     """Return six times the signed volume of a tetrahedron."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]

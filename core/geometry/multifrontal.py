@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from scipy.linalg.blas import dsyrk, dtrsm, ssyrk, strsm
 from scipy.linalg.lapack import dpotrf, spotrf
 
+from ..run.kernels import kernel
 from .dissection import MAX_LEAF_NODE_COUNT, dissect
 from .substitution import substitute
 
@@ -160,7 +160,7 @@ def _plan_storage(parents: list[int], sizes: np.ndarray) -> np.ndarray:
     return places
 
 
-@njit(cache=True)
+@kernel()
 def _scatter_entries(indptr, indices, values, pattern_indptr, pattern_indices, data):  # type: ignore[no-untyped-def]
     """Copy entries to their places in a wider pattern (columns ascend in both); False where one has none."""
     for row in range(len(indptr) - 1):
@@ -174,7 +174,7 @@ def _scatter_entries(indptr, indices, values, pattern_indptr, pattern_indices, d
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
     """Add a child's update to the columns that its parent eliminates; `link` ascends."""
     n1, count = own.shape[0], len(link)
@@ -187,7 +187,7 @@ def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
             below[link[r] - n1, column] += update[r, c]
 
 
-@njit(cache=True)
+@kernel()
 def _add_rest(update, link, n1, rest):  # type: ignore[no-untyped-def]
     """Add a child's update to the update of its parent; `link` ascends."""
     count = len(link)

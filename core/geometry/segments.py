@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 
-@njit(cache=True)
+@kernel()
 def closest_segments(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the segment from start[j] to end[j] closest to each point, the first of equal ones, and the parameter on it.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
+@kernel(fastmath={"reassoc", "contract"}, error_model="numpy")
 def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
     """Replace x by (L L^T)^-1 x, front by front forward and backward. `layout` [front_count, 5]: start in `store`, own
     rows, boundary rows, first row, start in `joined`, which has the boundaries' rows. Each front is L11 by columns,
@@ -29,7 +30,7 @@ def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
         _substitute_backward(part, tail, own, below, zero)
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
+@kernel(fastmath={"reassoc", "contract"}, error_model="numpy")
 def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-1 part, and add L21 times that to `tail`."""
     n1, n2 = len(part), len(tail)
@@ -56,7 +57,7 @@ def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
             tail[r] += b[r] * u
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"}, error_model="numpy")
+@kernel(fastmath={"reassoc", "contract"}, error_model="numpy")
 def _substitute_backward(part, tail, own, below, zero):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-T (part - L21^T tail)."""
     n1, n2 = len(part), len(tail)

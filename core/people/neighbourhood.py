@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..run.kernels import kernel
 
 NEIGHBOURHOOD_RADII = (0.012, 0.02, 0.04, 0.06)
 """Radii of the neighbourhoods [m]: a hem's edge, its step, a fold, a slice of a limb."""
@@ -50,7 +51,7 @@ def neighbourhood_statistics(
     return tuple(out)
 
 
-@njit(cache=True)
+@kernel()
 def _sum_neighbours(positions, normals, offset, along, key, cell, shape, squares):  # type: ignore[no-untyped-def]
     """Sum over the 27 cells around each point; everything is sorted by cell."""
     count, scales = len(positions), len(squares)

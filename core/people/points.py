@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numba import njit
 from scipy.spatial import cKDTree
 
 from ..body.body import Body
 from ..geometry.geometry import unit, vertex_normals
 from ..geometry.point_normals import denoise_normals, estimate_normals, orient_normals
 from ..geometry.surface import TriangleSurface, barycentric_coordinates
+from ..run.kernels import kernel
 from ..scan.raw import RawScan
 
 MIN_SAMPLE_SPACING = 0.007
@@ -152,7 +152,7 @@ def _assign_to_samples(positions: np.ndarray, normals: np.ndarray, spacing: floa
     return owner, chosen
 
 
-@njit(cache=True)
+@kernel()
 def _throw_darts(positions, normals, place, shape, square):  # type: ignore[no-untyped-def]
     """Take each candidate without a near sample of its side; then assign every candidate to the nearest sample."""
     count = len(positions)

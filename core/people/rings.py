@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import correlate1d, uniform_filter1d
 
+from ..run.kernels import kernel
 from .unrolled import LIMB_COLUMN_COUNT, STATION_STEP
 
 STEP_ROW_COUNT = 6
@@ -111,7 +111,7 @@ def score_ring(edge: np.ndarray, rows: np.ndarray, bend_cost: float = BEND_COST)
     return float(edge[rows, np.arange(len(rows))].sum() - bend_cost * bends) / CORRELATED_COLUMN_COUNT
 
 
-@njit(cache=True)
+@kernel()
 def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
     """Return for each first row the score of the best closed path and the path."""
     rows, columns = gain.shape

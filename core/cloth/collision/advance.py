@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from .closest import closest_weights, pair_distance
 
 KEPT_DISTANCE_SHARE = 0.2
@@ -23,7 +23,7 @@ _MAX_ADVANCE_ITERATIONS = 200
 """Largest number of advances of one pair, after which the share so far is taken. Each covers most of the rest."""
 
 
-@njit(cache=True)
+@kernel()
 def collision_free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-def]
     """Return the largest share, 0 to 1, of a step [m], shape [node_count, 3], that keeps every pair apart.
 
@@ -68,7 +68,7 @@ def collision_free_share(x, step, pairs, least=0.0):  # type: ignore[no-untyped-
     return share
 
 
-@njit(cache=True)
+@kernel()
 def max_approach_speed(motion, kind):  # type: ignore[no-untyped-def]
     """Return the largest speed at which the two parts of a pair can approach."""
     first = 0.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from .broad import pair_boxes
 from .patches import Patches
 
@@ -53,7 +53,7 @@ def find_close_patches(
     return np.concatenate([far, patches.joined[joined]])
 
 
-@njit(cache=True)
+@kernel()
 def remove_mean_motion(path):  # type: ignore[no-untyped-def]
     """Return a path [m], [place_count, node_count, 3], less its mean motion, which changes no distance, and each node's
     box. The boxes are lowest and highest corners, [node_count, 6]."""
@@ -74,7 +74,7 @@ def remove_mean_motion(path):  # type: ignore[no-untyped-def]
     return steadied, spans
 
 
-@njit(cache=True)
+@kernel()
 def _bound_patches(path, spans, corners, moved):  # type: ignore[no-untyped-def]
     """Return the `Bounds` of patches, and which patches have a node of `moved`; all where `moved` is empty."""
     starts, members = corners
@@ -105,7 +105,7 @@ def _bound_patches(path, spans, corners, moved):  # type: ignore[no-untyped-def]
     return (boxes, middles, spread), active
 
 
-@njit(cache=True)
+@kernel()
 def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
     """Return the largest distance by which points of two patches can approach on the path [m]."""
     _, middles, spread = bounds
@@ -119,7 +119,7 @@ def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
     return np.sqrt(most) + spread[c] + spread[d]
 
 
-@njit(cache=True)
+@kernel()
 def _find_near_disjoint(path, patches, bounds, found, need):  # type: ignore[no-untyped-def]
     """Return the pairs of patches with overlapping boxes that share no node and may come within a distance."""
     overlapping, active = found
@@ -162,7 +162,7 @@ def _find_near_disjoint(path, patches, bounds, found, need):  # type: ignore[no-
     return kept[:count]
 
 
-@njit(cache=True)
+@kernel()
 def _find_near_joined(path, patches, bounds, active, need):  # type: ignore[no-untyped-def]
     """Return which joined pairs of patches may come within a distance, [joined_count]; see `find_close_patches`."""
     starts, members = patches.laid

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from ..block_pattern import ABSENT_BLOCK_SLOT, add_block
 from .closest import EDGE_EDGE, closest_weights, cross_product_hessian, distance_hessian, mollify, pair_distance
 
@@ -15,7 +15,7 @@ COINCIDENT_REACH_SHARE = 1e-4
 thousand times as stiff as at first contact, and each step keeps a fifth of the distance."""
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def barrier_function(ratio):  # type: ignore[no-untyped-def]
     """Return b = -(1 - s)^2 ln s, b' and b'' at s in 0 .. 1: infinite at 0, twice continuously differentiable at 1."""
     rest, log = 1.0 - ratio, math.log(ratio)
@@ -26,7 +26,7 @@ def barrier_function(ratio):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True)
+@kernel()
 def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ignore[no-untyped-def]
     """Add the gradient (order >= 1) and Hessian blocks (order 2) of contact between pairs and return its energy [J].
 
@@ -110,7 +110,7 @@ def barrier(x, pairs, pressure, places, order, exact, derivatives):  # type: ign
     return energy
 
 
-@njit(cache=True)
+@kernel()
 def measure_pairs(x, pairs):  # type: ignore[no-untyped-def]
     """Return the distance of each pair at x [m], shape [pair_count], and the four weights, shape [pair_count, 4]."""
     kinds, nodes, _ = pairs

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ...run.kernels import kernel
 
 _MAX_BOX_CELL_COUNT = 2**18
 """Largest number of cells of a grid: 2 MB, cleared in 0.1 ms. Larger cloth gets larger cells."""
@@ -50,14 +51,14 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
     return np.asarray(_find_overlaps(bounds, Grid.of(bounds), active))
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _inflate_box(boxes, m, need):  # type: ignore[no-untyped-def]
     """Return the lowest and the highest corner of a box that is enlarged by `need` [m]."""
     low = (boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need)
     return low, (boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _is_beside_box(boxes, m, low, high):  # type: ignore[no-untyped-def]
     """Check whether a box and the one between two corners [m] do not overlap."""
     return (
@@ -70,7 +71,7 @@ def _is_beside_box(boxes, m, low, high):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True)
+@kernel()
 def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
     """Return the pairs of boxes, of which one is active, that are within `need` [m] of each other, [pair_count, 2]."""
     pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
@@ -86,7 +87,7 @@ def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
     return pairs[:found]
 
 
-@njit(cache=True)
+@kernel()
 def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
     """Return the pairs of overlapping boxes, of which one is active, each pair once, [pair_count, 2]."""
     starts, members, copies = _fill_cells(bounds, grid)
@@ -115,7 +116,7 @@ def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
     return pairs[:found]
 
 
-@njit(cache=True)
+@kernel()
 def _fill_cells(bounds, grid):  # type: ignore[no-untyped-def]
     """Return where each cell of a grid begins, its boxes in ascending order, and their bounds."""
     origin, side, counts = grid
@@ -144,7 +145,7 @@ def _fill_cells(bounds, grid):  # type: ignore[no-untyped-def]
     return starts, members, copies
 
 
-@njit(cache=True)
+@kernel()
 def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-untyped-def]
     """Return the indices of parts of two patches whose boxes overlap and that share no node, [pair_count, 2].
 
@@ -209,7 +210,7 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
     return pairs[:found]
 
 
-@njit(cache=True)
+@kernel()
 def _fill_boxes(spans, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
     """Fill the boxes [m] of a run of groups of nodes, and the box around all of them, from the nodes' boxes."""
     whole[:3], whole[3:] = np.inf, -np.inf

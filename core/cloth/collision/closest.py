@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from ...run.kernels import kernel
 
 NODE_FACE, EDGE_EDGE = 0, 1
 """Codes of the kinds of pairs in the kernels. A node and a face are (p, a, b, c); two edges are (p, q) and (r, s)."""
@@ -17,7 +18,7 @@ _DEGENERATE_AREA_SHARE = 1e-20
 """Share of the squared lengths under which a triangle or a pair of edges has no defined direction."""
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _dot(x, i, j, k, m):  # type: ignore[no-untyped-def]
     """Return (x_j - x_i) . (x_m - x_k)."""
     return (
@@ -27,7 +28,7 @@ def _dot(x, i, j, k, m):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True)
+@kernel()
 def closest_weights(x, pair, kind, weights, rates):  # type: ignore[no-untyped-def]
     """Find the closest points of a pair: fill the four weights of r = sum_k w_k x_k, the vector between them. `rates`
     [2, 4] are dw/dp by the free parameters p (not at an end of their range); returns their number, 0 to 2."""
@@ -38,7 +39,7 @@ def closest_weights(x, pair, kind, weights, rates):  # type: ignore[no-untyped-d
     return _closest_weights_edges(x, pair[0], pair[1], pair[2], pair[3], weights, rates)
 
 
-@njit(cache=True)
+@kernel()
 def _closest_weights_face(x, p, a, b, c, weights, rates):  # type: ignore[no-untyped-def]
     """Find the point of a triangle that is closest to a node, by its regions (Ericson 2005, 5.1.5)."""
     weights[0] = 1.0
@@ -71,7 +72,7 @@ def _closest_weights_face(x, p, a, b, c, weights, rates):  # type: ignore[no-unt
     return 2
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _on_side(weights, rates, first, second, along):  # type: ignore[no-untyped-def]
     """Set the closest point on a side of the triangle."""
     weights[first], weights[second] = along - 1.0, -along
@@ -79,7 +80,7 @@ def _on_side(weights, rates, first, second, along):  # type: ignore[no-untyped-d
     return 1
 
 
-@njit(cache=True)
+@kernel()
 def _closest_weights_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-untyped-def]
     """Find the closest points of two segments (Ericson 2005, 5.1.9); for parallel ones the middle of the overlap. Where
     they are parallel to round-off the first parameter counts as fixed: the mollifier is zero there."""
@@ -114,7 +115,7 @@ def _closest_weights_edges(x, p, q, r, s, weights, rates):  # type: ignore[no-un
     return count
 
 
-@njit(cache=True)
+@kernel()
 def pair_distance(x, pair, weights, vector):  # type: ignore[no-untyped-def]
     """Fill the vector sum_k w_k x_k and return its length."""
     square = 0.0
@@ -127,7 +128,7 @@ def pair_distance(x, pair, weights, vector):  # type: ignore[no-untyped-def]
     return math.sqrt(square)
 
 
-@njit(cache=True)
+@kernel()
 def distance_hessian(x, pair, weights, rates, free, vector, distance, curve):  # type: ignore[no-untyped-def]
     """Fill the Hessian of a pair's distance, 16 blocks [4, 4, 3, 3], where the distance is above zero.
 
@@ -167,7 +168,7 @@ def distance_hessian(x, pair, weights, rates, free, vector, distance, curve):  #
                     curve[a, b, d, e] = value / (2.0 * distance)
 
 
-@njit(cache=True)
+@kernel()
 def mollify(x, pair, least, slope):  # type: ignore[no-untyped-def]
     """Return m(c) = (2 - c / least) c / least and m', m'' of c = |u x v|^2 < least, else 1, 0, 0; fill dc/dx [4, 3]. u
     and v are the edges (p, q) and (r, s). The direction between their closest points is discontinuous where they are
@@ -185,7 +186,7 @@ def mollify(x, pair, least, slope):  # type: ignore[no-untyped-def]
     return (2.0 - cross / least) * cross / least, 2.0 * (1.0 - cross / least) / least, -2.0 / (least * least)
 
 
-@njit(cache=True)
+@kernel()
 def cross_product_hessian(x, pair, curve):  # type: ignore[no-untyped-def]
     """Fill the Hessian of c = |u x v|^2, 16 blocks [4, 4, 3, 3]."""
     p, q, r, s = pair[0], pair[1], pair[2], pair[3]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from .advance import max_approach_speed
 from .closest import closest_weights, pair_distance
 from .near import NearPairs, collect_near_pairs, find_candidates
@@ -58,7 +58,7 @@ def verify_pairs_on_path(cloth: SelfContact, path: np.ndarray, watched: NearPair
     return near if apart else watched.renewed(near, moved), last
 
 
-@njit(cache=True)
+@kernel()
 def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     """Return the first step of a path on which each pair may come within reach, and its least distance beyond it [m].
 
@@ -94,7 +94,7 @@ def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     return first, least
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _move(start, end, pair, motion):  # type: ignore[no-untyped-def]
     """Fill the displacements of the four nodes of a pair [m], less their mean, shape [4, 3]."""
     for d in range(3):
@@ -106,7 +106,7 @@ def _move(start, end, pair, motion):  # type: ignore[no-untyped-def]
             motion[k, d] -= mean
 
 
-@njit(cache=True)
+@kernel()
 def _measure(x, nodes, kind, reach):  # type: ignore[no-untyped-def]
     """Return the distance of pairs beyond reach at x [m], shape [pair_count]."""
     beyond = np.zeros(len(nodes))

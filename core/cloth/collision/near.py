@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from .advance import collision_free_share, max_approach_speed
 from .apart import find_close_patches, remove_mean_motion
 from .barrier import measure_pairs
@@ -173,7 +173,7 @@ def _measure_pair_sizes(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.
     return nodes, np.column_stack([weights, reach, limits])
 
 
-@njit(cache=True)
+@kernel()
 def _find_kept_pairs(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     """Return which pairs may come within reach and slack [m], shape [pair_count]."""
     kept = np.zeros(len(nodes), np.bool_)
@@ -190,7 +190,7 @@ def _find_kept_pairs(start, step, nodes, kind, reach, slack):  # type: ignore[no
     return kept
 
 
-@njit(cache=True)
+@kernel()
 def _stay_near(nodes, start, step, margin):  # type: ignore[no-untyped-def]
     """Return whether all nodes are within a margin [m] of one point of a path from their start by a step [m]."""
     length, along = 0.0, 0.0
@@ -208,7 +208,7 @@ def _stay_near(nodes, start, step, margin):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _find_nodes_beyond(path, start, margin):  # type: ignore[no-untyped-def]
     """Return which nodes are further than a margin [m] from their start at some place of a path, shape [node_count]."""
     left = np.zeros(len(start), np.bool_)

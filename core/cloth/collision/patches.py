@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
-from numba import njit
 
 from ...geometry.connectivity import HalfEdges
+from ...run.kernels import kernel
 from .closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
 
 _LAYOUT_ITERATIONS = 4
@@ -85,7 +85,7 @@ def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
     return Patches(corners, nodes, own, edges, around, joined, gaps, RaggedLists(starts, laid), layout)
 
 
-@njit(cache=True)
+@kernel()
 def _group(faces, twin, around):  # type: ignore[no-untyped-def]
     """Return the patch of each face, shape [face_count], and the number of patches. Nodes no two of which share a face
     are the centres; a face without a centre joins the patch across an edge."""
@@ -116,7 +116,7 @@ def _group(faces, twin, around):  # type: ignore[no-untyped-def]
     return owner, count
 
 
-@njit(cache=True)
+@kernel()
 def _lay_out(faces, twin, rest, sides, lists, joined):  # type: ignore[no-untyped-def]
     """Return gaps, starts, nodes and layout of the joined pairs; see `Patches`."""
     corners, _, _, _, _ = lists
@@ -151,7 +151,7 @@ def _lay_out(faces, twin, rest, sides, lists, joined):  # type: ignore[no-untype
     return gaps, starts, laid[:end].copy(), layout[:end].copy()
 
 
-@njit(cache=True)
+@kernel()
 def _weigh_slopes(layout):  # type: ignore[no-untyped-def]
     """Centre a layout and fill the weights of its slopes, W = Y (Y^T Y)^-1; return False where it is degenerate."""
     for k in range(2):
@@ -166,7 +166,7 @@ def _weigh_slopes(layout):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _unfold(patch, faces, twin, rest, lists, found):  # type: ignore[no-untyped-def]
     """Lay out a patch and those around it in a plane: fill positions [m] of their nodes and which have one. Faces are
     placed across edges as their flat triangles; then each node moves to the mean of where its triangles, fitted rigidly
@@ -222,13 +222,13 @@ def _unfold(patch, faces, twin, rest, lists, found):  # type: ignore[no-untyped-
                     sums[v, 2] = 0.0
 
 
-@njit(cache=True)
+@kernel()
 def _area(flat):  # type: ignore[no-untyped-def]
     """Return twice the signed area of a flat triangle [m2]."""
     return (flat[1, 0] - flat[0, 0]) * (flat[2, 1] - flat[0, 1]) - (flat[1, 1] - flat[0, 1]) * (flat[2, 0] - flat[0, 0])
 
 
-@njit(cache=True)
+@kernel()
 def _set_apex(a, b, flat_a, flat_b, flat_c, apex):  # type: ignore[no-untyped-def]
     """Fill the third corner of a triangle, left of its edge a b [m], from its flat corners [m]."""
     u, v = flat_b[0] - flat_a[0], flat_b[1] - flat_a[1]
@@ -243,7 +243,7 @@ def _set_apex(a, b, flat_a, flat_b, flat_c, apex):  # type: ignore[no-untyped-de
     apex[1] = 0.5 * (a[1] + b[1]) + middle * t + height * s
 
 
-@njit(cache=True)
+@kernel()
 def _add_rigid_fit(face, flat, place, sums):  # type: ignore[no-untyped-def]
     """Add the corners of a flat triangle that is fitted rigidly to the present positions of its corners."""
     sign = -1.0 if _area(flat) < 0.0 else 1.0
@@ -268,7 +268,7 @@ def _add_rigid_fit(face, flat, place, sums):  # type: ignore[no-untyped-def]
         sums[face[k], 2] += 1.0
 
 
-@njit(cache=True)
+@kernel()
 def _gap(c, d, place, faces, sides, lists):  # type: ignore[no-untyped-def]
     """Return the least distance in the plane [m] between parts of two patches that share no node."""
     _, nodes, own, edges, _ = lists
@@ -299,7 +299,7 @@ def _gap(c, d, place, faces, sides, lists):  # type: ignore[no-untyped-def]
     return least
 
 
-@njit(cache=True)
+@kernel()
 def _are_boxes_apart(place, pair, split, least):  # type: ignore[no-untyped-def]
     """Return whether the boxes of a pair's two parts are at least `least` [m] apart along an axis of the plane."""
     for d in range(2):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from ...run.kernels import kernel
 from ..block_pattern import ABSENT_BLOCK_SLOT, add_block
 from ..friction import mobilise
 from .barrier import barrier_function, measure_pairs
@@ -78,7 +78,7 @@ def _inherit(keys: np.ndarray, before: ClothFriction, strain: np.ndarray) -> np.
     return found
 
 
-@njit(cache=True)
+@kernel()
 def cloth_friction(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
     """Add the friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 

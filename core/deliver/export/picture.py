@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import gaussian_filter
 
 from ...geometry.geometry import vertex_normals
+from ...run.kernels import kernel
 
 OVERSAMPLING_FACTOR = 2
 """Number of pixels drawn per pixel shown, each way, which smooths edges."""
@@ -136,7 +136,7 @@ def _rasterise_mesh(
     _rasterise(np.ascontiguousarray(screen), faces, attributes, depth, colour, normal)
 
 
-@njit(cache=True)
+@kernel()
 def _rasterise(
     screen: np.ndarray,
     faces: np.ndarray,
@@ -178,7 +178,7 @@ def _rasterise(
                         )
 
 
-@njit(cache=True)
+@kernel()
 def _resolve(
     depth: np.ndarray,
     colour: np.ndarray,

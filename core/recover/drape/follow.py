@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ...body.signed_distance import SignedDistance
 from ...garment.garment import Garment
 from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import lump, signed_areas
+from ...run.kernels import kernel
 from .layer_contact import LayerContact
 from .layers import HalfSpaces
 
@@ -165,7 +165,7 @@ class PbdState:
         return bool(np.median(speed) < 0.01 and np.quantile(speed, 0.9) < 0.03)
 
 
-@njit(cache=True)
+@kernel()
 def _sweep(
     nodes: np.ndarray, bonds: ConstraintArrays, weight: np.ndarray, planes: BodyPlanes, spaces: HalfSpaces, sweeps: int
 ) -> np.ndarray:
@@ -212,7 +212,7 @@ def _sweep(
     return press
 
 
-@njit(cache=True)
+@kernel()
 def _project_half_spaces(nodes: np.ndarray, weight: np.ndarray, spaces: HalfSpaces) -> None:
     """Project, in place, each constraint's nodes into its half-space, the lighter ones further."""
     corners, shares, sides, least = spaces

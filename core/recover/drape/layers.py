@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ...run.kernels import kernel
 
 LAYER_MOVE_SHARE = 0.45
 """Share of the distance between two layers by which each may move: less than half."""
@@ -84,7 +85,7 @@ def find_layer_constraints(
     return HalfSpaces(corners, weights, normals, np.minimum(gap, distances + 0.1 * gap))
 
 
-@njit(cache=True)
+@kernel()
 def _boxes(nodes, groups):  # type: ignore[no-untyped-def]
     """Return the lowest and highest corners [m] of groups of nodes."""
     low, high = np.zeros((len(groups), 3)), np.zeros((len(groups), 3))
@@ -97,7 +98,7 @@ def _boxes(nodes, groups):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@njit(cache=True)
+@kernel()
 def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
     """Return pairs of a node and a face within reach; faces are sorted by their lowest y."""
     low, high = _boxes(nodes, faces)
@@ -132,7 +133,7 @@ def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
     return table[:found], values[:found, :4], values[:found, 4:7], values[:found, 7]
 
 
-@njit(cache=True)
+@kernel()
 def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
     """Return pairs of edges within reach that share no node, sorted by their lowest y."""
     low, high = _boxes(nodes, edges)
@@ -164,7 +165,7 @@ def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
     return table[:found], values[:found, :4], values[:found, 4:7], values[:found, 7]
 
 
-@njit(cache=True)
+@kernel()
 def _finish(nodes, pair, value):  # type: ignore[no-untyped-def]
     """Write the unit vector between the two nearest points and their distance [m] after their four weights."""
     total = 0.0
@@ -179,7 +180,7 @@ def _finish(nodes, pair, value):  # type: ignore[no-untyped-def]
         value[4 + d] /= max(value[7], 1e-300)
 
 
-@njit(cache=True)
+@kernel()
 def _node_face(nodes, pair, value):  # type: ignore[no-untyped-def]
     """Find the point of a triangle nearest to a node; false where it is on an edge, which `_near_edges` handles."""
     p, a, b, c = pair[0], pair[1], pair[2], pair[3]
@@ -203,7 +204,7 @@ def _node_face(nodes, pair, value):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
+@kernel()
 def _edge_edge(nodes, pair, value):  # type: ignore[no-untyped-def]
     """Find the nearest points of two segments (Ericson 2005, 5.1.9)."""
     p, q, r, s = pair[0], pair[1], pair[2], pair[3]
