@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...core.body.spec import BuiltinWearer
 from ...core.cloth.fabric import Fabric
-from .request import FileRef, RequestBad
+from .request import BuiltinText, FileRef, RequestBad
 
 RESULT = "result"
 """Name of the input: the stored result whose garment is worn again."""
@@ -30,7 +30,7 @@ class DressRequest:
         up: Its axis that points up, or None to detect it.
     """
 
-    body: FileRef | BuiltinWearer | None = None
+    body: FileRef | BuiltinText | None = None
     pose: str | None = None
     fabric: str | Fabric | None = None
     units: str | None = None

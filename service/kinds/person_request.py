@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ...core.body.spec import BuiltinWearer
 from ...core.cloth.fabric import Fabric
 from ...core.people.part import GARMENTS
 from ...core.recover.settings import RecoverySettings
 from ...core.run.errors import BadInput
 from .recover_request import RecoverRequest
-from .request import FileRef, RequestBad
+from .request import BuiltinText, FileRef, RequestBad
 
 PERSON_INPUT_FILE = "given.npz"
 """File with the arrays of the files that were read, beside their folders."""
@@ -66,7 +65,7 @@ class PersonRequest:
     scan: FileRef
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: FileRef | None = None
-    body: FileRef | BuiltinWearer | None = None
+    body: FileRef | BuiltinText | None = None
     template: FileRef | None = None
     wearing: str | None = None
     marks: tuple[str, ...] = ()

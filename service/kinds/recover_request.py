@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...core.body.spec import BuiltinWearer
 from ...core.people.part import GARMENTS
 from ...core.recover.recovery import Request
 from ...core.recover.settings import RecoverySettings
-from .request import FileRef, RequestBad
+from .request import BuiltinText, FileRef, RequestBad
 
 READING = "reading.npz"
 """File with the arrays of the files that were read, beside their folders."""
@@ -40,7 +39,7 @@ class RecoverRequest:
     """
 
     scan: FileRef | None
-    body: FileRef | BuiltinWearer | None
+    body: FileRef | BuiltinText | None
     template: FileRef | None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: FileRef | None = None

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import re
-import types
+import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from dataclasses import dataclass, fields, is_dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from ...core.body.spec import BuiltinWearer, is_builtin
+from ...core.body.spec import BuiltinWearer
 from ...core.run.errors import BadInput
 from ...core.run.text import TextBad, has_unstorable_text
+from ..adapters import ReadText, get_adapter
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
 
 HASH = re.compile(r"[0-9a-f]{64}")
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,99}")
 
 T = TypeVar("T")
+
+BuiltinText = Annotated[BuiltinWearer, ReadText(BuiltinWearer)]
+"""A built-in body, in JSON its description."""
 
 
 class RequestBad(BadInput):
@@ -76,59 +84,50 @@ def find_files(request: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, Fi
 
 
 def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
-    """Build a request from JSON values.
+    """Build a request from JSON values, each of exactly its field's type; a number may be an integer.
 
     Raises:
         RequestBad: if a field is missing, unknown, or of another type.
+        TextBad: if a text cannot be stored.
         BadInput: if the dataclass itself refuses a value.
     """
-    hints, known = get_type_hints(kind), {field.name: field for field in fields(kind)}  # type: ignore[arg-type]
-    required = {f.name for f in known.values() if f.default is MISSING and f.default_factory is MISSING}
-    wrong = sorted((set(given) - set(known)) | (required - set(given)))
-    if wrong:
-        has = "unknown" if wrong[0] in given else "missing"
-        raise RequestBad(f"'{str(wrong[0])[:40]}' is {has}. {RequestBad().message}")
-    return kind(**{name: _read(hints[name], value, name) for name, value in given.items()})
+    from pydantic import ValidationError
 
-
-def _read(hint: Any, value: Any, name: str) -> Any:
-    if get_origin(hint) in (Union, types.UnionType):
-        for one in get_args(hint):
-            if _fits(one, value):
-                return _read(one, value, name)
-    elif _fits(hint, value):
-        if hint is BuiltinWearer:
-            return BuiltinWearer(value)
-        if hint is float:
-            return _read_number(value, name)
-        if is_dataclass(hint):
-            return read_request(hint, value)  # type: ignore[arg-type]
-        if get_origin(hint) is tuple:
-            return tuple(_read(get_args(hint)[0], one, name) for one in value)
-        if get_origin(hint) in (dict, Mapping):
-            return {str(key): _read(get_args(hint)[1], one, str(key)) for key, one in value.items()}
-        return value
-    raise RequestBad(f"'{name}' cannot be {value!r:.60}. {RequestBad().message}")
-
-
-def _read_number(value: float, name: str) -> float:
+    _check_json(given)
     try:
-        return float(value)  # 30 and 30.0 are the same job
-    except OverflowError as error:
-        raise RequestBad(f"'{name}' is too large. {RequestBad().message}") from error
+        return get_adapter(kind).validate_json(json.dumps(given), strict=True, extra="forbid")
+    except RecursionError:
+        raise RequestBad(f"the request is nested too deeply. {RequestBad().message}") from None
+    except ValidationError as error:
+        found = max(error.errors(include_url=False), key=lambda one: len(one["loc"]))  # inside the type that fits best
+        if found["type"] == "json_invalid" and has_unstorable_text(given):
+            raise TextBad() from None
+        raise RequestBad(f"{_explain(found, given)} {RequestBad().message}") from None
 
 
-def _fits(hint: Any, value: Any) -> bool:
-    """Return whether a JSON value can be of a type; parts of a dataclass or tuple are checked when they are read."""
-    origin = get_origin(hint) or hint
-    if hint is Any:
-        return True
-    if hint is BuiltinWearer:
-        return isinstance(value, str) and is_builtin(value)
-    if is_dataclass(hint) or origin in (dict, Mapping):
-        return isinstance(value, Mapping)
-    if origin is tuple:
-        return isinstance(value, list)
-    if hint is float:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-    return isinstance(value, origin) and (hint is bool or not isinstance(value, bool))
+def _check_json(given: Any) -> None:
+    """Refuse what JSON has no value for, and an integer too large for a float, which pydantic reads as infinite."""
+    waiting = [("request", given)]
+    while waiting:
+        name, one = waiting.pop()
+        if isinstance(one, Mapping):
+            waiting += [(str(key)[:40], part) for key, part in one.items()]
+        elif isinstance(one, list | tuple):
+            waiting += [(name, part) for part in one]
+        elif isinstance(one, int) and abs(one) > sys.float_info.max:
+            raise RequestBad(f"'{name}' is too large. {RequestBad().message}")
+        elif not isinstance(one, str | int | float | None):
+            raise RequestBad(f"'{name}' cannot be {one!r:.60}. {RequestBad().message}")
+
+
+def _explain(error: ErrorDetails, given: Any) -> str:
+    """Return what is wrong with the values given, by the name of the field."""
+    place, name = error["loc"], "request"
+    if error["type"] in ("missing", "unexpected_keyword_argument") and isinstance(place[-1], str):
+        return f"'{place[-1][:40]}' is {'missing' if error['type'] == 'missing' else 'unknown'}."
+    for step in place:  # besides names and numbers of values, a place has the types that were tried
+        if isinstance(given, Mapping) and step in given:
+            name, given = str(step)[:40], given[step]
+        elif isinstance(given, list) and isinstance(step, int) and step < len(given):
+            given = given[step]
+    return f"'{name}' cannot be {error['input']!r:.60}."
