@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from .records import CLOSED, Json
+from .records import CLOSED, Json, JsonRecord
 
 if TYPE_CHECKING:
     from ..core.cloth.fabric import Fabric
 
 
 @dataclass(frozen=True)
-class Template:
+class Template(JsonRecord):
     """Describe a base pattern: `source` is `shipped` or `imported`."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -21,14 +21,9 @@ class Template:
     source: str
     title: str
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(*(str(found[item.name]) for item in fields(cls)))
-
 
 @dataclass(frozen=True)
-class ImportedTemplate:
+class ImportedTemplate(JsonRecord):
     """Describe an imported pattern."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -36,11 +31,6 @@ class ImportedTemplate:
     panels: int
     seams: int
     category: str
-
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(str(found["name"]), int(found["panels"]), int(found["seams"]), str(found["category"]))
 
 
 def show_fabric(fabric: Fabric) -> dict[str, Any]:

@@ -93,7 +93,8 @@ class Client(RemoteBackend):
 
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job, all jobs below it and all jobs that read its results."""
-        return Deleted(**self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1))
+        found = self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1)
+        return read(lambda: Deleted.from_json(found))
 
     def find_person(self, name: str) -> Person:
         """Return the data of a person, whose jobs, scans or uploads have exactly this name."""
@@ -104,11 +105,12 @@ class Client(RemoteBackend):
         """Delete the scans and uploads of exactly this name, and all made of them; a dry run only lists them."""
         params = {"dry_run": True} if dry_run else {}
         found = self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1, params=params)
-        return read(lambda: PersonDeleted(**{**found, "found": Person.from_json(found["found"])}))
+        return read(lambda: PersonDeleted.from_json(found))
 
     def forget_upload(self, kind: str, sha256: str) -> Deleted:
         """Delete an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep their files."""
-        return Deleted(**self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1))
+        found = self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1)
+        return read(lambda: Deleted.from_json(found))
 
     def read_metrics(self) -> str:
         """Return the service's metrics in the text format of Prometheus."""

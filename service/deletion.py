@@ -16,6 +16,7 @@ from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_family
 from .garbage import find_all_references, find_hashes
 from .models import ArtifactRow, IdempotencyRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
+from .records import JsonRecord
 from .states import ENDED
 from .store import ArtifactMissing, Store
 
@@ -32,7 +33,7 @@ class JobShared(BadInput):
 
 
 @dataclass(frozen=True)
-class Deleted:
+class Deleted(JsonRecord):
     """Describe what was deleted.
 
     Attributes:

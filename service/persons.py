@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from time import time
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from sqlalchemy import Select, or_, select
 from sqlalchemy.orm import Session
@@ -17,7 +17,7 @@ from .garbage import find_hashes
 from .jobs import IDS_AT_ONCE, find_jobs_by_id
 from .models import JobRow, OwnerRow, ScanRow, UploadRow
 from .query import FORBIDDEN_CHARACTERS
-from .records import CLOSED
+from .records import CLOSED, JsonRecord
 from .store import Store
 
 
@@ -28,7 +28,7 @@ class PersonUnknown(NotFound):
 
 
 @dataclass(frozen=True)
-class PersonJob:
+class PersonJob(JsonRecord):
     """Describe a job of a person, and the API keys that see it; without keys it is the operator's own."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -39,7 +39,7 @@ class PersonJob:
 
 
 @dataclass(frozen=True)
-class PersonUpload:
+class PersonUpload(JsonRecord):
     """Describe an uploaded file of a person: its hash, the name that it was given, and the API key or empty."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -49,7 +49,7 @@ class PersonUpload:
 
 
 @dataclass(frozen=True)
-class Person:
+class Person(JsonRecord):
     """Describe the stored data of a person.
 
     Attributes:
@@ -68,14 +68,6 @@ class Person:
     jobs: tuple[PersonJob, ...] = ()
     uploads: tuple[PersonUpload, ...] = ()
     files: tuple[str, ...] = ()
-
-    @classmethod
-    def from_json(cls, found: Mapping[str, Any]) -> Self:
-        """Read a service's response."""
-        jobs = tuple(PersonJob(**{**one, "keys": tuple(one["keys"])}) for one in found["jobs"])
-        uploads = tuple(PersonUpload(**one) for one in found["uploads"])
-        names, keys, files = (tuple(map(str, found[field])) for field in ("names", "keys", "files"))
-        return cls(str(found["name"]), names, keys, jobs, uploads, files)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from .records import CLOSED, Json, read_optional
+from .records import CLOSED, Json, JsonRecord
 from .states import State
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Worker:
+class Worker(JsonRecord):
     """Describe a live worker, with times in s since 1970; only the scope `admin` sees its name."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -28,20 +28,9 @@ class Worker:
         """Read a row of the table of workers."""
         return cls(row.name, row.queues, row.concurrency, row.started, row.seen)
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(
-            name=str(found["name"]),
-            queues=str(found["queues"]),
-            concurrency=int(found["concurrency"]),
-            started=float(found["started"]),
-            seen=float(found["seen"]),
-        )
-
 
 @dataclass(frozen=True)
-class Outage:
+class Outage(JsonRecord):
     """Describe what the workers of a host wait for: an error's code, and since when [s since 1970].
 
     Only the scope `admin` sees the host's name.
@@ -54,7 +43,7 @@ class Outage:
 
 
 @dataclass(frozen=True)
-class Queue:
+class Queue(JsonRecord):
     """Describe the queue: counts of jobs by state, live workers and outages.
 
     `silence` is the time since a dispatcher last acted [s]; None if there is none.
@@ -68,10 +57,5 @@ class Queue:
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
-        """Read a service's response; an older service sends no outages."""
-        return cls(
-            {State(state): int(count) for state, count in found["states"].items()},
-            [Worker.from_json(worker) for worker in found["workers"]],
-            [Outage(str(one["place"]), str(one["code"]), float(one["since"])) for one in found.get("outages", ())],
-            read_optional(found.get("silence", 0.0)),
-        )
+        """Read a service's response; an older service sends no `silence`."""
+        return super().from_json({"silence": 0.0, **found})

@@ -6,9 +6,10 @@ Rows of tables do not leave this layer, and dictionaries of responses do not lea
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import Field, dataclass, field, fields
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
+from .adapters import ReadText, get_adapter
 from .states import State
 
 if TYPE_CHECKING:
@@ -21,8 +22,51 @@ CLOSED = {"extra": "forbid"}
 """OpenAPI configuration of a record that is a response: these fields and no others."""
 
 
+def check_id(job: str) -> str:
+    """Return an id if it may be printed and used in a path.
+
+    Raises:
+        ValueError: if it may not.
+    """
+    if not (job.isascii() and job.isalnum() and len(job) <= 16):
+        raise ValueError("a job's id is made of at most 16 letters and digits")
+    return job
+
+
+JobId = Annotated[str, ReadText(check_id)]
+"""Id of a job."""
+
+
+class JsonRecord:
+    """Convert a dataclass from and to JSON values; a field's metadata `alias` is its name in JSON."""
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's response; the fields that only a later version has are ignored.
+
+        Raises:
+            ValueError: if a field is missing or of another type, or an id may not be printed or used in a path.
+        """
+        return get_adapter(cls).validate_python(found, extra="ignore")
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record as JSON values, the same keys for every state."""
+        return {get_json_name(item): _show(getattr(self, item.name)) for item in fields(self)}  # type: ignore[arg-type]
+
+
+def get_json_name(item: Field[Any]) -> str:
+    """Return the name of a record's field in JSON."""
+    return str(item.metadata.get("alias", item.name))
+
+
+def _show(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_show(one) for one in value]
+    return value.as_json() if isinstance(value, JsonRecord) else value
+
+
 @dataclass(frozen=True)
-class Failure:
+class Failure(JsonRecord):
     """Describe why a job ended without success."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -31,7 +75,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Gate:
+class Gate(JsonRecord):
     """Describe the verdict on one metric of a result: `verdict` is pass, doubtful or fail."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -43,23 +87,18 @@ class Gate:
 
 
 @dataclass(frozen=True)
-class Child:
+class Child(JsonRecord):
     """Describe a job that another one made."""
 
     __pydantic_config__: ClassVar = CLOSED
-    job: str
+    job: JobId
     name: str
     kind: str
     state: State
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(check_id(found["job"]), str(found["name"]), str(found["kind"]), State(found["state"]))
-
 
 @dataclass(frozen=True)
-class Artifact:
+class Artifact(JsonRecord):
     """Describe one file of a job: its name, sha256 (hex) and size [bytes]."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -72,14 +111,9 @@ class Artifact:
         """Read a row of the table of artifacts."""
         return cls(row.name, row.sha256, row.size)
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(str(found["name"]), str(found["sha256"]), int(found["size"]))
-
 
 @dataclass(frozen=True)
-class Event:
+class Event(JsonRecord):
     """Describe one event of a job: `kind`, and its data as JSON values; `at` in s since 1970."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -94,18 +128,14 @@ class Event:
         """Return the progress of a stage, if the event reports that."""
         if self.kind != "progress":
             return None
-        whole = (read_optional(self.data.get(name)) for name in ("overall", "left_seconds"))
+        told = (self.data.get(name) for name in ("overall", "left_seconds"))
+        whole = (None if value is None else float(value) for value in told)
         return Progress(str(self.data["stage"]), float(self.data["fraction"]), str(self.data["message"]), *whole)
 
     @classmethod
     def from_row(cls, row: EventRow) -> Self:
         """Read a row of the table of events."""
         return cls(row.id, row.job, row.at, row.kind, row.data)
-
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(int(found["id"]), str(found["job"]), float(found["at"]), str(found["kind"]), dict(found["data"]))
 
 
 @dataclass(frozen=True)
@@ -129,13 +159,13 @@ class News:
 
 
 @dataclass(frozen=True)
-class Key:
+class Key(JsonRecord):
     """Describe an API key, without its token: at most `quota` jobs open at a time, none of a higher `priority`.
 
     Times in s since 1970; `used` has a resolution of `keys.USED_SECONDS`.
     """
 
-    id: str
+    id: str = field(metadata={"alias": "key"})
     name: str
     scopes: list[str]
     quota: int
@@ -151,28 +181,9 @@ class Key:
         life = (row.created, row.revoked, row.priority, row.expires, row.used)
         return cls(row.id, row.name, list(row.scopes), row.quota, *life)
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(
-            id=str(found["key"]),
-            name=str(found["name"]),
-            scopes=[str(scope) for scope in found["scopes"]],
-            quota=int(found["quota"]),
-            created=float(found["created"]),
-            revoked=read_optional(found["revoked"]),
-            priority=int(found.get("priority", 0)),
-            expires=read_optional(found.get("expires")),
-            used=read_optional(found.get("used")),
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the key as JSON values."""
-        return {"key": self.id, **{n: v for n, v in asdict(self).items() if n != "id"}}
-
 
 @dataclass(frozen=True)
-class Delay:
+class Delay(JsonRecord):
     """Describe why a queued job is paused: an outage's code, and until when [s since 1970]."""
 
     __pydantic_config__: ClassVar = CLOSED
@@ -181,7 +192,7 @@ class Delay:
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(JsonRecord):
     """Describe the progress of a job: `progress` of its stage, `overall` of the whole, 0..1; times in s since 1970.
 
     `expected_end` is when a running job should end, estimated from earlier jobs of its kind.
@@ -189,7 +200,7 @@ class Job:
     `pass`, `doubtful` or `fail`, and None without gates.
     """
 
-    id: str
+    id: JobId = field(metadata={"alias": "job"})
     name: str
     state: State
     stage: str
@@ -202,10 +213,10 @@ class Job:
     bad_input: bool
     queue: str
     priority: int
-    kind: str = "recover"
-    family: str = ""
-    parent: str | None = None
-    verdict: str | None = None
+    kind: str
+    family: JobId
+    parent: JobId | None
+    verdict: str | None
     delay: Delay | None = None
     overall: float = 0.0
     expected_end: float | None = None
@@ -215,23 +226,8 @@ class Job:
         """Read a row of the table of jobs."""
         return Job(**_read_row(row))
 
-    @classmethod
-    def from_json(cls, found: Json) -> Job:
-        """Read a service's response.
 
-        Raises:
-            ValueError: if the id may not be printed or used in a path.
-        """
-        return Job(**_read_job(found))
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the job as JSON values, the same keys for every state."""
-        shown = {item.name: getattr(self, item.name) for item in fields(Job) if item.name != "id"}
-        failed, rests = (None if one is None else asdict(one) for one in (self.error, self.delay))
-        return {"job": self.id, **shown, "error": failed, "delay": rests}
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JobReport(Job):
     """Describe a job with its result; metrics by dotted name, which includes the unit.
 
@@ -255,23 +251,23 @@ class JobReport(Job):
         details: Fields of its kind, as JSON values.
     """
 
-    garment: str | None = None
-    template: str | None = None
-    fabric: str | None = None
-    body: str | None = None
-    settings: dict[str, Any] = field(default_factory=dict)
-    version: str = ""
-    metrics: dict[str, float | None] = field(default_factory=dict)
+    garment: str | None
+    template: str | None
+    fabric: str | None
+    body: str | None
+    settings: dict[str, Any]
+    version: str
+    metrics: dict[str, float | None]
     gates: list[Gate] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     stage_seconds: dict[str, float] = field(default_factory=dict)
     cpu_seconds: float | None = None
     peak_mb: float | None = None
-    children: list[Child] = field(default_factory=list)
-    inputs: dict[str, str] = field(default_factory=dict)
-    waits: list[str] = field(default_factory=list)
-    tags: list[str] = field(default_factory=list)
-    details: dict[str, Any] = field(default_factory=dict)
+    children: list[Child]
+    inputs: dict[str, JobId]
+    waits: list[JobId]
+    tags: list[str]
+    details: dict[str, Any]
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:
@@ -285,37 +281,6 @@ class JobReport(Job):
             **found,
         )
 
-    @classmethod
-    def from_json(cls, found: Json) -> JobReport:
-        """Read a service's response.
-
-        Raises:
-            ValueError: if the id may not be printed or used in a path.
-        """
-        return JobReport(
-            **_read_job(found),
-            garment=found["garment"],
-            template=found["template"],
-            fabric=found["fabric"],
-            body=found["body"],
-            settings=dict(found["settings"]),
-            version=str(found["version"]),
-            metrics={str(name): read_optional(value) for name, value in found["metrics"].items()},
-            children=[Child.from_json(child) for child in found["children"]],
-            inputs={str(name): check_id(job) for name, job in found["inputs"].items()},
-            waits=[check_id(job) for job in found["waits"]],
-            tags=[str(tag) for tag in found["tags"]],
-            details=dict(found["details"]),
-            **_read_result(found),
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the job and its result as JSON values, the same keys for every state."""
-        mine = {item.name for item in fields(JobReport)} - {item.name for item in fields(Job)}
-        found = {item.name: getattr(self, item.name) for item in fields(JobReport) if item.name in mine}
-        children = [asdict(child) for child in self.children]
-        return {**super().as_json(), **found, "gates": [asdict(gate) for gate in self.gates], "children": children}
-
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
@@ -328,33 +293,6 @@ def _read_row(row: JobRow) -> dict[str, Any]:
     return {**kept, **shares, "error": error, "delay": delay, "family": row.family or row.id}
 
 
-def _read_job(found: Json) -> dict[str, Any]:
-    """Return the fields of a `Job` from a service's response."""
-    error = found["error"]
-    return {
-        "id": check_id(found["job"]),
-        "name": str(found["name"]),
-        "kind": str(found["kind"]),
-        "family": check_id(found["family"]),
-        "parent": check_id(found["parent"]) if found["parent"] else None,
-        "state": State(found["state"]),
-        "stage": str(found["stage"]),
-        "progress": float(found["progress"]),
-        "attempts": int(found["attempts"]),
-        "created": float(found["created"]),
-        "started": read_optional(found["started"]),
-        "finished": read_optional(found["finished"]),
-        "error": Failure(str(error["code"]), str(error["message"])) if error else None,
-        "bad_input": bool(found["bad_input"]),
-        "queue": str(found["queue"]),
-        "priority": int(found["priority"]),
-        "verdict": str(found["verdict"]) if found["verdict"] else None,
-        "overall": float(found.get("overall", 0.0)),
-        "expected_end": read_optional(found.get("expected_end")),
-        "delay": Delay(str(delay["code"]), float(delay["until"])) if (delay := found.get("delay")) else None,
-    }
-
-
 def _read_result(found: Json) -> dict[str, Any]:
     """Return the fields of a `JobReport` from a result's JSON; empty for a job without a result."""
     return {
@@ -364,19 +302,3 @@ def _read_result(found: Json) -> dict[str, Any]:
         "cpu_seconds": found.get("cpu_seconds"),
         "peak_mb": found.get("peak_mb"),
     }
-
-
-def check_id(job: str) -> str:
-    """Return an id if it may be printed and used in a path.
-
-    Raises:
-        ValueError: if it may not.
-    """
-    if not (job.isascii() and job.isalnum() and len(job) <= 16):
-        raise ValueError("a job's id is made of at most 16 letters and digits")
-    return job
-
-
-def read_optional(value: float | None) -> float | None:
-    """Return a number that may be missing."""
-    return None if value is None else float(value)

@@ -164,7 +164,8 @@ def _load_garments(session: Session, jobs: Sequence[str]) -> list[object]:
 
 def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return for each job the fields of its report from other tables."""
-    found: dict[str, dict[str, Any]] = {job: {"metrics": {}} for job in jobs}
+    nothing = dict.fromkeys(("garment", "template", "fabric", "body"))
+    found: dict[str, dict[str, Any]] = {job: {**nothing, "metrics": {}} for job in jobs}
     patterns = (
         select(PatternRow.job, PatternRow.category, PatternRow.template, MaterialRow.name)
         .join(MaterialRow, MaterialRow.id == PatternRow.material)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 from sqlalchemy import select
 
 from .database import Database, skip_damaged_rows
 from .kinds.dress_request import RESULT
 from .models import JobInputRow, JobRow, OwnerRow
-from .records import CLOSED, Json, check_id
+from .records import CLOSED, JobId, JsonRecord
 from .states import State
 
 if TYPE_CHECKING:
@@ -21,29 +21,17 @@ EDIT = "edit"
 
 
 @dataclass(frozen=True)
-class Version:
+class Version(JsonRecord):
     """Describe one version of a result: `predecessor` is null for the first; `created` in s since 1970."""
 
     __pydantic_config__: ClassVar = CLOSED
-    job: str
-    predecessor: str | None
+    job: JobId
+    predecessor: JobId | None
     name: str
     kind: str
     state: State
     verdict: str | None
     created: float
-
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        values = {item.name: found[item.name] for item in fields(cls)}
-        before = found["predecessor"]
-        ids = {"job": check_id(found["job"]), "predecessor": None if before is None else check_id(before)}
-        return cls(**values | ids | {"state": State(found["state"])})
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the version as JSON values."""
-        return asdict(self)
 
 
 @skip_damaged_rows

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Self
 
-from .records import CLOSED, Json, check_id, read_optional
+from .records import CLOSED, JobId, JsonRecord
 from .states import State
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Webhook:
+class Webhook(JsonRecord):
     """Describe a webhook, without its secret.
 
     Attributes:
@@ -28,7 +28,7 @@ class Webhook:
         owed: Number of messages that are still to be sent.
     """
 
-    id: str
+    id: JobId = field(metadata={"alias": "webhook"})
     key: str
     url: str
     states: list[State]
@@ -44,36 +44,11 @@ class Webhook:
         told = (row.served or None, row.status, row.error, owed)
         return cls(row.id, row.key, row.url, [State(state) for state in row.states], row.created, *told)
 
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        return cls(
-            id=check_id(found["webhook"]),
-            key=str(found["key"]),
-            url=str(found["url"]),
-            states=[State(state) for state in found["states"]],
-            created=float(found["created"]),
-            served=read_optional(found["served"]),
-            status=None if found["status"] is None else int(found["status"]),
-            error=None if found["error"] is None else str(found["error"]),
-            owed=int(found["owed"]),
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the webhook as JSON values."""
-        return {"webhook": self.id, **{name: value for name, value in asdict(self).items() if name != "id"}}
-
 
 @dataclass(frozen=True)
-class Receipt:
+class Receipt(JsonRecord):
     """Describe the outcome of a message: the response's status, or why there was none; no `error`: it was accepted."""
 
     __pydantic_config__: ClassVar = CLOSED
     status: int | None
     error: str | None
-
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's response."""
-        status, error = found["status"], found["error"]
-        return cls(None if status is None else int(status), None if error is None else str(error))

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from .. import records
 from ..catalogue import Template
-from ..records import Artifact
+from ..records import Artifact, get_json_name
 from ..states import State
 from ..versions import Version
 from ..webhook_records import Webhook as WebhookRecord
@@ -22,16 +22,16 @@ class Answer(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-def _make_model(record: type, identifier: str) -> Any:
+def _make_model(record: type) -> Any:
     """Return the model of a record whose `id` has another name in JSON."""
     hints = get_type_hints(record)
-    names = {identifier if item.name == "id" else item.name: (hints[item.name], ...) for item in fields(record)}
+    names = {get_json_name(item): (hints[item.name], ...) for item in fields(record)}
     return create_model(record.__name__, __base__=Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
 
 
-Brief: Any = _make_model(records.Job, "job")
-Job: Any = _make_model(records.JobReport, "job")
-Key: Any = _make_model(records.Key, "key")
+Brief: Any = _make_model(records.Job)
+Job: Any = _make_model(records.JobReport)
+Key: Any = _make_model(records.Key)
 
 
 class Place(Answer):
@@ -208,7 +208,7 @@ class Keys(Answer):
     keys: list[Key]
 
 
-Webhook: Any = _make_model(WebhookRecord, "webhook")
+Webhook: Any = _make_model(WebhookRecord)
 
 
 class NewWebhook(Webhook):

@@ -13,7 +13,7 @@ from garmentq.service.states import State
 def make_job(state: State, verdict: str | None = None, bad_input: bool = False) -> Job:
     """Return a job that ended so."""
     error = Failure("x", "x") if state == State.FAILED else None
-    return Job("a", "a", state, "", 1.0, 1, 0.0, 0.0, 1.0, error, bad_input, "cpu", 0, verdict=verdict)
+    return Job("a", "a", state, "", 1.0, 1, 0.0, 0.0, 1.0, error, bad_input, "cpu", 0, "recover", "a", None, verdict)
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,8 @@ def make_job(**changes) -> JobReport:
     """Return an ended job with everything that a summary reads."""
     job = JobReport(
         "3685ecfd4f81", "person", State.SUCCEEDED, "measure", 1.0, 1, 0.0, 1.0, 2.0, None, False, "cpu", 0,
+        "recover", "3685ecfd4f81", None, "fail",
+        settings={}, version="", children=[], inputs={}, waits=[], tags=[], details={},
         garment="skirt", template="four_panel_skirt", fabric="cotton_poplin", body="scan:person", metrics=METRICS,
         gates=GATES, warnings=["frayed hem.", "other."], cpu_seconds=71.2, peak_mb=640.0,
     )  # fmt: skip
