@@ -114,7 +114,14 @@ class FitStage:
         plane: Measure pairs along the normal; else in all three axes, which converges from further away.
         shape_count: Number of free shape coefficients.
         cloth_pull: Weight of a pair with cloth outside the body; skin has 1.
-        cloth_gap: Scale of such a pair relative to that of one with skin.
+        cloth_gap: Ratio of the scale of such a pair to that of one with skin.
+        cloth_reach: Multiple of `scale` up to which a point of the body outside the cloth is not down-weighted: unlike
+            a gap between cloth and body, it cannot be right.
+        observations: Number of observations that a whole surface counts for against the priors: 1 cm everywhere
+            outweighs a few standard deviations of shape. With 300, mannequins with long arms fit badly (16 mm RMS, not
+            8); 5000 gained 1 mm.
+        least_motion: Share of `scale` that a step must move the points by (RMS) for the stage to continue. Smaller
+            moves are a fraction of what the next stage, with a smaller scale, corrects; in the last it is 0.2 mm.
     """
 
     steps: int
@@ -124,18 +131,9 @@ class FitStage:
     shape_count: int
     cloth_pull: float = 0.3
     cloth_gap: float = 1.0
-
-
-EFFECTIVE_OBSERVATION_COUNT = 3000.0
-"""Number of observations that a whole surface counts for against the priors: 1 cm everywhere outweighs a few standard
-deviations of shape. With 300, mannequins with long arms fit badly (16 mm RMS, not 8); 5000 gained 1 mm."""
-CLOTH_REACH = 3.0
-"""Multiple of a stage's scale up to which a point of the body outside the cloth is not down-weighted: unlike a gap
-between cloth and body, it cannot be right."""
-
-MIN_STAGE_MOTION_SHARE = 0.02
-"""Share of a stage's scale that a step must move the points by (RMS) for the stage to continue. Smaller moves are a
-fraction of what the next stage, with a smaller scale, corrects; in the last stage it is 0.2 mm."""
+    cloth_reach: float = 3.0
+    observations: float = 3000.0
+    least_motion: float = 0.02
 
 
 @dataclass(frozen=True)
@@ -184,7 +182,7 @@ class Fitter:
             placed = self._place(state)
             if (
                 last is not None
-                and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < MIN_STAGE_MOTION_SHARE * stage.scale
+                and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < stage.least_motion * stage.scale
             ):
                 break
             last = placed.points
@@ -222,9 +220,7 @@ class Fitter:
         row, chosen = self._pairs(points, placed.normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
-        weight = self._trust(offset, direction, (row, chosen), stage) * (
-            EFFECTIVE_OBSERVATION_COUNT / len(row) / stage.scale**2
-        )
+        weight = self._trust(offset, direction, (row, chosen), stage) * (stage.observations / len(row) / stage.scale**2)
         slopes = np.concatenate(
             [
                 self._turn_slopes(placed),
@@ -290,7 +286,7 @@ class Fitter:
         if s.cloth is not None:
             cloth = s.cloth[chosen].astype(np.float64)
             outside = np.einsum("ra,ra->r", offset, direction) > 0
-            reach2 = np.where(outside, CLOTH_REACH**2, stage.cloth_gap**2)
+            reach2 = np.where(outside, stage.cloth_reach**2, stage.cloth_gap**2)
             scale2 *= (1.0 - cloth) + cloth * reach2
             weight = weight * np.where(outside, 1.0, (1.0 - cloth) + cloth * stage.cloth_pull)
             if s.limb is not None:

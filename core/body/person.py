@@ -12,7 +12,7 @@ from ..geometry.point_normals import smooth_normals
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
 from .fit import FitStage, FitState, Fitter, OrientedPoints, find_forearms
-from .person_search import PersonSearch, find_start, spread_subset
+from .person_search import SearchSettings, find_start, spread_subset
 from .presence import (
     MIN_SCAN_CELL_COUNT,
     MIN_WHOLE_PERSON_HEIGHT,
@@ -33,18 +33,6 @@ INWARD_CLOTH_COSINE = -0.2
 STAGE = "body"
 """Name under which progress is reported."""
 
-CLOTH_PULL_WEIGHT = 0.1
-"""Weight of cloth outside the body in the last stages, relative to skin: about the share of the cloth that touches the
-body. With 0.03 bodies are too thin where all but head and hands is cloth (1.7 mm more error)."""
-
-REFIT_STAGES = (
-    FitStage(6, 0.06, 0.10, True, 15, CLOTH_PULL_WEIGHT),
-    FitStage(8, 0.05, 0.10, True, 20, CLOTH_PULL_WEIGHT),
-    FitStage(8, 0.025, 0.06, True, 40, CLOTH_PULL_WEIGHT),
-    FitStage(10, 0.012, 0.04, True, 60, CLOTH_PULL_WEIGHT),
-)
-"""Stages that continue a fit, from 6 cm: by so much a body fitted to the clothes as if bare may be too thick."""
-
 IGNORED_POINT_WEIGHT = 0.1
 """Weight of a point that is surely hair, shoe or thing, relative to 1; above 0, so that a head stays below its hair."""
 
@@ -57,14 +45,9 @@ SUPPORT_JOINTS = (("spine3", "left_collar", "right_collar"), ("pelvis", "spine1"
 """Joints of the skin that supports clothes: shoulders and upper back, waist and hips."""
 MAX_CONTACT_OFFSET = 0.008
 """Offset [m] up to which the lowest tenth of cloth touches the body: its thickness, and a fit's error of 5 mm."""
-MAX_CONTACT_REFITS = 2
-"""Largest number of refits of a body that does not reach its clothes; each counts a fifth more of them as skin."""
 
 MAX_SLEEVE_DISTANCE = 0.06
 """Largest distance of a sleeve from the forearm inside it [m]."""
-
-SECOND_PERSON_STRAY_SHARE = 0.15
-"""Share of the scan's points far from the body above which there may be a second person: the widest skirt had 0.12."""
 
 MAX_BARE_SKIN_DISTANCE = 0.04
 """Largest distance [m] of a point of a hand or face from it; folds of a skirt beside a hand are further."""
@@ -78,18 +61,33 @@ class PersonSettings:
         search: The search of the start, as if bare.
         surface_count: Number of points of the scan in the last stages: one every 2 cm.
         fine_count: Number of template points in the last stages: one every 3 cm.
-        pull: Weight of cloth outside the body in the last stages, relative to that of skin.
+        stages: Stages that continue a fit, from 6 cm: by so much a body fitted to the clothes as if bare may be too
+            thick.
+        pull: Weight of cloth outside the body in these stages, relative to skin: about the share of the cloth that
+            touches the body. With 0.03 bodies are too thin where all but head and hands is cloth (1.7 mm more error).
         gap: Ratio of the scale of the distance of cloth outside the body to that of skin.
+        contact_refits: Largest number of refits of a body that does not reach its clothes; each counts a fifth more of
+            them as skin.
         refuses: Whether scans that are not one whole person are refused.
+        stray: Share of the scan's points far from the body above which there may be a second person: the widest skirt
+            had 0.12.
         seed: Number that seeds the choice of points.
     """
 
-    search: PersonSearch = field(default_factory=PersonSearch)
+    search: SearchSettings = field(default_factory=SearchSettings)
     surface_count: int = 5000
     fine_count: int = 1800
-    pull: float = CLOTH_PULL_WEIGHT
+    stages: tuple[FitStage, ...] = (
+        FitStage(6, 0.06, 0.10, True, 15),
+        FitStage(8, 0.05, 0.10, True, 20),
+        FitStage(8, 0.025, 0.06, True, 40),
+        FitStage(10, 0.012, 0.04, True, 60),
+    )
+    pull: float = 0.1
     gap: float = 2.0
+    contact_refits: int = 2
     refuses: bool = True
+    stray: float = 0.15
     seed: int = 0
 
 
@@ -168,11 +166,7 @@ def fit_person(
         raise TooSparse()
     found = find_start(template, surface, settings.search, settings.seed, hooks)
     presence = measure_presence(template, surface, found.state)
-    if (
-        settings.refuses
-        and presence.stray > SECOND_PERSON_STRAY_SHARE
-        and _shows_two_persons(template, surface, settings, hooks)
-    ):
+    if settings.refuses and presence.stray > settings.stray and _shows_two_persons(template, surface, settings, hooks):
         raise SeveralPersons()
     problem = find_presence_error(presence, height) if settings.refuses else None
     if problem is not None and not presence.may_be_whole:
@@ -228,13 +222,13 @@ def refit_person(
     surface = replace(surface, normals=smooth_normals(points, normals, drawn))
     surface = replace(surface, limb=_find_limbs(template, surface, fit.state))
     subset = spread_subset(template, settings.fine_count, rng)
-    state = _run_stages(Fitter(template, subset, surface), fit.state, REFIT_STAGES, settings, hooks)
-    for _ in range(MAX_CONTACT_REFITS):
+    state = _run_stages(Fitter(template, subset, surface), fit.state, settings.stages, settings, hooks)
+    for _ in range(settings.contact_refits):
         touching = strengthen_contact(template, surface, state)
         if touching is None:
             break
         surface = touching
-        state = _run_stages(Fitter(template, subset, surface), state, REFIT_STAGES[1:], settings, hooks)
+        state = _run_stages(Fitter(template, subset, surface), state, settings.stages[1:], settings, hooks)
     model, _ = pose_model(template, state)
     rms = _skin_rms(model, template.faces, surface)
     coverage = 1.0 - measure_presence(template, surface, state).unseen

@@ -11,7 +11,7 @@ from ..geometry.geometry import vertex_areas
 from ..run.hooks import Hooks
 from .body import JOINTS
 from .fit import FitStage, FitState, Fitter, OrientedPoints
-from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits
+from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits, run_stages
 from .skinning import skin
 from .template import Template, articulate, rotations_of, transforms_of
 
@@ -32,20 +32,29 @@ MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 }  # fmt: skip
 """Start poses of persons, in addition to those of a body's mesh."""
 
-FIRST_STAGES = (FitStage(3, 0.30, 0.15, False, 4),)
-SECOND_STAGES = (FitStage(3, 0.20, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
-THIRD_STAGES = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
-LAST_STAGES = (FitStage(10, 0.05, 0.10, True, 20),)
-
 
 @dataclass(frozen=True)
-class PersonSearch:
-    """Describe the search's number of points on either side while all starts compete (`coarse_count`), of template
-    points when the last compete (`fine_count`), and of starts in the second, third and last stages (`kept`)."""
+class SearchSettings:
+    """Describe the search of a person's start.
+
+    Attributes:
+        coarse_count: Number of points on either side while many starts compete.
+        fine_count: Number of template points in the last stages.
+        kept: Number of starts in the second, third and last stages.
+        stages: First, second, third and last stages, from large to small scale.
+        ranking: Scales of the residuals by which starts are ranked after these stages [m]: those of their last steps.
+    """
 
     coarse_count: int = 350
     fine_count: int = 1000
     kept: tuple[int, int, int] = (32, 8, 3)
+    stages: tuple[tuple[FitStage, ...], ...] = (
+        (FitStage(3, 0.30, 0.15, False, 4),),
+        (FitStage(3, 0.20, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8)),
+        (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15)),
+        (FitStage(10, 0.05, 0.10, True, 20),),
+    )
+    ranking: tuple[float, ...] = (0.15, 0.1, 0.05, 0.03)
 
 
 @dataclass(frozen=True)
@@ -64,7 +73,7 @@ class FoundStart:
 
 
 def find_start(
-    template: Template, surface: OrientedPoints, search: PersonSearch, seed: int, hooks: Hooks
+    template: Template, surface: OrientedPoints, search: SearchSettings, seed: int, hooks: Hooks
 ) -> FoundStart:
     """Find the best fit from all poses at all headings."""
     rng = np.random.default_rng(seed)
@@ -72,12 +81,11 @@ def find_start(
     subset = spread_subset(template, search.fine_count, rng)
     coarse = Fitter(template, subset[: search.coarse_count], few)
     ranked: list[Start] = [(0.0, i, state) for i, state in enumerate(list_starts(template, surface, subset))]
-    for k, stages in enumerate((FIRST_STAGES, SECOND_STAGES, THIRD_STAGES)):
-        scale = (0.15, 0.1, 0.05)[k]
+    for k, stages in enumerate(search.stages[:3]):
         going = []
         for entry in ranked:
             hooks.progress(STAGE, 0.15 * k, "trying headings and poses")
-            going.append(_run_stages(coarse, stages, entry, scale))
+            going.append(run_stages(coarse, stages, entry, search.ranking[k]))
         ranked = sorted(going, key=lambda entry: entry[:2])
         if k < 2:
             ranked = ranked[: search.kept[k]]
@@ -86,7 +94,7 @@ def find_start(
     finalists = []
     for entry in best + find_distinct_fits(template, best, ranked[search.kept[2] :]):
         hooks.progress(STAGE, 0.5, "comparing the best starts")
-        finalists.append(_run_stages(fine, LAST_STAGES, entry, 0.03))
+        finalists.append(run_stages(fine, search.stages[3], entry, search.ranking[3]))
     finalists.sort(key=lambda entry: entry[:2])
     others = find_distinct_fits(template, finalists[:1], finalists[1:])
     margin = others[0][0] / finalists[0][0] - 1.0 if others else np.inf
@@ -128,10 +136,3 @@ def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: 
     rest, joints = template.shaped(shape)
     world, posed = articulate(rotations, joints, np.zeros(3))
     return skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
-
-
-def _run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
-    state = entry[2]
-    for stage in stages:
-        state = fitter.fit(state, stage)
-    return fitter.residual(state, scale, scale), entry[1], state

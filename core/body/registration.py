@@ -66,6 +66,8 @@ class RegistrationSettings:
         worst_fit: Largest ratio of RMS to the body's height. People, also dressed, have up to 0.006; a box as tall as a
             person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
         seed: Number that seeds the choice of points.
+        coarse, middle, fine: Stages from large to small scale, with ever more points and free shape coefficients.
+        ranking: Scales of the residuals by which starts are ranked after these stages [m]: those of their last steps.
     """
 
     coarse_count: int = 350
@@ -74,16 +76,14 @@ class RegistrationSettings:
     kept: tuple[int, int] = (8, 3)
     worst_fit: float = 0.02
     seed: int = 0
-
-
-COARSE_STAGES = (FitStage(5, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
-MIDDLE_STAGES = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
-FINE_STAGES = (
-    FitStage(12, 0.05, 0.10, True, 20),
-    FitStage(12, 0.025, 0.06, True, 40),
-    FitStage(12, 0.012, 0.04, True, 60),
-)
-"""Stages from large to small scale [m], with ever more points and free shape coefficients."""
+    coarse: tuple[FitStage, ...] = (FitStage(5, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
+    middle: tuple[FitStage, ...] = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
+    fine: tuple[FitStage, ...] = (
+        FitStage(12, 0.05, 0.10, True, 20),
+        FitStage(12, 0.025, 0.06, True, 40),
+        FitStage(12, 0.012, 0.04, True, 60),
+    )
+    ranking: tuple[float, float, float] = (0.1, 0.05, 0.03)
 
 
 class NotHuman(BadInput):
@@ -164,25 +164,23 @@ def _find(
     few = OrientedPoints(surface.points[first], surface.normals[first])
     subset = _spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
-    starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset)
+    shape_count = settings.coarse[0].shape_count
+    starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset, shape_count)
     ranked = []
     for i, start in enumerate(starts):
         hooks.progress(STAGE, 0.5 * i / len(starts), "trying headings and poses")
-        state = start
-        for stage in COARSE_STAGES:
-            state = coarse.fit(state, stage)
-        ranked.append((coarse.residual(state, 0.1, 0.1), i, state))
+        ranked.append(run_stages(coarse, settings.coarse, (0.0, i, start), settings.ranking[0]))
     ranked.sort(key=lambda entry: entry[:2])
-    ranked = [_run_stages(coarse, MIDDLE_STAGES, entry, 0.05) for entry in ranked[: settings.kept[0]]]
+    ranked = [run_stages(coarse, settings.middle, entry, settings.ranking[1]) for entry in ranked[: settings.kept[0]]]
     ranked.sort(key=lambda entry: entry[:2])
     fine = Fitter(template, subset, surface)
     finalists = []
     best = ranked[: settings.kept[1]]
     for entry in best + find_distinct_fits(template, best, ranked[settings.kept[1] :]):
         hooks.progress(STAGE, 0.7, "comparing the best starts")
-        finalists.append(_run_stages(fine, FINE_STAGES[:1], entry, 0.03))
+        finalists.append(run_stages(fine, settings.fine[:1], entry, settings.ranking[2]))
     state = min(finalists, key=lambda entry: entry[:2])[2]
-    for i, stage in enumerate(FINE_STAGES[1:]):
+    for i, stage in enumerate(settings.fine[1:]):
         hooks.progress(STAGE, 0.9 + 0.05 * i, "fitting shape and pose")
         state = fine.fit(state, stage)
     return state
@@ -205,21 +203,24 @@ def _joints(template: Template, state: FitState) -> np.ndarray:
     return articulate(state.rotations, joints, state.translation)[1]
 
 
-def _run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
+def run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
+    """Return a start after some stages, with its residual at a scale [m]."""
     state = entry[2]
     for stage in stages:
         state = fitter.fit(state, stage)
     return fitter.residual(state, scale, scale), entry[1], state
 
 
-def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[FitState]:
+def _starts(
+    template: Template, surface: OrientedPoints, area: float, subset: np.ndarray, shape_count: int
+) -> list[FitState]:
     """Return every start: each pose at each heading, scaled to the mesh's area and centred on the mesh."""
     centre = surface.points.mean(axis=0)
     # The area gives the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
     factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
     height = float(np.clip(factor * np.ptp(template.vertices[:, 1]), 1.4, 2.0))
     slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
-    shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[: COARSE_STAGES[0].shape_count]
+    shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[:shape_count]
     rest, joints = template.shaped(shape)
     starts = []
     for angles in POSES.values():
