@@ -25,9 +25,6 @@ from .scene import FitScene
 if TYPE_CHECKING:
     from ...cloth.scene import Scene
 
-_MIN_TRIANGLE_AREA_SHARE = 0.05
-"""Smallest share of its area that a flat triangle may keep in a step: the simulator needs non-degenerate triangles."""
-
 
 @dataclass(frozen=True)
 class InverseSettings:
@@ -48,6 +45,9 @@ class InverseSettings:
         material: Weight of a fabric outside the library's range [m2]: a factor of e costs as much as 10 mm of distance.
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
         patience: Number of steps; fewer would take one jump of a fold for the end.
+        trials: Largest number of times that a step is tried, half as long each time.
+        least_area: Smallest share of its area that a flat triangle may keep in a step: the simulator needs
+            non-degenerate triangles.
         keep_every: Number of steps from one checkpoint to the next.
         solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30 factorisations
             suffice; a step that ends before it is at rest still has a direction of descent.
@@ -65,6 +65,8 @@ class InverseSettings:
     material: float = 1e-4
     plateau: float = 0.01
     patience: int = 15
+    trials: int = 4
+    least_area: float = 0.05
     keep_every: int = 5
     solve: SolveSettings = field(default_factory=lambda: SolveSettings(max_iterations=30))
 
@@ -162,10 +164,10 @@ class DescentProblem:
         return value, gradient
 
     def take(self, variables: np.ndarray, move: np.ndarray) -> np.ndarray:
-        """Take the largest part of a move (1, 1/2, 1/4, 1/8) that folds no panel; none where all do."""
-        for _ in range(4):
+        """Take the largest part of a move (1, 1/2, 1/4, ...) that folds no panel; none where all do."""
+        for _ in range(self.settings.trials):
             ahead = self.scene.like.with_points(self.points_of(variables + move))
-            if self.scene.is_sound(ahead, _MIN_TRIANGLE_AREA_SHARE):
+            if self.scene.is_sound(ahead, self.settings.least_area):
                 taken: np.ndarray = variables + move
                 return taken
             move = 0.5 * move

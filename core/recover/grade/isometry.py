@@ -30,19 +30,6 @@ if TYPE_CHECKING:
     from ...cloth.block_pattern import BlockPattern
     from ...geometry.linear import Solver
 
-NEWTON_REACH = 10.0
-"""Final reach of Gauss-Newton steps [m]: it only fixes a node that nothing else fixes."""
-
-NEWTON_PROPORTION = 0.0003
-"""Cost of a rule's standard deviation in Gauss-Newton steps [squared strain]: a strain of 1.7 %, which unlike cloth
-leaves after them. With 3 % the panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
-
-NEWTON_SEEN = 0.005
-"""Distance of a seam from where curvature shows it that costs as much as a strain of 1, in these steps [m]."""
-
-MAX_STEP_TRIAL_COUNT = 5
-"""Largest number of times that a step is tried, half as long each time."""
-
 
 @dataclass(frozen=True)
 class IsometrySettings:
@@ -58,10 +45,14 @@ class IsometrySettings:
         newton: True for Gauss-Newton steps on Green's strain, False for steps with fixed rotations (`Isometry`).
         reach, reach_first: Damping: the motion in one step [m] that costs as much as a strain of 1; only needed where
             nothing else holds a node. Gauss-Newton steps begin with `reach_first`, which moves a seam by a few
-            centimetres at once, and it grows from step to step up to `reach`.
+            centimetres at once; from step to step it grows up to `reach`, which fixes only
+            nodes that nothing else fixes.
+        growth: Factor by which the reach grows from step to step.
+        trials: Largest number of times that a step is tried, half as long each time.
         farthest: Largest motion of a node in one Gauss-Newton step [m], two edges: beyond, its closest point changes.
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area [1]: as much as a
-            strain of 3 % everywhere, which unlike cloth and folds leave.
+            strain of 3 % everywhere, which unlike cloth and folds leave; in Gauss-Newton steps 1.7 %. There panels of
+            25 drapes were 0.15 % further off with 3 %, and their outlines 0.3 mm.
         believed: Bound on the strain of a drape's cloth [1]: above a tenth the triangles are bad. A garment that hangs
             from its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %,
             panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
@@ -84,6 +75,8 @@ class IsometrySettings:
     newton: bool = False
     reach: float = 3.0
     reach_first: float = 1.0
+    growth: float = 2.0
+    trials: int = 5
     farthest: float = 0.06
     proportion: float = 0.001
     believed: float = 0.10
@@ -97,14 +90,7 @@ class IsometrySettings:
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
         """Return the settings for Gauss-Newton steps, the handles of curves free or not."""
-        return replace(
-            self,
-            newton=True,
-            curves=curves,
-            reach=NEWTON_REACH,
-            proportion=NEWTON_PROPORTION,
-            seen=NEWTON_SEEN,
-        )
+        return replace(self, newton=True, curves=curves, reach=10.0, proportion=0.0003, seen=0.005)
 
 
 @dataclass(frozen=True)
@@ -243,7 +229,7 @@ class Isometry:
         share, follow = 1.0, update_flat_mesh if self.freedom.has_curves else move_pattern
         if self.settings.newton:
             share = min(1.0, self.settings.farthest / max(float(np.linalg.norm(moved, axis=1).max()), 1e-9))
-        for _ in range(MAX_STEP_TRIAL_COUNT):
+        for _ in range(self.settings.trials):
             pattern = equalise_seams(self.freedom.move(garment.pattern, share * change), like=garment.pattern)
             if is_sound(pattern, garment.pattern):
                 return follow(garment, pattern).at(garment.nodes + share * moved)

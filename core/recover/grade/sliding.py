@@ -20,9 +20,6 @@ from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
 from .strain import clamp_stretch, subgrid_stretch
 
-NEWTON_REACH_GROWTH = 2.0
-"""Factor by which the reach of Gauss-Newton steps grows from one to the next."""
-
 
 @dataclass(frozen=True)
 class SlideSettings:
@@ -139,7 +136,7 @@ def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Call
         if float(np.linalg.norm(way, axis=1).max()) < settled:
             break
         if chosen.newton:
-            tried, reach = found, min(NEWTON_REACH_GROWTH * reach, chosen.reach)
+            tried, reach = found, min(chosen.growth * reach, chosen.reach)
             continue
         ahead = found.nodes - before.nodes
         turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1
