@@ -8,7 +8,7 @@ import trimesh
 from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.geometry.geometry import gradient_operator
 from garmentq.core.recover.deform.clearance import ProximityCache, enforce_clearance
-from garmentq.core.recover.deform.easing import MIN_FACE_STRETCH
+from garmentq.core.recover.deform.settings import ClearanceSettings, EasingSettings
 
 MARGIN = 1e-3
 
@@ -65,7 +65,7 @@ def test_cloth_in_a_narrow_gap_rests_in_its_middle(sheet):
     body = two_balls(0.2012)
     off = nodes + [4e-3, 0.0, 0.0]
     assert -body.measure(off)[0].min() > 3e-3
-    cleared = enforce_clearance(off, gradient, areas, ProximityCache(faces, body, MARGIN))
+    cleared = enforce_clearance(off, gradient, areas, ProximityCache(faces, body, MARGIN), ClearanceSettings())
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
     assert body.measure(points)[0].min() > -1e-4
 
@@ -74,11 +74,11 @@ def test_cloth_through_touching_balls_comes_out_whole(sheet):
     """Breaks if triangles that are pushed out of an overlap are torn, or the rest of the sheet is carried along."""
     nodes, faces, gradient, areas = sheet
     body = two_balls(0.1994)
-    cleared = enforce_clearance(nodes, gradient, areas, ProximityCache(faces, body, MARGIN))
+    cleared = enforce_clearance(nodes, gradient, areas, ProximityCache(faces, body, MARGIN), ClearanceSettings())
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
     assert body.measure(points)[0].min() > -MARGIN
     sizes = np.linalg.svd(np.asarray(gradient @ cleared).reshape(-1, 2, 3), compute_uv=False)
-    assert sizes.min() > MIN_FACE_STRETCH
+    assert sizes.min() > EasingSettings.least_stretch
     far = np.linalg.norm(nodes, axis=1) > 0.12
     assert np.abs(cleared - nodes)[far].max() < 1e-3
 
@@ -88,5 +88,6 @@ def test_cloth_in_the_open_stays(sheet):
     nodes, faces, gradient, areas = sheet
     away = nodes + [0.0, 0.0, 0.5]
     assert np.array_equal(
-        enforce_clearance(away, gradient, areas, ProximityCache(faces, two_balls(0.25), MARGIN)), away
+        enforce_clearance(away, gradient, areas, ProximityCache(faces, two_balls(0.25), MARGIN), ClearanceSettings()),
+        away,
     )

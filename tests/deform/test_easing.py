@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from garmentq.core.geometry.geometry import gradient_operator
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.recover.deform.easing import MAX_FACE_STRETCH, MIN_FACE_STRETCH, limit_strain, smooth_crossings
+from garmentq.core.recover.deform.easing import limit_strain, smooth_crossings
+from garmentq.core.recover.deform.settings import EasingSettings
+
+SETTINGS = EasingSettings()
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +37,7 @@ def test_sound_triangles_do_not_move(sheet):
     """Breaks if easing touches a mesh within the bounds: the fit would drift with every call."""
     nodes, faces, gradient, areas = sheet
     curved = nodes * [1.2, 0.9, 1.0] + 0.01 * np.sin(20.0 * nodes[:, [0]]) * [0.0, 0.0, 1.0]
-    assert np.array_equal(limit_strain(curved, gradient, areas, faces), curved)
+    assert np.array_equal(limit_strain(curved, gradient, areas, faces, SETTINGS), curved)
 
 
 def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
@@ -43,10 +46,10 @@ def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
     wrong = nodes.copy()
     wrong[220] += [0.0125, 0.002, 0.0]
     before = _sizes(gradient, wrong)
-    assert before.min() < 0.3 and before.max() > MAX_FACE_STRETCH
-    eased = limit_strain(wrong, gradient, areas, faces)
+    assert before.min() < 0.3 and before.max() > SETTINGS.most_stretch
+    eased = limit_strain(wrong, gradient, areas, faces, SETTINGS)
     after = _sizes(gradient, eased)
-    assert after.min() > 0.95 * MIN_FACE_STRETCH and after.max() < 1.05 * MAX_FACE_STRETCH
+    assert after.min() > 0.95 * SETTINGS.least_stretch and after.max() < 1.05 * SETTINGS.most_stretch
     far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.06
     assert np.abs(eased - wrong)[far].max() < 5e-4
     assert len(self_intersections(eased, faces)) == 0
@@ -63,7 +66,7 @@ def test_a_fold_through_itself_is_ironed_and_the_rest_stays(sheet):
     nodes, faces, gradient, areas = sheet
     folded = _folded(nodes)
     assert len(self_intersections(folded, faces)) > 10
-    ironed = smooth_crossings(folded, gradient, areas, faces, 0)
+    ironed = smooth_crossings(folded, gradient, areas, faces, 0, SETTINGS)
     assert len(self_intersections(ironed, faces)) == 0
     far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.12
     assert np.abs(ironed - folded)[far].max() < 1e-3
@@ -74,5 +77,5 @@ def test_what_is_allowed_is_left_as_it_is(sheet):
     nodes, faces, gradient, areas = sheet
     folded = _folded(nodes)
     count = len(self_intersections(folded, faces))
-    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, count), folded)
-    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, -1), folded)
+    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, count, SETTINGS), folded)
+    assert np.array_equal(smooth_crossings(folded, gradient, areas, faces, -1, SETTINGS), folded)

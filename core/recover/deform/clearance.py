@@ -8,33 +8,8 @@ import scipy.sparse as sp
 from ...body.exposed import ExposedSurface
 from ...geometry.geometry import bending_matrix, vertex_areas
 from ...geometry.linear import factor_symmetric
-from .easing import MIN_FACE_STRETCH, find_strain_violations
-
-SMOOTH_LENGTH = 0.02
-"""Length over which a push fades [m]: beyond an edge, so that neighbours follow and no face turns over."""
-
-PUSH_ROW_WEIGHT = 300.0
-"""Weight of a pushed row relative to the term that keeps nodes in place: an iteration moves it by 80 to 99 %."""
-
-CLEARANCE_STRETCH_WEIGHT = 0.1
-"""Weight of a triangle outside its bounds of stretch, relative to the term that keeps nodes in place [m2]: at edges of
-1.5 cm its nodes weigh as much as pushed ones. A third of it took 50 % more iterations between touching thighs."""
-
-STRETCH_GOAL_FACTOR = 1.1
-"""Factor on the lower bound of stretch that gives the corrected triangles' goal: pushes undo some of it."""
-
-STALLED_DEPTH_SHARE = 0.95
-"""Share of the least depth so far above which an iteration counts as without gain: triangles then resist the pushes."""
-
-PUSH_WEIGHT_GROWTH = 1.6
-"""Factor on the weight of the pushes after an iteration without gain: cloth leaves the gap between two thighs within 35
-iterations, its widest triangles torn; 1.3 left it 1.4 mm deep."""
-
-MAX_GAP_DEPTH_SHARE = 0.8
-"""Share of the margin that may remain as depth in a gap: the pipeline's limit is one margin, depths are inexact."""
-
-MAX_CLEARANCE_ITERATIONS = 40
-"""Largest number of iterations: a garment beside a sound body needs 2 to 6, one between intersecting thighs all."""
+from .easing import find_strain_violations
+from .settings import ClearanceSettings
 
 PUSH_REVERSAL_COSINE = -0.5
 """Cosine between two successive pushes of one point below which the second reverses the first."""
@@ -80,7 +55,12 @@ class ProximityCache:
 
 
 def enforce_clearance(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, watch: ProximityCache, ease: bool = True
+    nodes: np.ndarray,
+    gradient: sp.csr_matrix,
+    areas: np.ndarray,
+    watch: ProximityCache,
+    settings: ClearanceSettings,
+    ease: bool = True,
 ) -> np.ndarray:
     """Move nodes so that no node and no face centre is nearer to the body than a margin.
 
@@ -95,6 +75,7 @@ def enforce_clearance(
         gradient: Positions to Jacobian rows, shape [2 face_count, node_count].
         areas: Rest areas [m2], shape [face_count].
         watch: The faces, the exact body and the margin.
+        settings: Weights and bounds.
         ease: Keep triangles within their bounds.
 
     Returns:
@@ -103,27 +84,24 @@ def enforce_clearance(
     """
     laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
     mass = np.maximum(vertex_areas(nodes, watch.faces), 1e-12)
-    stay = sp.diags(mass) + SMOOTH_LENGTH**4 * bending_matrix(laplacian, 1 / mass)
+    stay = sp.diags(mass) + settings.fade**4 * bending_matrix(laplacian, 1 / mass)
     typical = float(mass.mean())
-    x, weight, shallowest = np.array(nodes), PUSH_ROW_WEIGHT * typical, np.inf
+    x, weight, shallowest = np.array(nodes), settings.push * typical, np.inf
     best, least = x, (np.inf, 0)
-    for _ in range(MAX_CLEARANCE_ITERATIONS + 1):
+    for _ in range(settings.iterations + 1):
         rows, push, depth = watch.pushes(x)
-        wrong, change = find_strain_violations(x, gradient, areas, STRETCH_GOAL_FACTOR * MIN_FACE_STRETCH)
+        wrong, change = find_strain_violations(x, gradient, areas, settings.least_stretch, settings.most_stretch)
         wrong &= ease
         # 0.1 mm short of the margin counts as cleared: the margin is ten times that
         if np.linalg.norm(push, axis=1).max(initial=0.0) < 0.1 * watch.margin and not wrong.any():
             return x
-        left = (max(depth - MAX_GAP_DEPTH_SHARE * watch.margin, 0.0), int(wrong.sum()))
+        remaining = settings.gap_depth * watch.margin
+        left = (max(depth - remaining, 0.0), int(wrong.sum()))
         if left < least:
             best, least = x, left
-        weight *= (
-            PUSH_WEIGHT_GROWTH
-            if depth > max(MAX_GAP_DEPTH_SHARE * watch.margin, STALLED_DEPTH_SHARE * shallowest)
-            else 1.0
-        )
+        weight *= settings.push_growth if depth > max(remaining, settings.stalled * shallowest) else 1.0
         shallowest = min(shallowest, depth)
-        pull = (gradient.T @ sp.diags(np.repeat(CLEARANCE_STRETCH_WEIGHT * areas * wrong, 2))).tocsr()
+        pull = (gradient.T @ sp.diags(np.repeat(settings.strain * areas * wrong, 2))).tocsr()
         system = stay + weight * (rows.T @ rows) + pull @ gradient
         factor = factor_symmetric(system)
         x = x + factor.solve(weight * np.asarray(rows.T @ push) + pull @ change)

@@ -75,9 +75,9 @@ def deform(
         finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
         allowed = int(find_crossing_faces(nodes, faces).sum())
-        ironed = smooth_crossings(x, gradient, areas, faces, allowed)
+        ironed = smooth_crossings(x, gradient, areas, faces, allowed, settings.easing)
         x = ironed if find_crossing_faces(ironed, faces).any() else move_towards(ironed, x, faces)
-        eased = limit_strain(x, gradient, areas, faces)
+        eased = limit_strain(x, gradient, areas, faces, settings.easing)
         least = max(allowed, int(find_crossing_faces(x, faces).sum()))
         tried = {"limited": eased, "as it was": x}
         x = choose_best(
@@ -87,7 +87,7 @@ def deform(
     if settings.clear_body:
         body = body.sparing_pinched
         watch = ProximityCache(faces, body.whole, settings.body_margin)
-        x = enforce_clearance(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
+        x = enforce_clearance(x, gradient, areas, watch, settings.clearance, ease=settings.polish_iterations > 0)
         x = x if penetration_depth(x, faces, body) <= BODY_DEPTH_TOLERANCE else project_outside(x, body, faces)
         x = untangle_outside(x, body, faces)
     flips = (int(find_flipped_faces(nodes, faces, goal).sum()), int(find_flipped_faces(x, faces, goal).sum()))

@@ -8,38 +8,12 @@ import scipy.sparse as sp
 from ...geometry.geometry import bending_matrix, vertex_areas
 from ...geometry.linear import factor_symmetric
 from .acceptance import falloff_weights, find_crossing_faces
-
-MIN_FACE_STRETCH, MAX_FACE_STRETCH = 0.45, 1.55
-"""Bounds on the singular values of flat panel to surface [1]. Cloth at rest keeps within 0.9 to 1.2, and panels may be
-off by a fifth; a triangle beyond these bounds is collapsed or torn, and spoils a texture."""
-
-MAX_STRAIN_LIMIT_ITERATIONS = 10
-"""Largest number of iterations of strain limiting; single triangles need three, a pleat that was pressed flat ten."""
-
-STRETCH_CORRECTION_WEIGHT = 1e-2
-"""Weight of a triangle out of bounds relative to the term that keeps nodes in place [m2]: at 1.5 cm it moves 95 %."""
-
-STRETCH_FADE_LENGTH = 0.01
-"""Length over which a correction fades into the triangles around [m]: less than an edge, so that the fit stays."""
-
-MAX_CROSSING_ITERATIONS = 5
-"""Largest number of iterations that smooth crossings; the patch grows in each."""
-
-CROSSING_RING_COUNT = 2
-"""Number of face rings around a crossing over which a patch fades, in the first iteration; every second one adds a
-ring. On a dress folded over itself at its side seams three rings cleared no more and cost 0.4 mm more of the fit."""
-
-CROSSING_SMOOTHING_LENGTH = 0.01
-"""Length below which the first iteration removes folds [m], less than an edge; two edges fit 0.5 mm worse."""
-
-CROSSING_LENGTH_GROWTH = 1.4
-"""Factor on `CROSSING_SMOOTHING_LENGTH` from iteration to iteration: a folded patch twice as long is flat after two."""
-
-MIN_PATCH_WEIGHT_SHARE = 1e-4
-"""Share of its weight that a node in the middle of a patch keeps: enough to make the system definite."""
+from .settings import EasingSettings
 
 
-def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def limit_strain(
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray, settings: EasingSettings
+) -> np.ndarray:
     """Bring triangles with singular values out of bounds back to them, moving the others as little as possible.
 
     Each round solves for the displacement u that minimises
@@ -51,26 +25,27 @@ def limit_strain(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
         gradient: Positions to Jacobian rows, shape [2 face_count, node_count].
         areas: Rest areas [m2], shape [face_count].
         faces: Shape [face_count, 3].
+        settings: Bounds and weights.
 
     Returns:
         Positions [m] of the round with the fewest triangles out of bounds, unchanged if none was out.
     """
-    x, stay = np.array(nodes), _regularisation_matrix(nodes, gradient, areas, faces)
+    x, stay = np.array(nodes), _regularisation_matrix(nodes, gradient, areas, faces, settings.fade)
     best, fewest = x, len(faces) + 1
-    for _ in range(MAX_STRAIN_LIMIT_ITERATIONS):
-        wrong, change = find_strain_violations(x, gradient, areas)
+    for _ in range(settings.strain_iterations):
+        wrong, change = find_strain_violations(x, gradient, areas, settings.least_stretch, settings.most_stretch)
         if wrong.sum() < fewest:
             best, fewest = x, int(wrong.sum())
         if fewest == 0:
             break
-        pull = (gradient.T @ sp.diags(np.repeat(STRETCH_CORRECTION_WEIGHT * areas * wrong, 2))).tocsr()
+        pull = (gradient.T @ sp.diags(np.repeat(settings.strain * areas * wrong, 2))).tocsr()
         factor = factor_symmetric(stay + pull @ gradient)
         x = x + factor.solve(pull @ change)
     return best
 
 
 def find_strain_violations(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = MIN_FACE_STRETCH
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which triangles' singular values are out of bounds, and the correction of their gradients.
 
@@ -78,7 +53,7 @@ def find_strain_violations(
         nodes: Positions [m], shape [node_count, 3].
         gradient: Positions to Jacobian rows, shape [2 face_count, node_count].
         areas: Rest areas [m2], shape [face_count].
-        lowest: The lower bound.
+        lowest, highest: The bounds.
 
     Returns:
         Which are out of bounds, shape [face_count], and the change of all rows of the gradient, [2 face_count, 3].
@@ -87,14 +62,19 @@ def find_strain_violations(
     values, axes = np.linalg.eigh(np.einsum("fki,fkj->fij", jacobians, jacobians))
     size = np.sqrt(np.maximum(values, 1e-6))
     # the stretch of a degenerate panel triangle is not defined
-    wrong = ((size[:, 0] < lowest) | (size[:, 1] > MAX_FACE_STRETCH)) & (areas > 1e-3 * areas.mean())
-    share = np.clip(size, lowest, MAX_FACE_STRETCH) / size - 1.0
+    wrong = ((size[:, 0] < lowest) | (size[:, 1] > highest)) & (areas > 1e-3 * areas.mean())
+    share = np.clip(size, lowest, highest) / size - 1.0
     change = jacobians @ np.einsum("fik,fk,fjk->fij", axes, share, axes)
     return wrong, change.transpose(0, 2, 1).reshape(-1, 3)
 
 
 def smooth_crossings(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray, allowed: int
+    nodes: np.ndarray,
+    gradient: sp.csr_matrix,
+    areas: np.ndarray,
+    faces: np.ndarray,
+    allowed: int,
+    settings: EasingSettings,
 ) -> np.ndarray:
     """Smooth patches whose faces cross, until no more faces cross than are allowed.
 
@@ -108,19 +88,20 @@ def smooth_crossings(
         areas: Rest areas [m2].
         faces: Shape [face_count, 3].
         allowed: Faces that may cross: those of the graded drape.
+        settings: Size of the patches.
 
     Returns:
         Positions [m]; unchanged where no round reached what is allowed, since smooth patches fit less well.
     """
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
     x, free = nodes, np.zeros(len(nodes))
-    for turn in range(MAX_CROSSING_ITERATIONS + 1):
+    for turn in range(settings.crossing_iterations + 1):
         wrong = find_crossing_faces(x, faces)
         if wrong.sum() <= allowed:
             return x
-        free = np.maximum(free, falloff_weights(wrong, faces, len(nodes), CROSSING_RING_COUNT + turn // 2))
-        weight = mass * np.maximum((1.0 - free) ** 2, MIN_PATCH_WEIGHT_SHARE)
-        matrix = sp.diags(weight) + 1e-2 * (CROSSING_SMOOTHING_LENGTH * CROSSING_LENGTH_GROWTH**turn) ** 4 * bending
+        free = np.maximum(free, falloff_weights(wrong, faces, len(nodes), settings.rings + turn // 2))
+        weight = mass * np.maximum((1.0 - free) ** 2, settings.kept_weight)
+        matrix = sp.diags(weight) + 1e-2 * (settings.crossing_length * settings.crossing_growth**turn) ** 4 * bending
         factor = factor_symmetric(matrix)
         x = nodes + np.minimum(2.0 * free, 1.0)[:, None] * (factor.solve(weight[:, None] * nodes) - nodes)
     return nodes
@@ -135,7 +116,7 @@ def _mass_and_bending(
 
 
 def _regularisation_matrix(
-    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray, fade: float
 ) -> sp.csr_matrix:
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
-    return (sp.diags(mass) + STRETCH_FADE_LENGTH**4 * bending).tocsr()
+    return (sp.diags(mass) + fade**4 * bending).tocsr()
