@@ -9,8 +9,7 @@ import pytest
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.garment.curves import edge_points
 from garmentq.core.garment.neckline_fit import (
-    MAX_NONROUND_MISFIT_SHARE,
-    MIN_V_TURN_ANGLE,
+    NecklineSettings,
     _curvature_beside,
     _rank,
     _Turns,
@@ -132,7 +131,7 @@ def test_a_v_may_bulge(turn, kind):
         for line in drawn
     ]
     line = 0.85 * alike[0] + 0.15 * alike[1]
-    ranked = _rank(line, Neckline.BOAT, _Turns(np.radians(turn), np.radians(14.0)))
+    ranked = _rank(line, Neckline.BOAT, _Turns(np.radians(turn), np.radians(14.0)), NecklineSettings())
     assert ranked[0].throat.kind is kind
 
 
@@ -147,7 +146,7 @@ def test_a_round_line_that_is_drawn_together_is_no_v(tilt, kind):
     along -= (along @ front)[:, None] * front
     tilted = 0.3 * np.cos(np.radians(tilt)) * along + 0.03 * np.sin(np.radians(tilt)) * front
     fits = fit_necklines(collared(target, loop, tilted), BODY)
-    assert corner_turn(bowed, 0.10) > MIN_V_TURN_ANGLE
+    assert corner_turn(bowed, 0.10) > NecklineSettings.v_turn
     assert fits is not None and fits.front[0].throat.kind is kind
 
 
@@ -166,7 +165,7 @@ def test_a_square_neckline_may_sag(sag, kind):
     assert fits is not None and fits.front[0].throat.kind is kind
     if sag:
         assert (
-            fits.front[0].misfit > MAX_NONROUND_MISFIT_SHARE * fits.front[1].misfit
+            fits.front[0].misfit > NecklineSettings.clear_misfit * fits.front[1].misfit
         )  # by their lines alone it would be round
 
 
@@ -188,7 +187,9 @@ def test_dents_beside_a_contour_do_not_turn_it():
     dented = rim_turns(vertices[faces], faces, rim)
     target = Target(vertices, faces, vertices, (), (), "tshirt")
     assert abs(dented.sum() + 2 * np.pi) > np.radians(30.0)
-    assert (dented + _curvature_beside(target, rim)).sum() == pytest.approx(-2 * np.pi, abs=1e-9)
+    assert (dented + _curvature_beside(target, rim, NecklineSettings.strip_width)).sum() == pytest.approx(
+        -2 * np.pi, abs=1e-9
+    )
 
 
 @pytest.mark.parametrize(("depth", "kind"), [(0.03, Neckline.CREW), (0.06, Neckline.SQUARE)])
@@ -196,7 +197,7 @@ def test_corners_beside_the_side_neck_points_make_no_square(depth, kind):
     """Broken where a shallow back, flat with tight ends as drapes show it, is square by corners that are its ends'."""
     at = np.linspace(0.0, 0.5 * np.pi, 200)
     line = np.stack([0.087 * np.cos(at) ** (2.0 / 3.0), depth * np.sin(at) ** (2.0 / 3.0)], axis=1)
-    ranked = _rank(line, Neckline.CREW, _Turns(np.radians(5.0), np.radians(52.0)))
+    ranked = _rank(line, Neckline.CREW, _Turns(np.radians(5.0), np.radians(52.0)), NecklineSettings())
     assert ranked[0].throat.kind is kind
 
 
