@@ -17,7 +17,12 @@ from garmentq.core.garment.templates import load_template
 from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.fit import body_offset
-from garmentq.core.recover.fit.body_offset import _average_nearby, estimate_body_offset, is_body_estimated
+from garmentq.core.recover.fit.body_offset import (
+    OffsetSettings,
+    _average_nearby,
+    estimate_body_offset,
+    is_body_estimated,
+)
 from garmentq.core.recover.fit.scene import FitScene
 from garmentq.core.recover.fit.settings import ShapeSettings
 from garmentq.core.recover.fit.shape import ShapeProblem
@@ -70,15 +75,15 @@ def test_a_body_still_too_low_is_raised_again(hung: Hung, monkeypatch: pytest.Mo
     problem, thin = hung.problem, hung.thin
     missing = []
 
-    def spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float) -> object:
+    def spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, *rest: object) -> object:
         missing.append(float(np.sqrt((areas * out**2).sum() / areas.sum())))
-        return _average_nearby(vertices, points, out, areas, radius)
+        return _average_nearby(vertices, points, out, areas, *rest)
 
-    monkeypatch.setattr(body_offset, "OFFSET_KERNEL_STD", (0.03,))
+    settings = OffsetSettings(kernel_stds=(0.03,))
     monkeypatch.setattr(body_offset, "_average_nearby", spread)
-    estimate_body_offset(problem, thin)
-    assert 2 < len(missing) < body_offset.MAX_OFFSET_ITERATIONS
-    assert min(missing[:-1]) > body_offset.REST_DISTANCE_TOLERANCE >= missing[-1]
+    estimate_body_offset(problem, thin, settings=settings)
+    assert 2 < len(missing) < settings.iterations
+    assert min(missing[:-1]) > settings.tolerance >= missing[-1]
 
 
 def test_a_raised_body_is_one_body() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,30 +15,35 @@ from ..drape.wearer import WearerGeometry
 if TYPE_CHECKING:
     from .shape import ShapeProblem
 
-OFFSET_KERNEL_STD = (0.05, 0.04, 0.03, 0.02)
-"""Standard deviation, in each iteration, of the Gaussian over which places are raised alike [m]: a body is as smooth as
-that, and other folds than the scan's make no dents. Each iteration brings the cloth to rest on the last body: cloth
-lifted off one place comes to rest on others, and narrower ones, shoulders, come last. With 5 cm in all iterations the
-body of the labelled scan was up to 9 mm outside the cloth. The last is repeated up to `REST_DISTANCE_TOLERANCE`."""
 
-REST_DISTANCE_TOLERANCE = 1e-3
-"""Root mean square distance from the scan of cloth at rest on a body that is high enough [m]: as accurate as
-registration. The labelled scan's shoulders, 31 mm too low, were 8 mm too low after one iteration a radius."""
+@dataclass(frozen=True)
+class OffsetSettings:
+    """Describe how a body is raised.
 
-MAX_OFFSET_ITERATIONS = 12
-"""Largest number of iterations; the labelled scan takes eight."""
+    Attributes:
+        kernel_stds: Standard deviation, in each iteration, of the Gaussian over which places are raised alike [m]: a
+            body is as smooth as that, and other folds than the scan's make no dents. Each iteration brings the cloth to
+            rest on the last body: cloth lifted off one place comes to rest on narrower ones, shoulders last. With 5 cm
+            throughout the labelled scan's body was up to 9 mm outside the cloth. The last repeats up to `tolerance`.
+        tolerance: RMS distance from the scan of cloth at rest on a body that is high enough [m]: as accurate as
+            registration. The labelled scan's shoulders, 31 mm too low, were 8 mm too low after one iteration a radius.
+        iterations: Largest number of iterations; the labelled scan takes eight.
+        clearance: Depth of the body below the registered cloth [m]: where it is nearer to the cloth, it is lowered.
+        lowerings: Largest number of times that an iteration lowers the body where it is outside the cloth.
+        half_weight: Share of the surrounding cloth that has to touch the body for its estimate to count half, against
+            single nodes.
+    """
 
-MIN_CLOTH_CLEARANCE = 2e-3
-"""Depth of the body below the registered cloth [m]: where it is nearer to the cloth, it is lowered."""
+    kernel_stds: tuple[float, ...] = (0.05, 0.04, 0.03, 0.02)
+    tolerance: float = 1e-3
+    iterations: int = 12
+    clearance: float = 2e-3
+    lowerings: int = 4
+    half_weight: float = 0.05
 
-MAX_LOWERING_ITERATIONS = 4
-"""Largest number of times that an iteration lowers the body where it is outside the cloth."""
 
 OFFSET_KERNEL_SIGMA_COUNT = 4.0
 """Number of standard deviations beyond which a place has no influence on a vertex."""
-
-HALF_WEIGHT_CONTACT_SHARE = 0.05
-"""Share of the surrounding cloth that has to touch the body for its estimate to count half, against single nodes."""
 
 
 def is_body_estimated(body: Body) -> bool:
@@ -46,7 +51,12 @@ def is_body_estimated(body: Body) -> bool:
     return body.source.startswith("scan:")
 
 
-def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: Hooks = SILENT_HOOKS) -> np.ndarray:
+def estimate_body_offset(
+    problem: ShapeProblem,
+    wearer: WearerGeometry,
+    hooks: Hooks = SILENT_HOOKS,
+    settings: OffsetSettings = OffsetSettings(),
+) -> np.ndarray:
     """Estimate how far a body is below where it carries the cloth as scanned [m], shape [vertex_count].
 
     Under the cloth of a dressed person the body is accurate to a centimetre or two, and a drape on it is as much too
@@ -56,18 +66,20 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
         h(x) = sum_v a_v K(x - x_v) r_v / (sum_v a_v K(x - x_v) + w)
 
     Notation: v touching nodes; a_v their area; r_v distance of the registered node outwards; K a Gaussian of width s
-    (`OFFSET_KERNEL_STD`); w = HALF_WEIGHT_CONTACT_SHARE 2 pi s^2, that share of the same sum for cloth flat on a body.
+    (`kernel_stds`); w = `half_weight` 2 pi s^2, that share of the same sum for cloth flat on a body.
     Where the body would be outside the scanned cloth, it is lowered.
 
     Args:
         problem: The fit: the mesh registered on the scan, cloth and pins.
         wearer: The body that was estimated under the cloth.
         hooks: Cancellation.
+        settings: Widths, iterations and their end.
     """
     from ...cloth.contact import contact_forces
 
     heights, pattern, registered = np.zeros(len(wearer.body.vertices)), problem.garment.pattern, problem.garment.nodes
-    for radius in OFFSET_KERNEL_STD + (MAX_OFFSET_ITERATIONS - len(OFFSET_KERNEL_STD)) * OFFSET_KERNEL_STD[-1:]:
+    radii = settings.kernel_stds
+    for radius in radii + (settings.iterations - len(radii)) * radii[-1:]:
         raised = wearer.raised(heights)
         on = replace(problem, scene=problem.scene.with_body(raised.grid))
         nodes = on.drape(pattern, registered, hooks).nodes
@@ -76,32 +88,34 @@ def estimate_body_offset(problem: ShapeProblem, wearer: WearerGeometry, hooks: H
         touching = force > 0
         missing = ((registered - nodes) * normal).sum(1)[touching]
         areas = scene.topology.rest.node_areas[touching]
-        heights = heights + _average_nearby(raised.body.vertices, nodes[touching], missing, areas, radius)
-        heights = _lower_protrusions(wearer, heights, registered)
-        if radius == OFFSET_KERNEL_STD[-1] and float((areas * missing**2).sum()) <= REST_DISTANCE_TOLERANCE**2 * float(
-            areas.sum()
-        ):
+        heights = heights + _average_nearby(
+            raised.body.vertices, nodes[touching], missing, areas, radius, settings.half_weight
+        )
+        heights = _lower_protrusions(wearer, heights, registered, settings)
+        allowed = settings.tolerance**2 * float(areas.sum())
+        if radius == radii[-1] and float((areas * missing**2).sum()) <= allowed:
             break
     return heights
 
 
-def _lower_protrusions(wearer: WearerGeometry, heights: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+def _lower_protrusions(
+    wearer: WearerGeometry, heights: np.ndarray, cloth: np.ndarray, settings: OffsetSettings
+) -> np.ndarray:
     """Lower heights [m], shape [vertex_count], where the raised body is outside the cloth [m], shape [n, 3]."""
-    for _ in range(MAX_LOWERING_ITERATIONS):
+    for _ in range(settings.lowerings):
         raised = wearer.raised(heights)
         distance, _ = raised.exposed.measure(cloth)
-        low = distance < MIN_CLOTH_CLEARANCE
+        low = distance < settings.clearance
         if not low.any():
             break
         away, nearest = cKDTree(raised.exposed.closest(cloth[low]).foot).query(raised.body.vertices)
-        heights = heights + (distance[low] - MIN_CLOTH_CLEARANCE)[nearest] * np.exp(
-            -0.5 * (away / OFFSET_KERNEL_STD[-1]) ** 2
-        )
+        nearness = np.exp(-0.5 * (away / settings.kernel_stds[-1]) ** 2)
+        heights = heights + (distance[low] - settings.clearance)[nearest] * nearness
     return heights
 
 
 def _average_nearby(
-    vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float
+    vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float, half_weight: float
 ) -> np.ndarray:
     """Average distances [m] given at points [m], shape [n, 3], of areas [m2], over those near each vertex."""
     near = cKDTree(vertices).sparse_distance_matrix(
@@ -109,4 +123,4 @@ def _average_nearby(
     )
     nearness = np.exp(-0.5 * (near.data / radius) ** 2) * areas[near.col]
     weight, moved = (np.bincount(near.row, each, len(vertices)) for each in (nearness, nearness * out[near.col]))
-    return np.asarray(moved / (weight + HALF_WEIGHT_CONTACT_SHARE * 2.0 * np.pi * radius**2))
+    return np.asarray(moved / (weight + half_weight * 2.0 * np.pi * radius**2))
