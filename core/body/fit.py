@@ -180,10 +180,8 @@ class Fitter:
         last = None
         for _ in range(stage.steps):
             placed = self._place(state)
-            if (
-                last is not None
-                and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < stage.least_motion * stage.scale
-            ):
+            moved = np.inf if last is None else np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean())
+            if moved < stage.least_motion * stage.scale:
                 break
             last = placed.points
             state = self._step(state, stage, tree, placed)

@@ -7,11 +7,10 @@ from math import pi
 
 import numpy as np
 
-from ..geometry.geometry import vertex_areas
 from ..run.hooks import Hooks
 from .body import JOINTS
 from .fit import FitStage, FitState, Fitter, OrientedPoints
-from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits, run_stages
+from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits, run_stages, spread_subset
 from .skinning import skin
 from .template import Template, articulate, rotations_of, transforms_of
 
@@ -124,12 +123,6 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
             shift[[0, 2]] = (surface.points.mean(axis=0) - posed.mean(axis=0))[[0, 2]]
             starts.append(FitState(shape, rotations, shift))
     return starts
-
-
-def spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw indices of vertices in proportion to their area."""
-    area = vertex_areas(template.vertices, template.faces)
-    return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
 
 def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: np.ndarray) -> np.ndarray:

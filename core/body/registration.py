@@ -151,18 +151,14 @@ def require_fit(rms: float, body: Body, worst: float = RegistrationSettings.wors
 
 
 def _find(
-    template: Template,
-    vertices: np.ndarray,
-    faces: np.ndarray,
-    settings: RegistrationSettings,
-    hooks: Hooks,
+    template: Template, vertices: np.ndarray, faces: np.ndarray, settings: RegistrationSettings, hooks: Hooks
 ) -> FitState:
     """Let all starts compete and return the best fit."""
     rng = np.random.default_rng(settings.seed)
     surface = _sample(vertices, faces, settings.surface_count, rng)
     first = slice(settings.coarse_count)
     few = OrientedPoints(surface.points[first], surface.normals[first])
-    subset = _spread_subset(template, settings.fine_count, rng)
+    subset = spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
     shape_count = settings.coarse[0].shape_count
     starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset, shape_count)
@@ -237,7 +233,7 @@ def _starts(
     return starts
 
 
-def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
+def spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
     """Draw indices of vertices in proportion to their area."""
     area = vertex_areas(template.vertices, template.faces)
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
