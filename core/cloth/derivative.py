@@ -14,7 +14,7 @@ from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import Friction, lag_friction
-from .rest import NotAtRest, find_rest
+from .rest import NotAtRest, RestSettings, find_rest
 from .scene import Scene
 from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
 from .solver import make_solver
@@ -88,7 +88,7 @@ class ImplicitDerivative:
         nodes = place_pinned(scene, nodes)
         while True:
             energy, solver = extend_sparsity(energy, solver, nodes, missing=0.0)
-            nodes = find_rest(energy, nodes, solver, self.tolerance, self.max_iterations)
+            nodes = find_rest(energy, nodes, solver, RestSettings(self.tolerance, self.max_iterations))
             energy, complete = energy.watch(nodes), solver
             energy, solver = extend_sparsity(energy, solver, nodes, missing=0.0)
             if solver is complete:

@@ -13,33 +13,39 @@ from .factorisation import factor_regularised
 from .quasi_newton import ARMIJO_DECREASE_SHARE, descend
 from .settings import SolveSettings
 
-_ROUND_OFF_RESIDUAL = 1e-6
-"""Residual [node weights] below which a Newton step that no longer helps is limited by round-off."""
 
-_ROUND_OFF_SCATTER_RATIO = 3.0
-"""Factor between residuals that are both round-off: they scatter by about 2 from one evaluation to the next."""
+@dataclass(frozen=True)
+class RestSettings:
+    """Describe the search for rest.
 
-_MIN_RELATIVE_DECREASE = 1e-9
-"""Ratio of the predicted decrease to the energy below which the energy's round-off hides whether a step helps."""
+    Attributes:
+        tolerance: Largest force left on a node [mean weight of a node]; 0 for all that round-off allows.
+        max_factors: Largest number of matrices factored.
+        round_off: Residual [node weights] below which a Newton step that no longer helps is limited by round-off.
+        scatter: Ratio of residuals that are both round-off: they scatter by about 2 between two evaluations.
+        least_decrease: Ratio of the predicted decrease to the energy below which round-off hides whether a step helps.
+        energy_rise: Largest rise of the energy in one step [predicted decreases], by stretch that the next step
+            removes. It was at most 5 where that removed it, 6 to 500 where the search diverged; 3 and 30 cost the same.
+        retry: Residual [node weights] below which the exact Hessian is tried again; 0.3 and 5 cost the same.
+        calm: Residual [node weights] below which one factor serves several steps and runs may stop, since the cloth no
+            longer buckles; 0.02 and 0.2 cost the same.
+        steps_per_factor: Largest number of steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took
+            14 (means over eight changes).
+        chord_steps: Largest number of steps with an old exact factor; three of them cost half a factor.
+        chord_share: Largest share of the residual that each of them may leave.
+    """
 
-_MAX_ENERGY_RISE_RATIO = 10.0
-"""Largest rise of the energy that one step may make [predicted decreases], by stretch that the next step removes. It
-was at most 5 where the next step removed it, 6 to 500 where the search diverged; 3 and 30 cost the same."""
-
-_NEWTON_RETRY_RESIDUAL = 1.0
-"""Residual [node weights] below which the exact Hessian is tried again after PSD runs; 0.3 and 5 cost the same."""
-
-_FACTOR_REUSE_RESIDUAL = 0.05
-"""Residual [node weights] below which one factor serves several steps and runs may stop, since the cloth no longer
-buckles; 0.02 and 0.2 cost the same."""
-
-_LBFGS_STEPS_PER_FACTOR = 16
-"""Largest number of steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took 14 (means over eight
-changes)."""
-
-_MAX_CHORD_STEPS, _MAX_CHORD_RESIDUAL_SHARE = 4, 0.3
-"""Largest number of steps with an old exact factor, and the largest share of the residual that each may leave: three of
-them cost half a factor."""
+    tolerance: float
+    max_factors: int
+    round_off: float = 1e-6
+    scatter: float = 3.0
+    least_decrease: float = 1e-9
+    energy_rise: float = 10.0
+    retry: float = 1.0
+    calm: float = 0.05
+    steps_per_factor: int = 16
+    chord_steps: int = 4
+    chord_share: float = 0.3
 
 
 class NotAtRest(GarmentqError):
@@ -64,7 +70,7 @@ class _Point:
         return cls(nodes, value, gradient, energy.scene.relative_residual(gradient))
 
 
-def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
+def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, settings: RestSettings) -> np.ndarray:
     """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them. Newton with the
     exact Hessian as long as it converges (`_take_newton_steps`). Where it does not, because the cloth buckles, runs of
     quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
@@ -73,33 +79,32 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
         energy: What is minimised.
         nodes: Start [m], shape [node_count, 3].
         solver: Factors the Hessians; its factors at the end are not meant for use.
-        tolerance: Largest force left on a node, relative to the mean weight of a node; 0 for all that round-off allows.
-        max_factors: Largest number of matrices factored.
+        settings: The tolerance, and what leads to it.
 
     Raises:
         NotAtRest: where the force left stays above the tolerance.
     """
     here, done = _Point.at(energy, nodes), 0
     while True:
-        here, arrived, factors = _take_newton_steps(energy, here, solver, tolerance, max_factors - done)
+        here, arrived, factors = _take_newton_steps(energy, here, solver, settings, settings.max_factors - done)
         done += factors
         if arrived:
             return here.nodes
         # at a saddle, where the residual is small and Newton does not help, a run must not stop at once
-        stop, near = (_FACTOR_REUSE_RESIDUAL if here.residual > _FACTOR_REUSE_RESIDUAL else 0.0), False
+        stop, near = (settings.calm if here.residual > settings.calm else 0.0), False
         while not near:
             start, gradient, blocks = energy.hessian(here.nodes, False)
-            if done >= max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
+            if done >= settings.max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
                 raise _make_rest_error(here)
-            leg = descend(energy, solver, here.nodes, start, gradient, steps=_LBFGS_STEPS_PER_FACTOR, residual=stop)
+            leg = descend(energy, solver, here.nodes, start, gradient, steps=settings.steps_per_factor, residual=stop)
             if leg.steps == 0:
                 raise _make_rest_error(here)
             energy = leg.energy
-            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= _NEWTON_RETRY_RESIDUAL, done + 1
+            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= settings.retry, done + 1
 
 
 def _take_newton_steps(
-    energy: Energy, here: _Point, solver: Solver, tolerance: float, max_factors: int
+    energy: Energy, here: _Point, solver: Solver, settings: RestSettings, max_factors: int
 ) -> tuple[_Point, bool, int]:
     """Take Newton steps with the exact Hessian; return the best point, whether it is at rest, and the number of
     factors. A straight step along a fold stretches the cloth by the square of its length: the energy rises and the next
@@ -107,7 +112,7 @@ def _take_newton_steps(
     of that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points").
     Where the Hessian is indefinite, or two steps together have not lowered the energy, the best point is returned."""
     topology, fixed = energy.scene.topology, energy.scene.fixed
-    best, stress = here, None
+    best, stress, tolerance = here, None, settings.tolerance
     for factors in range(max_factors + 1):
         if here.residual <= tolerance:
             return here, True, factors
@@ -122,38 +127,35 @@ def _take_newton_steps(
         step *= free
         slope = float((here.gradient * step).sum())
         there = _Point.at(energy, here.nodes + step)
-        if -slope < _MIN_RELATIVE_DECREASE * abs(best.value):
+        if -slope < settings.least_decrease * abs(best.value):
             fell, bearable = there.residual < here.residual, False
-            if not fell and here.residual <= max(tolerance, _ROUND_OFF_RESIDUAL):
+            if not fell and here.residual <= max(tolerance, settings.round_off):
                 # round-off in the stiff directions hides the residual of the soft ones, which the step has removed
-                return (
-                    (there if there.residual <= _ROUND_OFF_SCATTER_RATIO * here.residual else here),
-                    True,
-                    factors + 1,
-                )
+                here = there if there.residual <= settings.scatter * here.residual else here
+                return here, True, factors + 1
         else:
             fell = there.value <= best.value + ARMIJO_DECREASE_SHARE * slope
-            bearable = here is best and there.value <= best.value - _MAX_ENERGY_RISE_RATIO * slope
+            bearable = here is best and there.value <= best.value - settings.energy_rise * slope
         if not (fell or bearable):
             return best, False, factors + 1
-        calm = fell and there.residual < _FACTOR_REUSE_RESIDUAL
+        calm = fell and there.residual < settings.calm
         stress = None if calm else energy.foresee_stress(here.nodes, step)
-        here = _take_chord_steps(energy, there, solver, tolerance) if calm else there
+        here = _take_chord_steps(energy, there, solver, settings) if calm else there
         best = here if fell else best
     raise _make_rest_error(best)
 
 
-def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, tolerance: float) -> _Point:
+def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, settings: RestSettings) -> _Point:
     """Take further steps with the present factor as long as each removes most of the residual."""
-    for _ in range(_MAX_CHORD_STEPS):
-        if here.residual <= tolerance:
+    for _ in range(settings.chord_steps):
+        if here.residual <= settings.tolerance:
             break
         step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
         energy, free = energy.free_share(here.nodes, step)
         there = _Point.at(energy, here.nodes + free * step)
         if not there.residual < here.residual:
             break
-        slow, here = there.residual > _MAX_CHORD_RESIDUAL_SHARE * here.residual, there
+        slow, here = there.residual > settings.chord_share * here.residual, there
         if slow:
             break
     return here

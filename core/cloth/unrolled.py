@@ -9,7 +9,7 @@ import numpy as np
 from ..geometry.linear import Solver
 from .derivative import adjoint, factor, place_pinned, pull_pins
 from .energy import Energy
-from .rest import find_rest
+from .rest import RestSettings, find_rest
 from .sensitivity import Sensitivity, pull_forces
 from .steps import TimeSteps
 
@@ -42,7 +42,7 @@ class UnrolledSteps(TimeSteps):
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
         assert step.inertia is not None
         guess = min((place_pinned(step.scene, x) for x in (nodes, step.inertia.target)), key=step.value)
-        return find_rest(step, guess, solver, self.tolerance, self.max_iterations)
+        return find_rest(step, guess, solver, RestSettings(self.tolerance, self.max_iterations))
 
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver

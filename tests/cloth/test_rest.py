@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.cloth.energy import Energy, Inertia
 from garmentq.core.cloth.pins import Pins
-from garmentq.core.cloth.rest import NotAtRest, find_rest
+from garmentq.core.cloth.rest import NotAtRest, RestSettings, find_rest
 from garmentq.core.cloth.scene import Scene
 from garmentq.core.cloth.solver import make_solver
 from garmentq.core.cloth.topology import Topology
@@ -59,10 +59,10 @@ def test_a_swing_takes_few_factors(strip):
     nodes = np.column_stack([flat[:, 1], -flat[:, 0], flat[:, 2]])
     top = np.flatnonzero(flat[:, 0] < 1e-9)
     hanging = replace(scene, pins=Pins(top, nodes[top]))
-    start = find_rest(Energy(hanging), nodes, make_solver(scene.topology.pattern), 1e-6, 100)
+    start = find_rest(Energy(hanging), nodes, make_solver(scene.topology.pattern), RestSettings(1e-6, 100))
     blown = Energy(replace(hanging, gravity=(10.0, -9.81, 0.0)), inertia=Inertia(start, 400.0))
     solver = Counting(scene.topology)
-    moved = find_rest(blown, start, solver, 1e-6, 100)
+    moved = find_rest(blown, start, solver, RestSettings(1e-6, 100))
     assert hanging.relative_residual(blown.gradient(moved)[1]) <= 1e-6
     assert np.abs(moved - start).max() > 0.02
     assert solver.factors <= 4
@@ -77,7 +77,7 @@ def test_pressed_cloth_buckles(strip):
     start[:, 1] = 1e-6 * np.sin(np.pi * start[:, 0] / 0.216)
     start[scene.fixed, 1] = 0.0
     solver = make_solver(scene.topology.pattern)
-    rest = find_rest(pressed, start, solver, 1e-6, 200)
+    rest = find_rest(pressed, start, solver, RestSettings(1e-6, 200))
     assert scene.relative_residual(pressed.gradient(rest)[1]) <= 1e-6
     assert rest[:, 1].max() > 0.01
     assert pressed.value(rest) < 0.1 * pressed.value(start)
@@ -91,5 +91,5 @@ def test_gives_up_in_time(strip):
     pressed = Energy(replace(scene, pins=pins))
     solver = Counting(scene.topology)
     with pytest.raises(NotAtRest):
-        find_rest(pressed, nodes * [0.9, 1.0, 1.0], solver, 0.0, 4)
+        find_rest(pressed, nodes * [0.9, 1.0, 1.0], solver, RestSettings(0.0, 4))
     assert solver.factors <= 4
