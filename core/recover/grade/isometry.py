@@ -168,13 +168,7 @@ class Isometry:
 
     @classmethod
     def of(
-        cls,
-        garment: Garment,
-        target: Target,
-        body: Body,
-        like: Pattern,
-        strain: np.ndarray,
-        settings: IsometrySettings,
+        cls, garment: Garment, target: Target, body: Body, like: Pattern, strain: np.ndarray, settings: IsometrySettings
     ) -> Isometry:
         """Prepare the fit of a garment whose nodes are on the target.
 

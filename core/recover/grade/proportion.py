@@ -14,45 +14,43 @@ from .compared_area import ComparedArea, area_rates_by_points
 from .flattening import MIN_GRADED_EDGE_LENGTH, kept_vectors
 from .parts import are_mirrored, count_seams, edges_until, find_armhole_pairs
 
-MIN_SISTER_AREA_RATIO = 0.6
-"""Smallest ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
 
-AREA_RATIO_STD = 0.03
-"""Standard deviation of ln of a ratio of areas [1]; five patterns graded up to twofold by authors keep to 2.5 %."""
+@dataclass(frozen=True)
+class ProportionSettings:
+    """Describe which panels and edges are compared, and how closely grading keeps their ratios.
 
-MIN_COMPARED_AREA_SHARE = 0.5
-"""Smallest share of a panel's area that is compared: two sewn discs have 0, panels of 60 patterns 0.56 or more."""
+    Attributes:
+        sister_area: Smallest ratio of areas of panels that belong together; backs are up to 1.5 times their fronts.
+        compared_area: Smallest share of a panel's area that is compared: two sewn discs have 0, 60 patterns over 0.55.
+        unlike_length: Ratio of lengths from which the open contours of two sisters are cut in different lines: a V
+            neckline has twice the length of the back neckline, a crew neck 1.5 times.
+        area_std: Standard deviation of ln of a ratio of areas [1]; authors who graded twofold kept it within 2.5 %.
+        length_std: The same for lengths of two edges in one place of sister panels [1]; within 5 % there.
+        notch_std: The same for lengths of two consecutive edges of one seam [1]: the cloth does not show where along a
+            smooth seam the point between them is. A dress and shorts graded by their authors' program keep it within
+            0.3, 0.2 in the root mean square: the hip stays, the hem moves down.
+        width_std: The same for a bodice's width across the shoulders by that across the chest, from armhole to armhole
+            [1]: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. On a smooth shoulder
+            nothing else shows where the armhole crosses it.
+        thread_angle: Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad].
+        thread_std: Standard deviation of that angle [rad].
+        direction_std: Standard deviation of the direction of any other edge [rad]: armholes, caps and crotches turn by
+            up to 3 degrees and grow by up to half: grading changes lengths more than directions.
+        direction: Weight of a direction's standard deviation relative to a ratio's: enough where the cloth gives no
+            evidence, a tenth of its evidence on a flared side. 0.03 left armholes 10 mm off, 0.3 changed no more.
+    """
 
-LENGTH_RATIO_STD = 0.05
-"""Standard deviation of ln of a ratio of lengths of two edges in one place of sister panels [1]; within 5 % there."""
-
-NOTCH_RATIO_STD = 0.2
-"""Standard deviation of ln of the ratio of lengths of two consecutive edges of one seam [1]: the cloth does not show
-where along a smooth seam the point between them is. A dress and shorts graded by their authors' program keep it within
-0.3, 0.2 in the root mean square: the hip stays, the hem moves down."""
-
-WIDTH_RATIO_STD = 0.04
-"""Standard deviation of ln of the ratio of a bodice's width across the shoulders to that across the chest, from armhole
-to armhole [1]: eight garments of three makers keep it within 8 %, 3.5 % in the root mean square. On a smooth shoulder
-nothing else shows where the armhole crosses it."""
-
-MIN_UNLIKE_LENGTH_RATIO = 1.7
-"""Ratio of lengths from which the open contours of two sisters are cut in different lines: a V neckline has twice the
-length of the back neckline, a crew neck 1.5 times."""
-
-THREAD_ANGLE_STD = np.radians(1.0)
-"""Standard deviation of the angle between an edge and the thread along which it is drawn [rad]."""
-
-EDGE_DIRECTION_STD = np.radians(3.0)
-"""Standard deviation of the direction of any other edge [rad]: armholes, caps and crotches turn by up to 3 degrees and
-grow by up to half: grading changes lengths more than directions."""
-
-MAX_THREAD_ANGLE = np.radians(1.0)
-"""Largest angle between an edge and a thread, warp or weft, that counts as drawn along it [rad]: drawing inaccuracy."""
-
-DIRECTION_SHARE = 0.1
-"""Weight of a direction's standard deviation relative to a ratio's: enough where the cloth gives no evidence, and a
-tenth of its evidence on a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 changed nothing more."""
+    sister_area: float = 0.6
+    compared_area: float = 0.5
+    unlike_length: float = 1.7
+    area_std: float = 0.03
+    length_std: float = 0.05
+    notch_std: float = 0.2
+    width_std: float = 0.04
+    thread_angle: float = float(np.radians(1.0))
+    thread_std: float = float(np.radians(1.0))
+    direction_std: float = float(np.radians(3.0))
+    direction: float = 0.1
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,8 @@ class Proportions:
     """Describe what grading a garment keeps.
 
     Attributes:
-        sisters: Compared areas, if `MIN_COMPARED_AREA_SHARE` or more, of two like panels sewn along two seams or more.
+        settings: How closely it is kept.
+        sisters: Compared areas, if large enough, of two like panels sewn along two seams or more.
         areas: ln of the compared area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
@@ -76,6 +75,7 @@ class Proportions:
         spread: Standard deviation of its direction [rad], shape [directed_count].
     """
 
+    settings: ProportionSettings
     sisters: tuple[tuple[ComparedArea, ComparedArea], ...]
     areas: np.ndarray
     edges: tuple[tuple[EdgeRef, EdgeRef], ...]
@@ -94,32 +94,32 @@ class Proportions:
         """Return the deviation from each rule, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
 
         Both in standard deviations of a ratio; curves follow their chords. An edge far off its direction is taken to be
-        cut otherwise, by a Cauchy weight: d sum ln(1 + (angle / s)^2), s its `spread`, d `DIRECTION_SHARE`.
+        cut otherwise, by a Cauchy weight: d sum ln(1 + (angle / s)^2), s its `spread`, d `direction`.
         """
-        missing, rates, points = [], [], pattern.points
+        missing, rates, points, settings = [], [], pattern.points, self.settings
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
             now, by = a.measure(pattern), b.measure(pattern)
-            missing.append((ratio - np.log(now / by)) / AREA_RATIO_STD)
-            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / AREA_RATIO_STD)
+            missing.append((ratio - np.log(now / by)) / settings.area_std)
+            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / settings.area_std)
         for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, sister))
-            missing.append((ratio - now) / LENGTH_RATIO_STD)
-            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / LENGTH_RATIO_STD)
+            missing.append((ratio - now) / settings.length_std)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / settings.length_std)
         for (one, other), ratio in zip(self.widths, self.width_ratios, strict=True):
             now, rate = _ln_distance(pattern, one)
             by, by_rate = _ln_distance(pattern, other)
-            missing.append((ratio - (now - by)) / WIDTH_RATIO_STD)
-            rates.append((rate - by_rate) / WIDTH_RATIO_STD)
+            missing.append((ratio - (now - by)) / settings.width_std)
+            rates.append((rate - by_rate) / settings.width_std)
         for (edge, after), ratio in zip(self.notched, self.notches, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, after))
-            missing.append((ratio - now) / NOTCH_RATIO_STD)
-            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, after)) / NOTCH_RATIO_STD)
+            missing.append((ratio - now) / settings.notch_std)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, after)) / settings.notch_std)
         for ref, across, spread in zip(self.directed, self.across, self.spread, strict=True):
             start, end = pattern.ends_of(ref)
             chord = points[end] - points[start]
             scaled = across / float(np.linalg.norm(chord)) / spread
             angle = float(scaled @ chord)
-            trust = np.sqrt(DIRECTION_SHARE / (1.0 + angle**2))
+            trust = np.sqrt(settings.direction / (1.0 + angle**2))
             row = np.zeros((len(pattern.points), 2))
             row[end], row[start] = trust * scaled, -trust * scaled
             missing.append(-trust * angle)
@@ -142,16 +142,16 @@ class Proportions:
             areas.append(area_rates(pattern, {**dict.fromkeys(a.curves(), now), **dict.fromkeys(b.curves(), by)}))
         return np.concatenate(
             [
-                np.array(areas).reshape(-1, size) / AREA_RATIO_STD,
-                ratios(self.edges, LENGTH_RATIO_STD),
+                np.array(areas).reshape(-1, size) / self.settings.area_std,
+                ratios(self.edges, self.settings.length_std),
                 np.zeros((len(self.widths), size)),
-                ratios(self.notched, NOTCH_RATIO_STD),
+                ratios(self.notched, self.settings.notch_std),
                 np.zeros((len(self.directed) + len(self.drawn), size)),
             ]
         )
 
 
-def find_proportions(like: Pattern) -> Proportions:
+def find_proportions(like: Pattern, settings: ProportionSettings = ProportionSettings()) -> Proportions:
     """Find the panels of a base pattern that are cut in proportion, and the directions of their edges.
 
     Front and back are sewn along two seams or more and are alike in area. Where a smooth surface hides the seam between
@@ -162,35 +162,37 @@ def find_proportions(like: Pattern) -> Proportions:
     sisters, edges = [], []
     for (first, second), count in sorted(seams.items()):
         ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
-        if count >= 2 and MIN_SISTER_AREA_RATIO < ratio < 1.0 / MIN_SISTER_AREA_RATIO:
+        if count >= 2 and settings.sister_area < ratio < 1.0 / settings.sister_area:
             sisters.append((first, second))
             edges += _match_sister_edges(like, first, second)
     pairs = [(ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters]
     compared = tuple(
         pair
         for pair in pairs
-        if all(one.measure(like) >= MIN_COMPARED_AREA_SHARE * panel_area(like.panel(one.panel)) for one in pair)
+        if all(one.measure(like) >= settings.compared_area * panel_area(like.panel(one.panel)) for one in pair)
     )
     areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
-    directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
+    directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters}, settings)
     vectors = kept_vectors(like)
     drawn = vectors @ like.points.ravel()
     widths = (
         *find_armhole_pairs(like),
         *(width for pair in sisters for width in _across_sisters(like, *pair)),
-        *(width for pair in sisters for width in _across_openings(like, *pair)),
+        *(width for pair in sisters for width in _across_openings(like, *pair, settings.unlike_length)),
     )
     notched = _consecutive_seam_edges(like)
     notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
     ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
     return Proportions(
-        compared, np.array(areas), tuple(edges), np.array(lengths), notched, np.array(notches), widths,
+        settings, compared, np.array(areas), tuple(edges), np.array(lengths), notched, np.array(notches), widths,
         np.array(ratios), vectors, drawn, directed, across, spread,
     )  # fmt: skip
 
 
-def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
+def _directions(
+    like: Pattern, sisters: set[frozenset[str]], settings: ProportionSettings
+) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
     """Return the edges that are no seam between sisters, unit vectors across their chords and their spreads."""
     between = {
         ref for seam in like.seams if frozenset((seam.a.panel, seam.b.panel)) in sisters for ref in (seam.a, seam.b)
@@ -207,9 +209,8 @@ def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[Edge
             off = min(abs(float(warp @ chord)), abs(float(warp[0] * chord[1] - warp[1] * chord[0])))
             directed.append(ref)
             across.append((-chord[1], chord[0]))
-            spread.append(
-                THREAD_ANGLE_STD if edge.kind == "line" and off < np.sin(MAX_THREAD_ANGLE) else EDGE_DIRECTION_STD
-            )
+            is_threaded = edge.kind == "line" and off < np.sin(settings.thread_angle)
+            spread.append(settings.thread_std if is_threaded else settings.direction_std)
     return tuple(directed), np.array(across).reshape(-1, 2), np.array(spread)
 
 
@@ -254,8 +255,10 @@ def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[
     return found
 
 
-def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Pair the widths of two sister panels at an open contour that is far longer on the one: a V in front.
+def _across_openings(
+    like: Pattern, first: str, second: str, unlike: float
+) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Pair the widths of two sister panels at an open contour that is longer on the one by a factor: a V in front.
 
     Both begin at the ends of the same two seams. Published drafts have equal widths within 1 cm (W. Aldrich, Metric
     Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). For contours of
@@ -271,7 +274,7 @@ def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple
         if not between or not opposite or not all(panel.edges[i].contour for i in between):
             continue
         lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
-        if max(lengths) > MIN_UNLIKE_LENGTH_RATIO * min(lengths):
+        if max(lengths) > unlike * min(lengths):
             found.append(((mine + start, mine + end), (theirs + there, theirs + back)))
     return found
 
