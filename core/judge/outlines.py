@@ -13,17 +13,25 @@ from ..geometry.rigid import RigidMotion, fit_rigid, plane_rotation
 EDGE_SAMPLES = 50
 """Number of points on each edge: 2 cm apart on the longest side of trousers."""
 
-FIT_START_COUNT = 12
-"""Number of starting angles of a fit without corresponding edges; from 15 degrees off it converges."""
 
-FIT_SWEEPS = 15
-"""Number of closest-point iterations from each starting angle; enough to find the one with the best fit."""
+@dataclass(frozen=True)
+class OutlineSettings:
+    """Describe the fit of one closed outline to another.
 
-FINAL_SWEEPS = 300
-"""Largest number of iterations from the best start: points slide along the outline slowly."""
+    Attributes:
+        starts: Number of starting angles; from 15 degrees off it converges.
+        start_points, points: Number of points on an outline in the iterations from these angles, and thereafter.
+        start_sweeps: Number of closest-point iterations from each of them; enough to find the one with the best fit.
+        sweeps: Largest number of iterations from the best start: points slide along the outline slowly.
+        tolerance: Largest movement of a point at which the iteration ends [m].
+    """
 
-OUTLINE_FIT_TOLERANCE = 1e-7
-"""Largest movement of a point at which the iteration ends [m]."""
+    starts: int = 12
+    start_points: int = 100
+    start_sweeps: int = 15
+    points: int = 400
+    sweeps: int = 300
+    tolerance: float = 1e-7
 
 
 def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
@@ -47,27 +55,27 @@ def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
     return fit_outline(ours, truth).rms
 
 
-def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
+def fit_outline(ours: np.ndarray, truth: np.ndarray, settings: OutlineSettings = OutlineSettings()) -> OutlineFit:
     """Fit a closed outline [m], shape [n, 2], to another by a rigid motion."""
     own, other = ClosedCurve(ours), ClosedCurve(truth)
-    rough, rough_target = own.resample(100), other.resample(100)
+    rough, rough_target = own.resample(settings.start_points), other.resample(settings.start_points)
     starts = []
-    for heading in np.arange(FIT_START_COUNT) * 2.0 * np.pi / FIT_START_COUNT:
+    for heading in np.arange(settings.starts) * 2.0 * np.pi / settings.starts:
         moved = (rough - rough.mean(axis=0)) @ plane_rotation(heading).T + rough_target.mean(axis=0)
-        moved = _iterate_closest_points(moved, rough_target, FIT_SWEEPS)
+        moved = _iterate_closest_points(moved, rough_target, settings.start_sweeps, settings.tolerance)
         starts.append((_symmetric_rms(moved, rough_target), moved))
     best = min(starts, key=lambda start: start[0])[1]
-    source, target = own.resample(400), other.resample(400)
-    moved = _iterate_closest_points(fit_rigid(rough, best).apply(source), target, FINAL_SWEEPS)
+    source, target = own.resample(settings.points), other.resample(settings.points)
+    moved = _iterate_closest_points(fit_rigid(rough, best).apply(source), target, settings.sweeps, settings.tolerance)
     return OutlineFit(_symmetric_rms(moved, target), fit_rigid(source, moved))
 
 
-def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
+def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int, tolerance: float) -> np.ndarray:
     """Fit points to the closest points of a closed outline iteratively."""
     outline = ClosedCurve(target)
     for _ in range(sweeps):
         before, moved = moved, fit_rigid(moved, outline.closest(moved).foot).apply(moved)
-        if np.abs(moved - before).max() < OUTLINE_FIT_TOLERANCE:
+        if np.abs(moved - before).max() < tolerance:
             break
     return moved
 
