@@ -183,10 +183,7 @@ def _rank(
         kind = shallow
     elif ratio > settings.scoop_depth:
         kind = Neckline.SCOOP
-    fits = [
-        rounded := _fit(line, NecklineCut(kind, depth)),
-        square := _fit(line, NecklineCut(Neckline.SQUARE, depth)),
-    ]
+    fits = [rounded := _fit(line, NecklineCut(kind, depth)), square := _fit(line, NecklineCut(Neckline.SQUARE, depth))]
     pointed = min(
         (_fit(line, NecklineCut(Neckline.V, depth, bow)) for bow in settings.v_bows), key=lambda fit: fit.misfit
     )
@@ -209,11 +206,7 @@ def _rank(
 
 
 def _classify_by_turns(
-    turns: _Turns | None,
-    rounded: NecklineFit,
-    square: NecklineFit,
-    pointed: NecklineFit,
-    settings: NecklineSettings,
+    turns: _Turns | None, rounded: NecklineFit, square: NecklineFit, pointed: NecklineFit, settings: NecklineSettings
 ) -> NecklineFit | None:
     """Return the line with clear corners within the cloth, even if it hangs nearly round; None where there is none."""
     if turns is None:
