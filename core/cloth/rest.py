@@ -29,8 +29,7 @@ class RestSettings:
         retry: Residual [node weights] below which the exact Hessian is tried again; 0.3 and 5 cost the same.
         calm: Residual [node weights] below which one factor serves several steps and runs may stop, since the cloth no
             longer buckles; 0.02 and 0.2 cost the same.
-        steps_per_factor: Largest number of steps from one PSD factor: 8 took 6 per cent longer at 3000 nodes, 24 took
-            14 (means over eight changes).
+        steps_per_factor: Largest number of steps from one PSD factor: at 3000 nodes 8 took 6 % longer, 24 took 14 %.
         chord_steps: Largest number of steps with an old exact factor; three of them cost half a factor.
         chord_share: Largest share of the residual that each of them may leave.
     """

@@ -42,9 +42,8 @@ class NecklineSettings:
         square_turn: Smallest turn within the cloth at both lower corners of a square neckline [rad]. Squares of 13
             drapes have 40 to 90 degrees on both sides, less on coarser meshes, and at most 0.6 of it in the middle;
             round ones in front up to 46 on one side and 38 on both.
-        square_misfit: Largest ratio of the misfit of a square to that of the round line, for a line with corners. It is
-            1.3 where the lower edge of a square sags. Round lines behind, which have corners at the side neck points,
-            have 2.3 and more.
+        square_misfit: Largest ratio of the misfit of a square, for a line with corners, to that of the round line: 1.3
+            where its lower edge sags. Round lines behind, with corners at the side neck points, have 2.3 and more.
         square_depth: Depth up to which a line is no square [m], twice `turn_std`: its corners are as near to the side
             neck points, where round lines end in a corner, and the windows of both overlap. A shallow round line
             behind, flat with tight ends, had 52 to 64 degrees there, and a square's misfit was 0.59 to 1.4 of a round
@@ -52,8 +51,7 @@ class NecklineSettings:
         square_corners: Shares of a line's length from the middle between which a square's corner is searched.
         turn_ratio: Smallest ratio of the turn at the corners to the turn in the middle of a square, and of the turn in
             the middle to that at the corners of a V: round lines turn everywhere.
-        scoop_depth: Ratio of a round neckline's depth to its half width above which it is a scoop: halfway from the
-            crew's to the scoop's.
+        scoop_depth: Ratio of depth to half width above which a round line is a scoop: midway between crew and scoop.
         boat_depth: Ratio of the same below which it is a boat; usually a boat has 0.3, a crew 1.1.
     """
 

@@ -46,8 +46,7 @@ class InverseSettings:
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
         patience: Number of steps; fewer would take one jump of a fold for the end.
         trials: Largest number of times that a step is tried, half as long each time.
-        least_area: Smallest share of its area that a flat triangle may keep in a step: the simulator needs
-            non-degenerate triangles.
+        least_area: Smallest share of its area that a flat triangle may keep in a step: smaller ones are degenerate.
         keep_every: Number of steps from one checkpoint to the next.
         solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30 factorisations
             suffice; a step that ends before it is at rest still has a direction of descent.
