@@ -185,7 +185,7 @@ def run(path: Path, pose: str, whole: bool) -> str:
     try:
         first = fit_person(raw.points, raw.normals, raw.is_oriented)
         points = sample_person(raw, first)
-        links = link_alike(link_points(points.positions, points.normals), points.colours)
+        links = link_alike(link_points(points.positions, points.normals), points.lab)
         below = fit_below_clothes(first, points, links)
         found = label_person(raw)
     except GarmentqError as error:

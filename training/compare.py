@@ -71,12 +71,12 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     raw, fit = painted_scan(load_shard(shard)), unpack_fit(described.state)
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
-    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    tone = None if points.lab is None else skin_evidence(points.lab, features.place, fit.body)
     rules, share = tell_by_rules(points, features, fit, tone)
     found = {"rules": rules} | learners.predict(features, described, rules, share)
     links = link_points(points.positions, points.normals)
-    if points.colours is not None:
-        links = link_alike(links, points.colours)
+    if points.lab is not None:
+        links = link_alike(links, points.lab)
     above = above_waist_probability(features.place, fit.body)
     answers = {name: Answer(NUMBERS[each.argmax(axis=1)], each.max(axis=1)) for name, each in found.items()}
     for name, each in found.items():

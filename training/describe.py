@@ -103,7 +103,7 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
     """Describe the samples of a scan to which the body was fitted."""
     near = nearest_points(points, shard)
     features = describe_points(points, fit)
-    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    tone = None if points.lab is None else skin_evidence(points.lab, features.place, fit.body)
     rules = tell_by_rules(points, features, fit, tone)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
     about = shard.about | {"version": FEATURE_LAYOUT_VERSION, "coloured": points.colours is not None}

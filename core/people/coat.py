@@ -8,7 +8,7 @@ import numpy as np
 
 from ..body.body import JOINTS, Body
 from .cloths import overlap_of_cloths
-from .colour import cells_of, histogram, to_lab
+from .colour import cells_of, histogram
 from .diffusion import Links, diffuse
 from .evidence import find_spans, measure_tube
 from .features import Features
@@ -78,15 +78,16 @@ def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, l
     """
     cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
     prior = OUTER + loose_evidence(measure_looseness(features, cloth, body))
-    edges = None if points.colours is None else find_front_edges(features, points.colours, body)
-    if points.colours is None or edges is None:
-        return Coat(prior if points.colours is None else prior + open_evidence(0.0))
-    lab, sides = to_lab(points.colours), _place(edges, features.place, body)
+    lab = points.lab
+    edges = None if lab is None else find_front_edges(features, lab, body)
+    if lab is None or edges is None:
+        return Coat(prior if lab is None else prior + open_evidence(0.0))
+    sides = _place(edges, features.place, body)
     over = tell_cloths(sides, lab, cloth, links)
     if over is None:
         return Coat(prior + open_evidence(0.0))
     inner = cloth & (over < 0.5) & (sides.aside < 0.0) | cloth & (over < 0.5) & (sides.below > 0.0)
-    overlap = overlap_of_cloths(points.colours, features.place, body, inner)
+    overlap = overlap_of_cloths(lab, features.place, body, inner)
     several = several_below(overlap, measure_tube(find_spans(points, features)))
     odds = prior + open_evidence(edges.score * (1.0 - shared_colours(sides, lab, cloth)))
     return Coat(odds, over, several)

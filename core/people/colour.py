@@ -63,18 +63,6 @@ EDGE = 12.0
 """Difference of neighbours' colours at which they say much less of each other: three times a camera's noise."""
 
 
-def to_lab(rgb: np.ndarray) -> np.ndarray:
-    """Return CIE L*a*b* (D65) of sRGB colours in 0..1, shape [n, 3].
-
-    IEC 61966-2-1 for the transfer curve and the primaries, CIE 15 for L*a*b*.
-    """
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    matrix = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-    x, y, z = (linear @ matrix.T / np.array([0.9505, 1.0, 1.089])).T
-    fx, fy, fz = (np.where(v > 216 / 24389, np.cbrt(v), (24389 / 27 * v + 16) / 116) for v in (x, y, z))
-    return np.stack([116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)], axis=1)
-
-
 @dataclass(frozen=True)
 class ColourModels:
     """How likely each colour is in each part.
@@ -128,18 +116,17 @@ def fit_colours(lab: np.ndarray, posterior: np.ndarray, sources: np.ndarray) -> 
 
 
 def use_colours(
-    posterior: np.ndarray, rgb: np.ndarray, place: BodyPlace, links: Links, tone: np.ndarray | None = None
+    posterior: np.ndarray, lab: np.ndarray, place: BodyPlace, links: Links, tone: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the posterior by geometry and colour, shape [n, part_count].
 
     Args:
         posterior: By geometry, shape [n, part_count].
-        rgb: Colours in 0..1, shape [n, 3].
+        lab: Colours in L*a*b*, shape [n, 3].
         place: Where on the body the points lie.
         links: Neighbours, as `link_alike` gives them.
         tone: Evidence for skin by its colour, shape [n], or None.
     """
-    lab = to_lab(rgb)
     if is_painted(lab, place.rest[:, 2] > np.median(place.rest[:, 2]), posterior, PARTS):
         return posterior
     sources = find_sources(place)
@@ -152,9 +139,9 @@ def use_colours(
     return belief
 
 
-def link_alike(links: Links, rgb: np.ndarray) -> Links:
-    """Return the links with the same beside them, weakened where colours, shape [n, 3], change."""
-    return replace(links, alike=links.weakened(to_lab(rgb) * CONTRAST, EDGE))
+def link_alike(links: Links, lab: np.ndarray) -> Links:
+    """Return the links with the same beside them, weakened where colours in L*a*b*, shape [n, 3], change."""
+    return replace(links, alike=links.weakened(lab * CONTRAST, EDGE))
 
 
 def find_doubt(place: BodyPlace) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from ..body.body import JOINTS
 from ..geometry.geometry import unit
-from .colour import CONTRAST, to_lab
+from .colour import CONTRAST
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
@@ -180,7 +180,7 @@ def find_rings(
     """
     body = fit.body
     grids = {limb: unroll(features.place, body, limb) for limb in Limb}
-    colours = None if points.colours is None else to_lab(points.colours) * CONTRAST
+    colours = None if points.lab is None else points.lab * CONTRAST
     # Where hair ends over the neck the surface steps down by 1 to 4 cm: beside it no neckline shows.
     open_grids = grids | {Limb.NECK: grids[Limb.NECK].without(below_hair(points, features, body, tone))}
     cells = {limb: _measure(grid, features, colours, tone) for limb, grid in open_grids.items()}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..body.body import JOINTS, Body
-from .colour import CONTRAST, to_lab
+from .colour import CONTRAST
 from .features import FEATURE_LENGTH_SCALE, Features
 from .limbs import BodyPlace, Limb
 from .rings import (
@@ -52,7 +52,7 @@ class FrontEdges:
     right: np.ndarray
 
 
-def find_front_edges(features: Features, rgb: np.ndarray, body: Body) -> FrontEdges | None:
+def find_front_edges(features: Features, lab: np.ndarray, body: Body) -> FrontEdges | None:
     """Find where a front that is open shows what is worn below: the sides are higher than the middle, and differ.
 
     On each side the path r -> x(r) down the rows from any start to any end is the one with the largest sum of
@@ -60,7 +60,7 @@ def find_front_edges(features: Features, rgb: np.ndarray, body: Body) -> FrontEd
 
     Args:
         features: The samples' description.
-        rgb: Their colours in 0..1, shape [n, 3].
+        lab: Their colours in L*a*b*, shape [n, 3].
         body: The fitted body.
 
     Returns:
@@ -69,7 +69,7 @@ def find_front_edges(features: Features, rgb: np.ndarray, body: Body) -> FrontEd
     grid = unroll_front(features.place, body)
     if grid is None:
         return None
-    columns = [grid.spread(channel) for channel in (to_lab(rgb) * CONTRAST).T]
+    columns = [grid.spread(channel) for channel in (lab * CONTRAST).T]
     step = step_heights(grid.spread(features.column("offset") * FEATURE_LENGTH_SCALE).T).T
     ridge = ridge_strengths(grid.spread(features.column("curvature_12")).T).T
     contrast = colour_contrasts(np.stack(columns, axis=2).transpose(1, 0, 2), WINDOW).T

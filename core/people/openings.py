@@ -12,8 +12,9 @@ from ..geometry.geometry import unit, vertex_normals
 from ..geometry.surface import TriangleSurface
 from ..scan.contours.target import Contour
 from ..scan.scan import Scan
-from .colour import CONTRAST, to_lab
+from .colour import CONTRAST
 from .confidence import contour_confidence, is_shown
+from .lab import to_lab
 from .part import GARMENTS, Part
 from .separation import FoundContour
 

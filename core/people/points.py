@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..geometry.point_normals import denoise_normals, estimate_normals, orient_n
 from ..geometry.surface import TriangleSurface, barycentric_coordinates
 from ..run.kernels import kernel
 from ..scan.raw import RawScan
+from .lab import to_lab
 
 MIN_SAMPLE_SPACING = 0.007
 """Least distance between two samples [m]: a cuff's hem of 2 cm still has three, and a person about 25,000."""
@@ -62,6 +64,11 @@ class PersonPoints:
     border: np.ndarray
     nearest: np.ndarray
     weights: np.ndarray
+
+    @cached_property
+    def lab(self) -> np.ndarray | None:
+        """Return the colours in L*a*b*, shape [n, 3], or None."""
+        return None if self.colours is None else to_lab(self.colours)
 
     def carry(self, values: np.ndarray) -> np.ndarray:
         """Interpolate values at the samples, shape [n, k], to the raw scan's points, shape [m, k]."""

@@ -163,12 +163,12 @@ def _overlap(
     points: PersonPoints, features: Features, body: Body, cloth: Cloth, tone: np.ndarray | None
 ) -> float | None:
     """Return the overlap of the colours of chest and legs where cloth is, or None without colours."""
-    if points.colours is None:
+    if points.lab is None:
         return None
     worn = cloth.probability > 0.5
     if tone is not None:
         worn &= tone <= 0.0  # a leg's ring may lie too low
-    return overlap_of_cloths(points.colours, features.place, body, worn)
+    return overlap_of_cloths(points.lab, features.place, body, worn)
 
 
 def _share_garments(cloth: Cloth, two: float) -> np.ndarray:

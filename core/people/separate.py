@@ -86,8 +86,8 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         fit = fit_person(raw.points, raw.normals, raw.is_oriented, hooks)
     points = sample_person(raw, fit)
     links = link_points(points.positions, points.normals)
-    if points.colours is not None:
-        links = link_alike(links, points.colours)
+    if points.lab is not None:
+        links = link_alike(links, points.lab)
     told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
     if not isinstance(fit, _GivenBody):
         fit = fit_below_clothes(fit, points, links, told, hooks)
@@ -190,7 +190,7 @@ def predict_parts(
         committee: The trained networks, for a body fitted below the rules' cloth; None: the rules.
     """
     features = describe_points(points, fit)
-    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    tone = None if points.lab is None else skin_evidence(points.lab, features.place, fit.body)
     if committee is None:
         posterior = predict_by_rules(points, features, fit, tone)
     else:
@@ -211,7 +211,7 @@ def smooth_parts(
         tone: Evidence for skin by its colour, shape [n], or None.
     """
     posterior = diffuse(posterior, links)
-    return posterior if points.colours is None else use_colours(posterior, points.colours, features.place, links, tone)
+    return posterior if points.lab is None else use_colours(posterior, points.lab, features.place, links, tone)
 
 
 def _hinted_garments(hints: Hints) -> tuple[Part, ...] | None:

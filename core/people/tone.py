@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from ..body.body import Body
-from .colour import BINS, LEAST, cells_of, to_lab
+from .colour import BINS, LEAST, cells_of
 from .limbs import FOLDED_BODY_PARTS, BodyPlace
 from .prior import scalp
 
@@ -22,14 +22,14 @@ LIMIT = (-3.0, 1.5)
 skin than the skin's own says for it."""
 
 
-def skin_evidence(rgb: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray | None:
+def skin_evidence(lab: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray | None:
     """Compute log p(colour | skin) - log p(colour) of each sample, clipped by `LIMIT`, shape [n].
 
     p(colour | skin) is that of the face and the hands, p(colour) of all that is not on them. Where all of it has the
     skin's colour the evidence is near 0: nothing can be told.
 
     Args:
-        rgb: Colours in 0..1, shape [n, 3].
+        lab: Colours in L*a*b*, shape [n, 3].
         place: Where on the body the samples lie.
         body: The fitted body.
 
@@ -41,7 +41,7 @@ def skin_evidence(rgb: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray |
     face, hands = (share["head"] > 0.8) & bare, share["hand"] > 0.7
     if min(face.sum(), hands.sum()) < LEAST:
         return None
-    cells = np.ravel_multi_index(cells_of(to_lab(rgb)), BINS)
+    cells = np.ravel_multi_index(cells_of(lab), BINS)
     both = [_histogram(cells[mine]) for mine in (face, hands)]
     if float(np.minimum(*both).sum()) < AGREE:
         return None

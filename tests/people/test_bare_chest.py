@@ -50,10 +50,10 @@ def tell(thick: float, coloured: bool = True) -> tuple[tuple[Part, ...], float]:
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
     links = link_points(points.positions, points.normals)
-    tone = skin_evidence(points.colours, features.place, body) if coloured else None
+    tone = skin_evidence(points.lab, features.place, body) if coloured else None
     posterior = diffuse(predict_by_rules(points, features, fit, tone), links)
     if coloured:
-        posterior = use_colours(posterior, points.colours, features.place, link_alike(links, points.colours), tone)
+        posterior = use_colours(posterior, points.lab, features.place, link_alike(links, points.lab), tone)
     rest = features.place.rest[:, 1]
     chest = (features.column("part_chest") > 0.8) & (rest < joint["neck"][1] - 0.08)
     assert chest.sum() > 500

@@ -69,7 +69,7 @@ def wear(inner: tuple[float, ...], legs: tuple[float, ...], coat: tuple[float, .
     seen = np.select([~cloth, below], [Part.SKIN, Part.LOWER], Part.UPPER)[near]
     posterior = np.where(seen[:, None] == np.array(PARTS), 0.95, 0.05 / (len(PARTS) - 1))
     features = describe_points(points, fit)
-    links = link_alike(link_points(points.positions, points.normals), points.colours)
+    links = link_alike(link_points(points.positions, points.normals), points.lab)
     found = find_coat(points, features, posterior, links, body)
     above = above_waist_probability(features.place, body)
     outfits = rank_outfits(posterior, above, coat=found)
@@ -160,8 +160,8 @@ def test_the_overlap_tells_one_cloth_from_two(legs, low, high):
     points = sample_person(RawScan(body.vertices, body.faces, None, False, rgb, None, every, every), fit)
     place = describe_points(points, fit).place
     cloth = (place.rest[:, 1] > 0.15) & (place.rest[:, 1] < body.rest_joints[12, 1])
-    assert low <= overlap_of_cloths(points.colours, place, body, cloth) <= high
-    assert overlap_of_cloths(points.colours, place, body, cloth & (place.rest[:, 1] > 1.0)) is None
+    assert low <= overlap_of_cloths(points.lab, place, body, cloth) <= high
+    assert overlap_of_cloths(points.lab, place, body, cloth & (place.rest[:, 1] > 1.0)) is None
 
 
 def test_two_cloths_speak_for_two_pieces():

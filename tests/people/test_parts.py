@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.people.colour import fit_colours, is_painted, to_lab
+from garmentq.core.people.colour import fit_colours, is_painted
 from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence
 from garmentq.core.people.crumbs import relabel_small_pieces
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
+from garmentq.core.people.lab import to_lab
 from garmentq.core.people.labels import has_names, read_parts, write_labels
 from garmentq.core.people.outfit import condition_on_outfit, marginalise_outfits, outfit_probabilities, rank_outfits
 from garmentq.core.people.part import GARMENTS, PARTS, Part

@@ -196,7 +196,7 @@ def test_shorts_over_boots_end_where_the_skin_begins(dressed):
     worn = body.raised(np.select([shorts, boots], [0.010, 0.012], 0.0)).vertices
     points = sample_person(replace(raw, points=worn, colours=colours), fit)
     features = describe_points(points, fit)
-    rings = find_rings(points, features, fit, skin_evidence(points.colours, features.place, body))
+    rings = find_rings(points, features, fit, skin_evidence(points.lab, features.place, body))
     for limb, ring in zip((Limb.LEFT_LEG, Limb.RIGHT_LEG), rings.hems, strict=True):
         assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(end, abs=0.02)
 

@@ -11,6 +11,7 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.people.colour import SURE, find_strays, link_alike, use_colours
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.features import Features, describe_points
+from garmentq.core.people.lab import to_lab
 from garmentq.core.people.part import CLOTH, PARTS, Part
 from garmentq.core.people.points import PersonPoints, sample_person
 from garmentq.core.people.prior import scalp, scalp_hair_probability
@@ -66,9 +67,9 @@ def points_part(points: PersonPoints, raw: RawScan, near: np.ndarray) -> np.ndar
 
 def tone_of(painted: Painted, rgb: np.ndarray | None = None) -> np.ndarray | None:
     """Return the evidence of the person's colours, or of others."""
-    colours = painted.points.colours if rgb is None else rgb
-    assert colours is not None
-    return skin_evidence(colours, painted.features.place, painted.fit.body)
+    lab = painted.points.lab if rgb is None else to_lab(rgb)
+    assert lab is not None
+    return skin_evidence(lab, painted.features.place, painted.fit.body)
 
 
 def test_the_skins_colour_is_told_from_cloth(painted):
@@ -96,9 +97,9 @@ def test_a_bare_midriff_is_skin(painted):
     points, features, tone = painted.points, painted.features, tone_of(painted)
     links = link_points(points.positions, points.normals)
     posterior = diffuse(predict_by_rules(points, features, painted.fit, tone), links)
-    assert points.colours is not None
-    links = link_alike(links, points.colours)
-    found = np.array(PARTS)[use_colours(posterior, points.colours, features.place, links, tone).argmax(axis=1)]
+    assert points.lab is not None
+    links = link_alike(links, points.lab)
+    found = np.array(PARTS)[use_colours(posterior, points.lab, features.place, links, tone).argmax(axis=1)]
     joints = painted.fit.body.rest_joints
     height = features.place.rest[:, 1]
     belly = (height > joints[1, 1] + 0.07) & (height < joints[6, 1] - 0.02) & (features.column("part_forearm") < 0.1)
