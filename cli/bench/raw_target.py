@@ -19,8 +19,7 @@ from .lines import Line, answer_order, keep_failure
 from .target import peak_mb
 
 if TYPE_CHECKING:
-    from ...core.people.garments import PersonSurface
-    from ...core.people.separation import FoundGarment, LabelledPerson
+    from ...core.people.separation import FoundGarment, LabelledPerson, PersonSurface
     from ...core.recover.recovery import Recovery
     from ...core.run.hooks import Hooks
     from ...core.scan.raw import RawScan

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -25,7 +25,7 @@ from .confidence import garment_confidence
 from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
 from .part import GARMENTS, Part
-from .separation import FoundContour, FoundGarment, LabelledPerson
+from .separation import FoundContour, FoundGarment, LabelledPerson, PersonSurface
 
 MIN_GARMENT_AREA = 0.02
 """Area below which a part of the surface is no garment [m2]: a bandeau or a brief has 0.05."""
@@ -46,19 +46,6 @@ class PartNotWorn(BadInput):
     """The person does not wear this garment; name one of those that were found, or correct the labels file."""
 
     code = "segment.part_unknown"
-
-
-@dataclass(frozen=True)
-class PersonSurface:
-    """Describe a person's surface, from which every garment is cut.
-
-    Attributes:
-        scan: The surface; reconstructed if the scan is a cloud.
-        origin: Index in the file of the point that each vertex is, or is nearest to, shape [vertex_count].
-    """
-
-    scan: Scan
-    origin: np.ndarray
 
 
 def extract_garment(
@@ -92,17 +79,19 @@ def extract_garment(
     return Reading(ScanInput(garment, None), body=separation.body, category=found[0].category or None)
 
 
-def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:
+def find_garments(
+    raw: RawScan, label: np.ndarray, confidence: np.ndarray, surface: PersonSurface, body: Body
+) -> tuple[FoundGarment, ...]:
     """Find each garment's confidence, category and openings.
 
     Args:
         raw: The person.
         label: A `Part` for each of its points, shape [point_count].
         confidence: Probability of each, shape [point_count].
+        surface: The person's surface, of all points or fewer.
         body: The wearer.
     """
     sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
-    surface = build_person_surface(thin_raw_scan(raw), body)
     whole, label = surface.scan, label[raw.place[surface.origin]]
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, body)

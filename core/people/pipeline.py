@@ -91,7 +91,7 @@ def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SIL
 
 def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dict[str, Reading]:
     """Cut every garment out of the person's surface, which is computed once."""
-    surface = build_person_surface(raw, separation.body)
+    surface = separation.surface or build_person_surface(raw, separation.body)
     readings: dict[str, Reading] = {}
     for garment in separation.garments:
         hooks.progress("garments", len(readings) / len(separation.garments), garment.part.word)

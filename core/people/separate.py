@@ -12,6 +12,7 @@ from ..body.person import PersonFit, PointWeights, fit_person, refit_person
 from ..body.presence import SeveralPersons
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan
+from ..scan.thin import thin_raw_scan
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import check_confidence
@@ -19,7 +20,7 @@ from .crumbs import relabel_small_pieces
 from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
-from .garments import find_garments
+from .garments import build_person_surface, find_garments
 from .hints import Hints
 from .learnt import NetworkEnsemble, load_ensemble, predict_by_networks
 from .limbs import BodyPlace
@@ -116,12 +117,15 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         at, sure = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
     hooks.progress(STAGE, 0.9, "finding the garments' openings")
     body = fit.body if isinstance(fit, _GivenBody) else replace(fit.body, source=f"scan:{raw.name}")
-    garments = find_garments(raw, at, sure, body)
+    thinned = thin_raw_scan(raw)
+    surface = build_person_surface(thinned, body)
+    garments = find_garments(raw, at, sure, surface, body)
     warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
     label, confidence = expand_to_file(raw, at, sure)
     if hints.label is not None:
         label = hints.label.astype(np.uint8)
-    return LabelledPerson(body, label, confidence, garments, outfits, warnings, problem)
+    whole = surface if thinned is raw else None
+    return LabelledPerson(body, label, confidence, garments, outfits, warnings, problem, whole)
 
 
 def check_single_person(raw: RawScan) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..body.body import Body
 from ..run.errors import GarmentqError
+from ..scan.scan import Scan
 from .part import Part
 
 
@@ -57,6 +58,19 @@ class Outfit:
 
 
 @dataclass(frozen=True)
+class PersonSurface:
+    """Describe a person's surface, from which every garment is cut.
+
+    Attributes:
+        scan: The surface; reconstructed if the scan is a cloud.
+        origin: Index in the file of the point that each vertex is, or is nearest to, shape [vertex_count].
+    """
+
+    scan: Scan
+    origin: np.ndarray
+
+
+@dataclass(frozen=True)
 class LabelledPerson:
     """Describe a labelled person.
 
@@ -68,6 +82,7 @@ class LabelledPerson:
         outfits: Readings, the best first.
         warnings: What the user should know, one sentence each.
         problem: Why nothing should be recovered until a person has checked the labels, or None.
+        surface: The person's surface where the openings were found on all of it; None where it was thinned for them.
     """
 
     body: Body
@@ -77,3 +92,4 @@ class LabelledPerson:
     outfits: tuple[Outfit, ...]
     warnings: tuple[str, ...] = ()
     problem: GarmentqError | None = None
+    surface: PersonSurface | None = None
