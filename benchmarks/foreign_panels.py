@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from garmentq.cli.bench.pattern_match import is_wide
 from garmentq.core.garment.curves import edge_points, panel_area, panel_outline
 from garmentq.core.garment.editing.darts import find_darts
 from garmentq.core.garment.orientation import place_points
 from garmentq.core.garment.pattern import Panel, Pattern
-from garmentq.core.judge.matching import is_wide
 from garmentq.core.judge.outlines import fit_outline
 
 SEGMENTS = 24

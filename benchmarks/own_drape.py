@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import trimesh
 from garmentq.cli.bench.packs import read_packs, read_true_pattern
+from garmentq.cli.bench.pattern_match import measure_panels
 from garmentq.cli.bench.truth import measure_recovery
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabric import Fabric
@@ -32,7 +33,6 @@ from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.templates import draft_template, load_template
 from garmentq.core.geometry.geometry import vertex_normals
-from garmentq.core.judge.patterns import measure_panels
 from garmentq.core.recover.drape.stage import drape_graded, drape_template, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.pipeline import recover

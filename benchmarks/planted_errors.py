@@ -116,12 +116,12 @@ ERRORS = (
         'found[f"surface_rms_mm.{way}"] = 1.05 * MM_PER_M * float(',
     ),
     PlantedError(
-        ErrorKind.METRIC, "the error of a panel's area is told 5 % larger", "core/judge/patterns.py",
+        ErrorKind.METRIC, "the error of a panel's area is told 5 % larger", "cli/bench/pattern_match.py",
         "return abs(polygon_area(outline) - true_area) / true_area",
         "return 1.05 * abs(polygon_area(outline) - true_area) / true_area",
     ),
     PlantedError(
-        ErrorKind.METRIC, "the distance of two outlines is told 5 % smaller", "core/judge/outlines.py",
+        ErrorKind.METRIC, "the distance of two outlines is told 5 % smaller", "cli/bench/pattern_match.py",
         "return float(np.sqrt(np.mean(np.sum((fit_rigid", "return 0.95 * float(np.sqrt(np.mean(np.sum((fit_rigid",
     ),
     PlantedError(

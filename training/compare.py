@@ -25,7 +25,6 @@ from ..core.people.learnt import (
     find_limb_cells,
     kinds_to_parts,
     load_ensemble,
-    load_network,
     network_inputs,
     parts_to_kinds,
     softmax,
@@ -45,6 +44,7 @@ from ..core.people.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit
 from .judge import NUMBERS, judge_labels
+from .network import load_network
 from .shards import load_shard
 from .waists import PRESENT
 

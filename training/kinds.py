@@ -17,7 +17,6 @@ import numpy as np
 
 from ..core.people.features import FEATURE_LAYOUT_VERSION
 from ..core.people.learnt import (
-    TRAINING_HEADS,
     LimbCells,
     Network,
     NetworkEnsemble,
@@ -32,6 +31,9 @@ from .train import calibrate, front_and_side, load_set, predict, split, train_ne
 
 SEEDS = (0, 1)
 """Of the networks: two are 0.5 MB."""
+
+TRAINING_HEADS = ("tightness", "border", "present")
+"""Heads that only training uses."""
 
 
 def harden(network: PersonNetwork, temperature: float) -> Network:

@@ -24,6 +24,7 @@ from ..core.people.learnt import (
     RECTIFIER_SLOPE,
     TOTAL_CELL_COUNT,
     LimbCells,
+    Network,
 )
 from ..core.people.limbs import Limb
 from ..core.people.part import GARMENTS, PARTS
@@ -122,3 +123,14 @@ def save_weights(network: PersonNetwork, temperature: float, path: Path, about: 
         **about,
     }
     path.with_suffix(".json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+
+
+def load_network(path: Path) -> Network | None:
+    """Read a network that a training wrote; None where there is none, or it reads another layout of features."""
+    if not path.exists():
+        return None
+    with np.load(path) as kept:
+        if int(kept["version"]) != FEATURE_LAYOUT_VERSION:
+            return None
+        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
+        return Network(weights, float(kept["temperature"]))

@@ -268,9 +268,8 @@ class _Run:
 
 def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, own_template: bool) -> Line:
     """Measure a recovered garment against the visible part of its truth, and its pattern."""
-    from ...core.judge.matching import is_same_cut
-    from ...core.judge.patterns import measure_panels, measure_pattern
     from .packs import read_mesh_file
+    from .pattern_match import is_same_cut, measure_panels, measure_pattern
     from .raw_packs import read_garment_pattern, read_visible
     from .raw_shape import measure_visible
 

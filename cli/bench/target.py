@@ -68,12 +68,12 @@ def empty_line(target: str, method: str) -> Line:
 
 def _recover(order: TargetOrder) -> Line:
     from ...core.deliver.export.result import to_plain_json, write_recovery
-    from ...core.judge.patterns import measure_panels
     from ...core.recover.pipeline import recover
     from ...core.recover.recovery import Request
     from ...core.recover.settings import RecoverySettings
     from .compiling import time_compiling
     from .packs import read_packs, read_true_pattern
+    from .pattern_match import measure_panels
     from .truth import measure_recovery
 
     pack = read_packs(Path(order.pack))[0]

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ...core.body.exposed import ExposedSurface, penetration_depth
 from ...core.cloth.fabric import Fabric
 from ...core.geometry.surface import TriangleSurface
-from ...core.judge.contours import transfer_contours
+from ...core.judge.contours import loop_rms
 from ...core.judge.fit import SURFACE_SAMPLES, Reference, measure_fit
-from ...core.judge.matching import is_same_cut
-from ...core.judge.patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
+from ...core.judge.patterns import measure_seams
 from ...core.recover.recovery import Recovery
 from ...core.run.units import MM_PER_M
+from ...core.scan.contours.loop import find_loops
+from ...core.scan.contours.target import Contour
 from .packs import Pack, read_true_mesh, read_true_pattern
+from .pattern_match import PATTERN_METRICS, is_same_cut, measure_pattern, unmatched_panels
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values of them are dropped."""
@@ -62,6 +65,30 @@ def measure_recovery(
     found |= measure_fabric(recovery.fabric, pack.fabric)
     own = {name: value for name, value in recovery.report.metrics.items() if not _is_of_truth(name)}
     return dict(sorted((own | found).items())), unmatched
+
+
+def transfer_contours(
+    contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
+) -> tuple[Contour, ...]:
+    """Transfer named contours to another mesh of the same surface: each to the nearest boundary loop.
+
+    Args:
+        contours: Named contours, indices into `positions`.
+        positions: Vertices of the mesh with the names [m], shape [n, 3].
+        vertices: Vertices of the other mesh [m], shape [m, 3].
+        faces: Its faces, shape [face_count, 3].
+
+    Returns:
+        The contours with indices into `vertices`; untrusted ones too.
+    """
+    loops = find_loops(faces)
+    carried = []
+    for contour in contours:
+        curve = positions[contour.vertices]
+        if loops:
+            nearest = min(loops, key=lambda loop: loop_rms(curve, vertices[loop]))
+            carried.append(replace(contour, vertices=nearest))
+    return tuple(carried)
 
 
 def _is_of_truth(name: str) -> bool:

@@ -11,8 +11,6 @@ import numpy as np
 
 __all__ = ["Edge", "EdgeRef", "Panel", "Pattern", "Seam"]
 
-EDGE_KINDS = ("line", "quadratic", "cubic", "arc")
-
 
 @dataclass(frozen=True)
 class Edge:

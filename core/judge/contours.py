@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from ..geometry.curves import ClosedCurve
-from ..scan.contours.loop import find_loops
 from ..scan.contours.target import Contour
 
 CONTOUR_SAMPLES = 500
@@ -33,27 +31,3 @@ def contour_rms(
         for contour in truth_contours
         if contour.trusted and contour.name in ours
     }
-
-
-def transfer_contours(
-    contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
-) -> tuple[Contour, ...]:
-    """Transfer named contours to another mesh of the same surface: each to the nearest boundary loop.
-
-    Args:
-        contours: Named contours, indices into `positions`.
-        positions: Vertices of the mesh with the names [m], shape [n, 3].
-        vertices: Vertices of the other mesh [m], shape [m, 3].
-        faces: Its faces, shape [face_count, 3].
-
-    Returns:
-        The contours with indices into `vertices`; untrusted ones too.
-    """
-    loops = find_loops(faces)
-    carried = []
-    for contour in contours:
-        curve = positions[contour.vertices]
-        if loops:
-            nearest = min(loops, key=lambda loop: loop_rms(curve, vertices[loop]))
-            carried.append(replace(contour, vertices=nearest))
-    return tuple(carried)

@@ -9,13 +9,10 @@ from scipy.optimize import linear_sum_assignment
 
 from ..garment.curves import panel_outline
 from ..garment.pattern import Panel, Pattern
-from ..garment.polygon import polygon_area, polygon_width
+from ..garment.polygon import polygon_area
 from ..geometry.curves import ClosedCurve
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
-
-MAX_BAND_WIDTH = 0.12
-"""Width below which a panel is a band [m]: a tight band's length and its stretch (up to 20 %) cannot be separated."""
 
 MAX_PANEL_AREA_RATIO = 2.0
 """Ratio of areas from which two panels do not match, whatever their shape: base patterns of the same cut start up to 47
@@ -60,20 +57,6 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
             if np.isfinite(cost[row, column]):
                 pairs[wanted[column].name] = PanelPair(left[row], wanted[column], False)
     return tuple(pairs[panel.name] for panel in truth.panels if panel.name in pairs)
-
-
-def is_wide(outline: np.ndarray) -> bool:
-    """Check by its outline [m], shape [n, 2], whether a panel is wider than a band."""
-    return polygon_width(outline) >= MAX_BAND_WIDTH
-
-
-def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
-    """Check whether the wide panels of both patterns correspond one to one, so that they can be compared."""
-    pairs = match_panels(pattern, truth)
-    matched = {pair.ours.name for pair in pairs} if pairs else set()
-    known = {pair.truth.name for pair in pairs}
-    ours = all(panel.name in matched for panel in pattern.panels if is_wide(panel_outline(panel)))
-    return ours and all(panel.name in known for panel in truth.panels if is_wide(panel.outline))
 
 
 def orient_counter_clockwise(outline: np.ndarray) -> np.ndarray:

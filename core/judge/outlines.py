@@ -1,17 +1,13 @@
-"""Compare flat outlines: width, rigid fit, distance along corresponding edges."""
+"""Fit flat outlines to each other."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.curves import ClosedCurve, resample_polyline
+from ..geometry.curves import ClosedCurve
 from ..geometry.rigid import RigidMotion, fit_rigid, plane_rotation
-
-EDGE_SAMPLES = 50
-"""Number of points on each edge: 2 cm apart on the longest side of trousers."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +30,6 @@ class OutlineSettings:
     tolerance: float = 1e-7
 
 
-def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
-    """Measure the RMS distance [m] of corresponding edges after one rigid fit of the whole panel."""
-    source = np.concatenate([resample_polyline(line, EDGE_SAMPLES) for line in ours])
-    target = np.concatenate([resample_polyline(line, EDGE_SAMPLES) for line in truth])
-    return float(np.sqrt(np.mean(np.sum((fit_rigid(source, target).apply(source) - target) ** 2, axis=1))))
-
-
 @dataclass(frozen=True)
 class OutlineFit:
     """Describe the best fit of one closed outline to another: symmetric closest-point RMS distance [m], and rigid
@@ -48,11 +37,6 @@ class OutlineFit:
 
     rms: float
     motion: RigidMotion
-
-
-def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
-    """Measure the symmetric closest-point RMS [m] of two closed outlines after the best rigid fit."""
-    return fit_outline(ours, truth).rms
 
 
 def fit_outline(ours: np.ndarray, truth: np.ndarray, settings: OutlineSettings = OutlineSettings()) -> OutlineFit:

@@ -47,8 +47,6 @@ MIN_RULE_PROBABILITY = 1.0e-3
 """Least probability by the rules in the networks' input, before their logarithm is taken."""
 RECTIFIER_SLOPE = 0.1
 """Slope [1] of the leaky rectifier below zero."""
-TRAINING_HEADS = ("tightness", "border", "present")
-"""Heads that only training uses."""
 KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
 """Classes of a network of kinds: any garment is one kind."""
 KIND_OF_COLUMN = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
@@ -276,17 +274,6 @@ class WrongWeights(GarmentqError):
     """The file of the trained networks is not the one that garmentq was made with; install garmentq anew."""
 
     code = "segment.wrong_weights"
-
-
-def load_network(path: Path) -> Network | None:
-    """Read a network that a training wrote; None where there is none, or it reads another layout of features."""
-    if not path.exists():
-        return None
-    with np.load(path) as kept:
-        if int(kept["version"]) != FEATURE_LAYOUT_VERSION:
-            return None
-        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
-        return Network(weights, float(kept["temperature"]))
 
 
 @cache

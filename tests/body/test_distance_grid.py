@@ -75,10 +75,9 @@ def test_holes_and_orientation_do_not_matter(grid, capsule):
     assert np.abs(holed.distance(points) - plain)[away].max() < 2e-4
 
 
-def test_shrunk_and_moved(grid):
-    """The body of an inflation: a constant more everywhere, and the same field elsewhere."""
+def test_moved(grid):
+    """Broken where a moved body has another field than that of the body where it was."""
     points = np.array([[0.09, 0.0, 0.1], [0.07, 0.02, 0.05]])
-    assert grid.shrunk(0.03).distance(points) == pytest.approx(grid.distance(points) + 0.03)
     shift = np.array([0.1, -0.2, 0.3])
     assert grid.moved(shift).distance(points + shift) == pytest.approx(grid.distance(points))
 

@@ -12,6 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 from garmentq.cli.bench.packs import read_packs, read_true_pattern
+from garmentq.cli.bench.pattern_match import PATTERN_METRICS
+from garmentq.cli.bench.pattern_match import measure_pattern as measure_beside_true_pattern
 from garmentq.cli.bench.truth import measure_recovery as measure_beside_truth
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.exposed import ExposedSurface
@@ -26,8 +28,6 @@ from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import describe_pieces
 from garmentq.core.garment.templates import draft_template, list_templates
 from garmentq.core.geometry.geometry import vertex_normals
-from garmentq.core.judge.patterns import PATTERN_METRICS
-from garmentq.core.judge.patterns import measure_pattern as measure_beside_true_pattern
 from garmentq.core.judge.penetration import measure_penetration
 from garmentq.core.judge.true_pattern import TruePattern
 from garmentq.core.people.garments import build_person_surface, extract_garment

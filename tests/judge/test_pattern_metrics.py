@@ -6,13 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.cli.bench.pattern_match import (
+    is_same_cut,
+    measure_panels,
+    measure_pattern,
+    polygon_width,
+    unmatched_panels,
+)
 from garmentq.cli.bench.truth import measure_fabric
 from garmentq.core.cloth.fabric import Fabric
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
-from garmentq.core.garment.polygon import polygon_width
-from garmentq.core.judge.matching import is_same_cut, match_panels
-from garmentq.core.judge.outlines import outline_rms
-from garmentq.core.judge.patterns import measure_panels, measure_pattern, measure_seams, unmatched_panels
+from garmentq.core.judge.matching import match_panels
+from garmentq.core.judge.outlines import fit_outline
+from garmentq.core.judge.patterns import measure_seams
 from garmentq.core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
 from garmentq.core.judge.turning import turning_distance
 
@@ -209,7 +215,7 @@ def test_other_edge_counts_fall_back_to_closest_points() -> None:
     pattern = Pattern("p", (piece("a", turned(split, 2.0)),), ())
     found = measure_pattern(pattern, TruePattern((as_truth(piece("a", TRAPEZOID)),)))
     assert found["panel_outline_mm"] < 0.5
-    assert outline_rms(SQUARE, 1.02 * SQUARE) == pytest.approx(0.01, rel=0.1)
+    assert fit_outline(SQUARE, 1.02 * SQUARE).rms == pytest.approx(0.01, rel=0.1)
 
 
 def test_seam_mismatch_and_gathers() -> None:

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from garmentq.cli.bench.truth import transfer_contours
 from garmentq.core.body.exposed import ExposedSurface, penetration_depth
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.geometry.geometry import corner_angles, deformation_gradients, principal_stretches, vertex_normals
 from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.judge.chamfer import MAX_QUERY_VERTEX_COUNT, VertexCloud, chamfer_and_normals, meshing_floor
-from garmentq.core.judge.contours import contour_rms, loop_rms, transfer_contours
+from garmentq.core.judge.contours import contour_rms, loop_rms
 from garmentq.core.judge.fit import Reference, count_flipped, measure_distance, measure_fit
 from garmentq.core.judge.penetration import measure_penetration
 from garmentq.core.scan.contours.loop import find_loops

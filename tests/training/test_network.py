@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.people.features import FEATURE_NAMES
-from garmentq.core.people.learnt import LIMB_STATION_COUNT, LimbCells, NetworkEnsemble, load_ensemble, load_network
+from garmentq.core.people.learnt import LIMB_STATION_COUNT, LimbCells, NetworkEnsemble, load_ensemble
 from garmentq.core.people.limbs import Limb
 from garmentq.core.people.part import PARTS
 from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels
 from garmentq.training.kinds import harden, write_kinds
-from garmentq.training.network import PersonNetwork, save_weights, to_torch
+from garmentq.training.network import PersonNetwork, load_network, save_weights, to_torch
 from garmentq.training.train import cells_of, predict, soften, train_network
 
 

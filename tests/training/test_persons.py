@@ -78,9 +78,8 @@ def test_a_person_is_dressed_and_the_same_again():
 @pytest.mark.nightly
 def test_all_of_it_runs_on_a_tiny_set(tmp_path):
     """Broken where a fresh clone cannot repeat the training: persons, their fits and features, weights that load."""
-    from garmentq.core.people.learnt import load_network
     from garmentq.training.describe import describe_folder
-    from garmentq.training.network import save_weights
+    from garmentq.training.network import load_network, save_weights
     from garmentq.training.persons import write_persons
     from garmentq.training.train import load_set, train_network
 

@@ -197,8 +197,3 @@ class PieceSet:
     pieces: tuple[Piece, ...]
     seams: tuple[SeamWalk, ...]
     missing: tuple[str, ...]
-
-    @property
-    def panel_count(self) -> int:
-        """Return the number of pieces of cloth, including copies."""
-        return sum(piece.quantity for piece in self.pieces)
