@@ -92,7 +92,8 @@ def dress_truth(pack: Pack, state: RecoveryState, vertices: int, result: Path) -
     line: dict[str, float | str | None] = {"target": pack.name}
     for name, pattern in (("true", draw_truth(state.base, truth.panels)), ("recovered", worn.pattern)):
         garment = mesh_pattern(pattern, vertices)
-        nodes, drape = redrape(garment, state.wearer, worn.fabric, state.target)
+        draped, drape = redrape(garment, state.wearer, worn.fabric, state.target)
+        nodes = draped.nodes
         distance = measure_distance(nodes, garment.faces, *surface)
         line[f"{name} [mm]"] = distance["surface_rms_mm.s2t"]
         line[f"{name} t2s [mm]"] = distance["surface_rms_mm.t2s"]

@@ -72,7 +72,8 @@ def extract_garment(
     hooks.check()
     own = label == part
     inner = find_inner_side(whole, own, separation.body, label == Part.OTHER)
-    garment, contours, holes = cut_part(whole, own & ~inner, separation.body)
+    cut = found[0].cut if person is separation.surface and not inner.any() else None
+    garment, contours, holes = cut or cut_part(whole, own & ~inner, separation.body)
     hidden = _mark_inferred_contours(garment, contours, found[0].contours)
     hidden |= mark_covered_borders(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)
@@ -100,10 +101,10 @@ def find_garments(
         own = label == part
         if part not in sure or area[own].sum() < MIN_GARMENT_AREA:
             continue
-        garment, contours, _ = cut_part(whole, own, body)
-        category = choose_part_category(part, contours, garment, body)
-        openings = find_openings(garment, contours, part, around)
-        found.append(FoundGarment(part, sure[part], category, openings))
+        cut = cut_part(whole, own, body)
+        category = choose_part_category(part, cut.contours, cut.garment, body)
+        openings = find_openings(cut.garment, cut.contours, part, around)
+        found.append(FoundGarment(part, sure[part], category, openings, cut))
     return tuple(found)
 
 

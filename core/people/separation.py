@@ -9,6 +9,7 @@ import numpy as np
 from ..body.body import Body
 from ..run.errors import GarmentqError
 from ..scan.scan import Scan
+from .capped import CutPart
 from .part import Part
 
 
@@ -36,12 +37,14 @@ class FoundGarment:
         confidence: Mean probability of its points' labels.
         category: One of `CATEGORIES`, from its openings on the body, or an empty text.
         contours: Its openings.
+        cut: It as cut out of the surface on which the openings were found, or None.
     """
 
     part: Part
     confidence: float
     category: str
     contours: tuple[FoundContour, ...] = ()
+    cut: CutPart | None = None
 
 
 @dataclass(frozen=True)

@@ -178,6 +178,6 @@ def drape_anew(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
         return state
     with clock.stage("redrape", "dressing the body in the recovered pattern") as hooks:
         rotation = made(state.drape).rotation
-        nodes, found = redrape(garment, state.wearer, state.fabric, state.target, rotation=rotation, hooks=hooks)
-    state = replace(state, meshes=replace(meshes, redraped=nodes), redrape=found)
+        draped, found = redrape(garment, state.wearer, state.fabric, state.target, rotation=rotation, hooks=hooks)
+    state = replace(state, meshes=replace(meshes, redraped=draped.nodes), redrape=found)
     return state.with_notes(*(() if found.at_rest else (f"the re-draped mesh is {found.advice}",)))

@@ -27,7 +27,6 @@ from garmentq.core.reuse.edit.redraping import EditedGarment, drape_edit, worn_l
 from garmentq.core.reuse.wear.worn import WornGarment, make_waist_target
 from garmentq.core.run.clock import Clock
 from garmentq.core.run.hooks import SILENT_HOOKS
-from garmentq.core.scan.contours.contours import name_contours
 from worn_template import load_worn_template
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
@@ -55,9 +54,8 @@ def undo(operations: list[dict]) -> list[dict]:
 def hang(spec: str, count: int) -> WornGarment:
     """Return the T-shirt of the library as it hangs on a body, draped from its placement."""
     wearer, mesh = find_wearer(spec), mesh_pattern(load_template("tshirt"), count)
-    nodes, drape = redrape(mesh, wearer, get_fabric("cotton_poplin"), make_waist_target(None, "tshirt"))
+    garment, drape = redrape(mesh, wearer, get_fabric("cotton_poplin"), make_waist_target(None, "tshirt"))
     assert drape.converged
-    garment = mesh.at(nodes, name_contours(nodes, mesh.faces, wearer.body)[0])
     return WornGarment(garment, get_fabric("cotton_poplin"), wearer.body, None, None, "tshirt", "tshirt")
 
 

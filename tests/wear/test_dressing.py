@@ -72,8 +72,8 @@ def test_the_wearer_himself_wears_the_redraped_mesh(worn, rate):
     """Broken where a result that is dressed on its own wearer is not its re-draped mesh, also in rotation."""
     garment, rotation = worn.garment, rotation_of(worn.body, rate) if rate else None
     scan = Target(garment.nodes, garment.faces, np.zeros_like(garment.nodes), garment.contours, (), "skirt")
-    nodes, _ = redrape(garment, WearerGeometry(worn.body), worn.fabric, scan, rotation=rotation)
-    result = replace(worn, garment=garment.at(nodes), rotation=rotation)
+    draped, _ = redrape(garment, WearerGeometry(worn.body), worn.fabric, scan, rotation=rotation)
+    result = replace(worn, garment=garment.at(draped.nodes), rotation=rotation)
     dressed = dress_body(result, worn.body, None, Clock())
     assert dressed.report.metrics["self_intersecting_faces"] == 0.0
-    assert np.linalg.norm(dressed.worn.garment.nodes - nodes, axis=1).max() < 5e-4
+    assert np.linalg.norm(dressed.worn.garment.nodes - draped.nodes, axis=1).max() < 5e-4

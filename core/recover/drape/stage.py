@@ -278,7 +278,7 @@ def redrape(
     rotation: SteadyRotation | None = None,
     settings: DrapeSettings = DrapeSettings(apart=True),
     hooks: Hooks = SILENT_HOOKS,
-) -> tuple[np.ndarray, Drape]:
+) -> tuple[Garment, Drape]:
     """Dress the wearer in a recovered pattern from its rest placement, as if only the pattern were known.
 
     Only the waist of a garment that hangs from it is taken from the scan. The folds may differ from those of a drape
@@ -294,7 +294,7 @@ def redrape(
         hooks: Progress and cancellation.
 
     Returns:
-        Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
+        The garment at rest outside the wearer's exact mesh, contours named, and the drape with its residual.
     """
 
     def dress_and_settle(chosen: DrapeSettings) -> tuple[Garment, Drape]:
@@ -306,5 +306,4 @@ def redrape(
     if measure_stretch(tried["usual"][0]) > MAX_DRESSED_STRETCH:
         # a sleeve of few faces can be caught beside an arm, a leg on the other; what is caught stays caught at rest
         tried["finer"] = dress_and_settle(replace(settings, template_vertices=2 * settings.template_vertices))
-    draped, drape = choose_best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)
-    return draped.nodes, drape
+    return choose_best("mesh that is dressed", tried, lambda found: measure_stretch(found[0]), hooks)

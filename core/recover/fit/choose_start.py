@@ -8,7 +8,6 @@ from ...garment.garment import Garment
 from ...geometry.intersections import self_intersections
 from ...run.best import choose_best
 from ...run.hooks import Hooks
-from ...scan.contours.contours import name_contours
 from ..case import Case
 from ..deform.deformer import deform
 from ..deform.settings import DeformSettings
@@ -35,8 +34,7 @@ def choose_start(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryStat
     garment, drape, target = made(state.graded), made(state.drape), state.target
     if not len(self_intersections(garment.nodes, garment.faces)):
         return state
-    nodes, again = redrape(garment, state.wearer, state.fabric, target, rotation=drape.rotation, hooks=hooks)
-    flat = garment.at(nodes, name_contours(nodes, garment.faces, state.body)[0])
+    flat, again = redrape(garment, state.wearer, state.fabric, target, rotation=drape.rotation, hooks=hooks)
     settings = DeformSettings.of_preset(case.settings.preset)
 
     def reach(start: Garment) -> float:

@@ -173,7 +173,7 @@ class Isometry:
         """Prepare the fit of a garment whose nodes are on the target.
 
         Args:
-            garment: The mesh to start from.
+            garment: The mesh to start from; its contours are named where they are not yet.
             target: The scan's surface with named contours.
             body: The wearer, on whom the contours are named.
             like: The template, which gives symmetry and proportions.
@@ -184,7 +184,7 @@ class Isometry:
         from ...cloth.solver import make_solver
 
         borders = []
-        for contour in name_contours(garment.nodes, garment.faces, body)[0]:
+        for contour in garment.contours or name_contours(garment.nodes, garment.faces, body)[0]:
             other = target.contour(contour.name)
             # Without a trusted contour the border stays where registration left it: free panels would shrink.
             loop = garment.nodes[contour.vertices]

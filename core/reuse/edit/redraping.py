@@ -123,8 +123,8 @@ def _drape(
     target, fabric = worn.target, worn.fabric
     if start is None:
         mesh = mesh_pattern(pattern, len(worn.garment.nodes))
-        nodes, drape = redrape(mesh, wearer, fabric, target, rotation=worn.rotation, hooks=hooks)
-        start = mesh.at(nodes)
+        draped, drape = redrape(mesh, wearer, fabric, target, rotation=worn.rotation, hooks=hooks)
+        start = mesh.at(draped.nodes)
     garment, drape = drape_graded(
         start, wearer, fabric, target, rotation=worn.rotation, settings=WARM_START_SETTINGS, hooks=hooks
     )

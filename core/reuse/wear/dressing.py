@@ -97,8 +97,8 @@ def transfer_alone_to_body(worn: WornGarment, body: Body, fabric: Fabric | None)
 
 def drape_worn(worn: WornGarment, wearer: WearerGeometry, hooks: Hooks) -> tuple[WornGarment, Drape]:
     """Drape a garment on its wearer from its pattern's rest placement, and separate its layers."""
-    nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
-    draped = replace(worn, garment=worn.garment.at(nodes))
+    anew, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
+    draped = replace(worn, garment=worn.garment.at(anew.nodes))
     nodes, drape = separate_layers(draped, wearer, drape, hooks)
     return replace(draped, garment=draped.garment.at(nodes)), drape
 

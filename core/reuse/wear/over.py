@@ -76,8 +76,8 @@ def drape_in_order(garments: Sequence[WornGarment], wearer: WearerGeometry, hook
         raised = raise_skin_over(raised, laid[-1].garment)
         if above.waist is not None:
             above = replace(above, waist=project_outside(above.waist, raised.exposed))
-        nodes, _ = redrape(above.garment, raised, above.fabric, above.target, hooks=hooks)
-        laid.append(replace(above, garment=above.garment.at(nodes)))
+        draped, _ = redrape(above.garment, raised, above.fabric, above.target, hooks=hooks)
+        laid.append(replace(above, garment=above.garment.at(draped.nodes)))
     return tuple(laid)
 
 
