@@ -44,7 +44,8 @@ def prove_corners(garment: Garment, nodes: np.ndarray, target: Target, base: Pat
     outline, independent of folds. A corner is the rim's turn within `RIM_WINDOW_LENGTH` of a seam's end, less that at
     the rate of its arms. Its standard deviation is that of the same figure at all other places of the rim, and of the
     rim on the other side of the body, without the corners themselves: noise, teeth and stretched cloth turn a rim there
-    as much. Mirror images count as one. Only visible, trusted contours are used.
+    as much. Mirror images count as one. Only visible, trusted contours are used. `EdgeTurn` finds corners at unknown
+    places; at a given one its Gaussian window would lose turn with the distance of the true place.
 
     Args:
         garment: The recovered pattern's mesh, contours named.

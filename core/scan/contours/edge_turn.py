@@ -35,7 +35,9 @@ have 0.0 to 1.5 degrees on hems, cut or noisy ones 10 to 40, and teeth of up to 
 class EdgeTurn:
     """Describe how much an open edge turns in its cloth.
 
-    At a vertex it turns by pi less the sum of its faces' angles there: as its pattern does, in whatever folds.
+    At a vertex it turns by pi less the sum of its faces' angles there: as its pattern does, in whatever folds. Gaussian
+    windows find corners anywhere on an edge. `recover/fit/rim_corners.py` tests given places, the ends of seams, and
+    takes all turn within a box there, since registration finds such a place to a centimetre only.
 
     Attributes:
         places: Arc lengths along the edge [m], a quarter of `NARROW_WINDOW_STD` apart, shape [count].
