@@ -44,6 +44,11 @@ def check_order(services: Services, order: Order, template: str | None = None) -
     if order.template is not None or template is None:
         return checked
     file = find_template(services, template)
+    if file is None and checked.settings.parts is not None and not is_person(checked):
+        from ..core.garment.templates import find_cut
+
+        parts = checked.settings.chosen_parts
+        find_cut(template).choose(parts).check_places(parts)
     return replace(checked, template=file, settings=replace(checked.settings, template=template))
 
 

@@ -16,7 +16,7 @@ from .case import Case
 from .drape.sizing import oversize_measures
 from .drape.wearer import WearerGeometry
 from .fit.locks import find_locked_coordinates
-from .grade.choice import Choice, choose_cut
+from .grade.choice import Choice, choose_cut, describe_absent
 from .grade.hem_corners import share_by_hems
 from .inputs import read_files, read_template
 from .recovery import Request
@@ -57,23 +57,31 @@ def choose_base(case: Case) -> RecoveryState:
 def find_template(request: Request, target: Target, body: Body) -> Choice:
     """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
 
-    A library pattern is split between front and back as the scan's hems show (`share_by_hems`).
+    A library pattern is split between front and back as the scan's hems show (`share_by_hems`). Choices for all of a
+    person's garments are left out, and noted, where one has no place for them.
 
     Raises:
-        PartsConflict: where parts are chosen for a pattern file, or they cannot be sewn to each other.
+        PartsConflict: where parts are chosen for a pattern file, the garment has no place for one, or they cannot be
+            sewn to each other.
     """
     given, settings = read_template(request), request.settings
+    wanted, of_person = settings.chosen_parts, request.reading is not None and request.reading.category is not None
     if request.template is not None and given is not None:
         if settings.parts is not None:
             raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
         return Choice(request.template.stem, given)
     if settings.template is None:
-        choice = choose_cut(target, body, settings.chosen_parts)
+        choice = choose_cut(target, body, wanted)
+        if not of_person:
+            find_cut(choice.template).check_places(wanted)
     else:
-        stem = settings.template.partition("+")[0]
-        name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
-        measures = oversize_measures(body)
-        choice = Choice(name, load_template(name) if measures is None else draft_template(name, measures))
+        named = find_cut(settings.template)
+        cut, notes = named.choose(wanted), describe_absent(named.choose(wanted), wanted)
+        if of_person:
+            cut = named.choose({part: word for part, word in wanted.items() if cut.has_place_for(part)})
+        name, measures = name_cut(settings.template.partition("+")[0], cut), oversize_measures(body)
+        pattern = load_template(name) if measures is None else draft_template(name, measures)
+        choice = Choice(name, pattern, notes=notes)
     pattern, shares = share_by_hems(choice.pattern, target, body)
     return replace(choice, pattern=pattern, notes=(*choice.notes, *(share.describe() for share in shares)))
 

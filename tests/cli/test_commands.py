@@ -90,6 +90,7 @@ def test_bad_input_ends_in_one_line(cli, tmp_path):
         (("run", good, "--body", tmp_path / "nosuch.ply"), 4, "body.unreadable"),
         (("run", good, "--body", "builtin:female,height=9"), 4, "body.spec_bad"),
         (("run", good, "--body", body, "--template", "nosuch"), 3, "template.unknown"),
+        (("run", good, "--body", body, "--template", "trousers", "--part", "neckline=v"), 4, "part.conflict"),
         (("run", good, "--body", body, "--fabric", "nosuch"), 3, "fabric.unknown"),
         (("run", good, "--body", body, "--garment", "hat"), 2, "settings.bad"),
         (("status", "nosuchjob"), 3, "job.unknown"),

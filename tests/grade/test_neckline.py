@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,14 +16,20 @@ from garmentq.core.garment.neckline_fit import (
     _Turns,
     fit_necklines,
 )
-from garmentq.core.garment.parts.cut import Neckline
+from garmentq.core.garment.parts.cut import Neckline, PartsConflict
 from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
+from garmentq.core.garment.reading import Reading
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.geometry import rim_turns
 from garmentq.core.recover.grade.choice import choose_cut
 from garmentq.core.recover.grade.proportion import find_proportions
+from garmentq.core.recover.recovery import Request
+from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.start import find_template
 from garmentq.core.scan.contours.neck import unroll_neck
 from garmentq.core.scan.contours.target import Contour, Target
+from garmentq.core.scan.pieces import ScanInput
+from garmentq.core.scan.scan import Scan
 
 BODY = builtin_body("builtin:female,height=1.70")
 
@@ -222,6 +229,7 @@ def test_the_user_overrules_the_scan():
     """Breaks where --part is a hint only, or a part that trousers have no place for stops a person's recovery."""
     target = neck_target(NecklineCut(Neckline.V, 0.16), CREW_BACK)
     assert choose_cut(target, BODY, {"neckline": "square"}).template == "tshirt+neckline=square"
+    assert choose_cut(target, BODY, {"neckline": "boat"}).template == "tshirt+neckline=boat"
     plain = choose_cut(target, BODY, {"neckline": "crew"})
     assert plain.template == "tshirt"
     assert np.array_equal(plain.pattern.points, load_template("tshirt").points)
@@ -229,6 +237,21 @@ def test_the_user_overrules_the_scan():
     trousers = choose_cut(replace(target, contours=legs, category="trousers"), BODY, {"neckline": "v"})
     assert trousers.template == "trousers"
     assert "neckline" in trousers.notes[0]
+
+
+@pytest.mark.parametrize("template", [None, "trousers"])
+def test_a_choice_without_a_place_is_never_ignored(template):
+    """Broken where --part neckline=v for trousers is dropped without a word, or stops the recovery of a person's."""
+    legs = tuple(Contour(name, np.arange(4), 0.4) for name in ("waist", "leg.left", "leg.right"))
+    target = replace(neck_target(CREW_BACK, CREW_BACK), contours=legs, category="trousers")
+    settings = RecoverySettings(template=template, parts="neckline=v,waistband=band")
+    alone = Request(Path("trousers.ply"), settings=settings)
+    with pytest.raises(PartsConflict, match="choose legs, waistband"):
+        find_template(alone, target, BODY)
+    reading = Reading(ScanInput(Scan(target.vertices, target.faces), None), category="trousers")
+    found = find_template(replace(alone, reading=reading), target, BODY)
+    assert found.template == "trousers+waistband=band"
+    assert found.notes[0] == "A trousers has no neckline; 'neckline=v' was left out."
 
 
 def test_a_neck_that_cannot_be_trusted_changes_nothing():

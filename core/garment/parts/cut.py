@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from typing import Any
@@ -16,7 +17,7 @@ class PartUnknown(BadInput):
 
 
 class PartsConflict(BadInput):
-    """Two parts of a cut cannot be sewn to each other."""
+    """Two parts of a cut cannot be sewn to each other, or a cut has no place for one."""
 
     code = "part.conflict"
 
@@ -245,7 +246,9 @@ class Cut:
 
     def has_place_for(self, part: str) -> bool:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
-        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
+        if part in ("neckline", "back_neckline"):
+            return self.bodice not in (Bodice.NONE, Bodice.STRAPLESS)
+        if part in ("sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
@@ -258,6 +261,17 @@ class Cut:
         if part == "yoke":
             return self.bodice is not Bodice.NONE or self.skirt is not Skirt.NONE
         return part not in PARTS or str(getattr(self, part)) != "none"
+
+    def check_places(self, parts: Mapping[str, str]) -> None:
+        """Check that a garment of the cut's kind has a place for each choice of a part but the usual ones.
+
+        Raises:
+            PartsConflict: where it has none; the message lists the parts that it has.
+        """
+        for part, word in parts.items():
+            if not self.has_place_for(part) and word != str(getattr(Cut(), part)):
+                places = ", ".join(other for other in PARTS if self.has_place_for(other))
+                raise PartsConflict(f"'{part}={word}' has no place in a cut of {self.category}; choose {places}.")
 
 
 PARTS: dict[str, type[StrEnum]] = {

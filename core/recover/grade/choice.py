@@ -12,7 +12,7 @@ import numpy as np
 from ...body.body import Body
 from ...garment.curves import flat_contours
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts.cut import Bodice, Cut, Neckline, Skirt
+from ...garment.parts.cut import Cut, Neckline, Skirt
 from ...garment.parts.draft import draft_cut, half_neck_width
 from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
@@ -109,17 +109,19 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))
     name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:MAX_NAMED_CUT_COUNT]
-    notes = [
-        f"A {target.category} has no {part}; '{part}={word}' was left out."
-        for part, word in wanted.items()
-        if not cut.has_place_for(part)
-    ]
+    notes = list(describe_absent(cut, wanted))
     if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
         notes.append(gores.describe(cut))
     measures = oversize_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)
     return Choice(name, pattern, candidates, tuple(notes))
+
+
+def describe_absent(cut: Cut, parts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a note for each choice of a part that garments of a cut's kind do not have."""
+    absent = [part for part in parts if not cut.has_place_for(part)]
+    return tuple(f"A {cut.category} has no {part}; '{part}={parts[part]}' was left out." for part in absent)
 
 
 @dataclass(frozen=True)
@@ -196,11 +198,12 @@ def _with_necklines(
 ) -> Iterator[tuple[Cut, float | None]]:
     """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
 
-    The user's choices stay. A crew neck and a scoop are one line in two depths; the cut's own stays for both. The
-    pattern differs from the scan in size, so a neckline takes the scan's ratio of depth to half width. A V is cut
-    straight: the apparent bow of its line is that of the shoulder, which no cylinder unrolls.
+    The user's choices stay; without a misfit where the scan cannot have them. A crew neck and a scoop are one line in
+    two depths; the cut's own stays for both. The pattern differs from the scan in size, so a neckline takes the scan's
+    ratio of depth to half width. A V is cut straight: the apparent bow of its line is that of the shoulder, which no
+    cylinder unrolls.
     """
-    if fits is None or cut.bodice is Bodice.NONE:
+    if fits is None or not cut.has_place_for("neckline"):
         yield cut, None
         return
     fronts, backs = (
@@ -210,22 +213,22 @@ def _with_necklines(
     for front, back in product(fronts, backs):
         yield (
             _with_throat(_with_throat(cut, front, "neckline"), back, "back_neckline"),
-            math.hypot(front.misfit, back.misfit),
+            None if front is None or back is None else math.hypot(front.misfit, back.misfit),
         )
 
 
-def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
-    """Return the candidate fits: all, or only the fixed neckline's where it is among them."""
+def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit | None, ...]:
+    """Return the candidate fits: all, or only the fixed neckline's, None where it is not among them."""
     if not fixed:
         return ranked
-    return tuple(fit for fit in ranked if _is_same_line(fit.throat.kind, own)) or ranked[:1]
+    return tuple(fit for fit in ranked if _is_same_line(fit.throat.kind, own)) or (None,)
 
 
-def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
+def _with_throat(cut: Cut, fit: NecklineFit | None, part: str) -> Cut:
     """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
-    kind = fit.throat.kind
-    if _is_same_line(kind, getattr(cut, part)):
+    if fit is None or _is_same_line(fit.throat.kind, getattr(cut, part)):
         return cut
+    kind = fit.throat.kind
     changed = cut.choose({part: str(kind)})
     depth = half_neck_width(changed) * fit.throat.depth / fit.half_width
     return replace(changed, neck_depth=depth) if part == "neckline" else replace(changed, back_depth=depth)
