@@ -29,7 +29,9 @@ READY: dict[str, Any] = {
     "model": Readiness, "description": "Answer.",
     "content": {"application/json": {"example": {"database": "ok", "store": "ok", "troubles": []}}},
 }  # fmt: skip
-HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
+HEALTHY: dict[int | str, dict[str, Any]] = {
+    200: show_answer({"status": "ok", "version": __version__}, 200, Health)[200],
+}
 
 
 @router.get(

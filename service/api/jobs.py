@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
+from ... import __version__
 from ...core.body.spec import read_wearer
 from ...core.recover.settings import RecoverySettings
 from ...core.run.sandbox import IsStopped, never_stopped
@@ -43,7 +44,7 @@ EXAMPLE = {
     "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9, "error": None, "garment": "skirt",
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
     "queue": "cpu", "priority": 0, "verdict": "pass",
-    "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": "0.1.0",
+    "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": __version__,
     "metrics": {"surface_rms_mm.t2s": 0.41, "redrape.at_rest": 1.0}, "gates": [], "warnings": [],
     "stage_seconds": {"drape": 12.3}, "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover",
     "family": "3685ecfd4f81", "parent": None, "children": [],

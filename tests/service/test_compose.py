@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from garmentq import __version__
 from garmentq.cli.main import COMMANDS, group
 from garmentq.service.api.proxies import read_proxies
 from garmentq.service.settings import ServiceSettings, read_settings
@@ -83,6 +84,8 @@ def test_each_service_is_bounded_and_watched(name):
     """Broken where a container may take the whole host, runs an image of any version, or hangs unseen."""
     service = SERVICES[name]
     assert re.search(r":\d+\.\d+|:\d+-", service["image"]), "a pinned version"
+    own = service["image"].startswith("garmentq:")
+    assert not own or service["image"] == f"garmentq:{__version__}", "a release's image is named by its version"
     assert {"mem_limit", "cpus", "pids_limit", "restart"} <= set(service)
     assert {"max-size", "max-file"} <= set(service["logging"]["options"]), "a log must not fill the disk"
     assert "healthcheck" in service or service["command"] == ["db", "upgrade"]
