@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import garmentq
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -64,6 +65,17 @@ def test_pages_are_short_enough():
     """Broken where a page grows again into what nobody reads."""
     read = [page for page in PAGES if not {"adr", "lab"} & set(page.relative_to(ROOT).parts)]
     assert sum(len(page.read_text(encoding="utf-8").split()) for page in read) <= WORDS
+
+
+RELEASE_LINES = 50
+"""Of one release in the changelog: a screen."""
+
+
+def test_the_changelog_has_a_screen_for_each_release():
+    """Broken where a version is released without its changes, or where its changes become too many to be read."""
+    _, *releases = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert releases[0].split()[0] == garmentq.__version__
+    assert all(len(release.splitlines()) <= RELEASE_LINES for release in releases)
 
 
 def test_each_study_is_dated_and_listed():
