@@ -67,6 +67,21 @@ def test_pages_are_short_enough():
     assert sum(len(page.read_text(encoding="utf-8").split()) for page in read) <= WORDS
 
 
+MAX_PICTURE_SIZE = 150_000
+"""Of a tutorial's picture [B]: all of them stay in a clone for ever."""
+
+
+@pytest.mark.parametrize("page", sorted((DOCS / "tutorials").glob("*.md")), ids=lambda page: page.name)
+def test_each_tutorial_has_small_pictures_that_can_be_made_again(page):
+    """Broken where a tutorial shows nothing, or a picture that is heavy or that no script makes."""
+    shown = re.findall(r"!\[[^\]]+\]\((\S+\.png)\)", page.read_text(encoding="utf-8"))
+    script = (ROOT / "examples" / "make_pictures.py").read_text(encoding="utf-8")
+    assert shown
+    for name in shown:
+        assert (page.parent / name).stat().st_size <= MAX_PICTURE_SIZE, name
+        assert f'"{name}"' in script, name
+
+
 RELEASE_LINES = 50
 """Of one release in the changelog: a screen."""
 
