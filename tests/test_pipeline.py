@@ -64,6 +64,10 @@ def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
     assert straight.target.category == "skirt"
     assert straight.template == "skirt"
     assert set(straight.report.stage_seconds) == set(STAGES) - {"fit", "redrape"}
+    assert [name for name, _ in straight.meshes] == ["graded", "detail"]
+    np.testing.assert_array_equal(straight.garment.nodes, straight.meshes.detail)
+    assert {contour.name for contour in straight.garment.contours} == {"waist", "hem"}
+    assert straight.estimates == straight.nearest_fabrics == () and straight.point_std is None
     for way in ("s2t", "t2s"):
         detail, graded = (straight.report.metrics[f"{prefix}surface_rms_mm.{way}"] for prefix in ("", "graded."))
         assert detail is not None and graded is not None
@@ -144,8 +148,8 @@ METHODS_TOLD = {
 """For each method a shorter step in place of its fit, the stages that it times up to that, and what its state then has
 beyond garment, fabric and meshes."""
 
-TESTED_WHOLE = ("hybrid",)
-"""Whose promises `test_hybrid.py` looks at by day."""
+TESTED_WHOLE = ("deform", "hybrid")
+"""Whose promises are looked at by day in a recovery that is whole: `straight` here and the one of `test_hybrid.py`."""
 
 
 @pytest.mark.slow
