@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 from garmentq.core.garment.garment import Garment
 from garmentq.core.recover.drape.dress import flat_length
-from garmentq.core.recover.drape.follow import PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
+from garmentq.core.recover.drape.pbd import PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from scipy.spatial import ConvexHull
 
@@ -42,7 +42,7 @@ def settle(garment: Garment, waist: np.ndarray, wearer: WearerGeometry) -> Garme
         end = _fit_waist(begin, flat_length(garment, waist), wearer)
         for part in np.linspace(0.0, 1.0, LIFTS + 1)[1:]:
             nodes[waist] = begin + part * (end - begin)
-            nodes = simulate_pbd(threads, PbdState.at_rest(nodes), wearer.grid, STEPS, settings=grip, held=waist).nodes
+            nodes = simulate_pbd(threads, PbdState.at_rest(nodes), wearer.grid, STEPS, settings=grip, pins=waist).nodes
     start = PbdState.at_rest(nodes)
     return garment.at(simulate_pbd(threads, start, wearer.grid, LOOSE, settings=grip, layers=LayerContact()).nodes)
 

@@ -78,7 +78,7 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.WIDTH, "a drafted neckline is 5 % deeper", "core/garment/parts/necklines.py",
-        "low = neck[1] - throat.depth", "low = neck[1] - 1.05 * throat.depth",
+        "low = neck[1] - cut.depth", "low = neck[1] - 1.05 * cut.depth",
     ),
     PlantedError(
         ErrorKind.WIDTH, "grading makes panels 5 % longer and wider", "core/recover/grade/flattening.py",
@@ -90,7 +90,7 @@ ERRORS = (
         "values = np.sqrt(values)", "values = 1.05 * np.sqrt(values)",
     ),
     PlantedError(
-        ErrorKind.WIDTH, "grade rules move points 5 % further", "core/garment/moving.py",
+        ErrorKind.WIDTH, "grade rules move points 5 % further", "core/garment/measure_change.py",
         "points=panel.points + new.points - old.points", "points=panel.points + 1.05 * (new.points - old.points)",
     ),
     PlantedError(
@@ -112,8 +112,8 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.METRIC, "the distance of two surfaces is told 5 % larger", "core/judge/fit.py",
-        'found[f"surface_rms_mm.{way}"] = MM_PER_M * float(',
-        'found[f"surface_rms_mm.{way}"] = 1.05 * MM_PER_M * float(',
+        'found[f"surface_rms_mm.{direction}"] = MM_PER_M * float(',
+        'found[f"surface_rms_mm.{direction}"] = 1.05 * MM_PER_M * float(',
     ),
     PlantedError(
         ErrorKind.METRIC, "the error of a panel's area is told 5 % larger", "cli/bench/pattern_match.py",
@@ -158,7 +158,7 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.BODY, "a body of a height that is asked for is 5 % taller", "core/body/measured.py",
-        "return np.array([wanted.height, *weight", "return np.array([1.05 * wanted.height, *weight",
+        "return np.array([measures.height, *weight", "return np.array([1.05 * measures.height, *weight",
     ),
     PlantedError(
         ErrorKind.STIFFNESS, "poplin in the table of fabrics is 15 % heavier", "core/cloth/fabrics.json",

@@ -55,7 +55,7 @@ def measure_one(worn: WornGarment, spec: str) -> dict[str, object]:
     body = builtin_body(spec)
     dressed = make_to_measure(worn, body, None, Clock())
     made = dressed.worn.pattern
-    foreseen = EasePrediction.of(worn.garment, worn.body, worn.waist, body).foresee(made)
+    foreseen = EasePrediction.of(worn.garment, worn.body, worn.waist, body).predict_change(made)
     back = refit_pattern(dressed.worn, worn.body).pattern
     line: dict[str, object] = {"body": spec, "sound": is_valid_drape(dressed.report.metrics)}
     line |= {"foreseen_mm": _in_mm(foreseen), "draped_mm": _changes(dressed.report.metrics)}

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import click
 import numpy as np
-from garmentq.core.cloth.collision.near import find_candidates, find_near_pairs
+from garmentq.core.cloth.collision.near_pairs import find_candidates, find_near_pairs
 from garmentq.core.cloth.collision.self_contact import SelfContact
 from garmentq.core.cloth.dynamics import ClothState, continue_time_steps
 from garmentq.core.cloth.fabrics import get_fabric
@@ -19,7 +19,7 @@ from garmentq.core.cloth.scene import Scene
 from garmentq.core.cloth.statics import equilibrium
 from garmentq.core.cloth.topology import Topology
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.recover.drape.tie import pin_waist
+from garmentq.core.recover.drape.waist_placement import pin_waist
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from sheet import SIDES, cpu, quickest, sheet_on_ball
 from worn_template import load_worn_template

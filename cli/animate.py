@@ -53,10 +53,10 @@ def command(
     from .derived import run_derived
 
     chosen = {"motion": motion if motion in SHIPPED_MOTIONS else None, "fps": fps, "begin": begin, "end": end}
-    given = {
+    fields = {
         name: value
         for name, value in {**chosen, "damping": damping, "keep_motion": keep_motion or None}.items()
         if value is not None
     }
     files = {} if motion in SHIPPED_MOTIONS else {"motion": Path(motion)}
-    context.exit(run_derived(DerivedOrder("animate", job, given, files), options))
+    context.exit(run_derived(DerivedOrder("animate", job, fields, files), options))

@@ -48,7 +48,7 @@ class FolderEmpty(BadInput):
     code = "submit.folder_empty"
 
 
-def find_scans(given: Sequence[Path], options: OrderOptions) -> Iterator[tuple[Path, OrderOptions]]:
+def find_scans(paths: Sequence[Path], options: OrderOptions) -> Iterator[tuple[Path, OrderOptions]]:
     """Yield each scan with its options: files as they are, folders by name, tables (.csv) row by row.
 
     An empty cell stands for the option of the command.
@@ -56,7 +56,7 @@ def find_scans(given: Sequence[Path], options: OrderOptions) -> Iterator[tuple[P
     Raises:
         TableBad, FolderEmpty: if one cannot be used.
     """
-    for path in given:
+    for path in paths:
         if path.is_dir():
             for file in _list_folder(path):
                 yield file, options

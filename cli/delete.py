@@ -98,8 +98,8 @@ def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> No
         rows += [[f"upload {one.sha256[:12]}", one.name, "", one.key] for one in uploads]
         print_table(["to delete", "name", "kind", "API keys"], rows)
     keys = sorted({key for one in jobs for key in one.keys} | {one.key for one in uploads if one.key})
-    whose = f" of {len(keys)} API keys ({', '.join(keys)})" if keys else ""
-    print_note(f"{len(jobs)} jobs and {len(uploads)} uploads{whose}, with their files")
+    owner_text = f" of {len(keys)} API keys ({', '.join(keys)})" if keys else ""
+    print_note(f"{len(jobs)} jobs and {len(uploads)} uploads{owner_text}, with their files")
 
 
 def _seconds(text: str) -> float:

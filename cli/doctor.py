@@ -222,8 +222,8 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
 
     if not settings.is_store_remote and not settings.store and not settings.store_path.exists():
         is_away = _names_files(settings)
-        away = "store.unreachable: it is missing, but jobs name files in it; mount it again, or restore a backup"
-        yield "store", not is_away, f"{settings.store_path}: {away if is_away else 'created by the first write'}"
+        unreachable = "store.unreachable: it is missing, but jobs name files in it; mount it again, or restore a backup"
+        yield "store", not is_away, f"{settings.store_path}: {unreachable if is_away else 'created by the first write'}"
         return
     try:
         open_store(settings).check(settings.free_bytes)

@@ -58,9 +58,9 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
 
         body = read_measures(wearer.measures)
     built_in = body if is_builtin(body) else None
-    given = {"body": built_in, **{name: getattr(wearer, name) for name in ("pose", "fabric", "units", "up")}}
+    fields = {"body": built_in, **{name: getattr(wearer, name) for name in ("pose", "fabric", "units", "up")}}
     files = {} if body is None or built_in else {"body": Path(body)}
-    return {name: value for name, value in given.items() if value is not None}, files
+    return {name: value for name, value in fields.items() if value is not None}, files
 
 
 @click.command("dress")
@@ -95,6 +95,6 @@ def command(
     from ..service.derived import DerivedOrder
     from .derived import run_derived
 
-    given, files = split_wearer(wearer)
-    given |= {} if order is None else {"order": order}
-    context.exit(run_derived(DerivedOrder("dress", job, given, files, over=over), options))
+    fields, files = split_wearer(wearer)
+    fields |= {} if order is None else {"order": order}
+    context.exit(run_derived(DerivedOrder("dress", job, fields, files, over=over), options))

@@ -99,12 +99,12 @@ def command(
 
 def read_options(production: ProductionOptions) -> dict[str, Any]:
     """Return the fields of an export's request that were given."""
-    given: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper, "texel": production.texel}
+    fields: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper, "texel": production.texel}
     if production.allowance is not None:
-        given["allowance"] = read_table(production.allowance)
+        fields["allowance"] = read_table(production.allowance)
     if production.fold:
-        given["fold"] = True
-    return {name: value for name, value in given.items() if value is not None}
+        fields["fold"] = True
+    return {name: value for name, value in fields.items() if value is not None}
 
 
 def read_table(text: str) -> str:

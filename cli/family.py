@@ -113,10 +113,10 @@ class FamilyEvents:
         events: list[Event] = []
         left = [job for job in self.names if job not in self._reports]
         for job in left:  # grows by the children of ended jobs
-            news = self._backend.poll_events(job, self._seen.get(job, 0))
-            events += news.events if self._is_whole or job in self._seen else _latest_run(news.events)
-            self._seen[job] = news.events[-1].id if news.events else self._seen.get(job, 0)
-            if news.state in ENDED:
+            latest = self._backend.poll_events(job, self._seen.get(job, 0))
+            events += latest.events if self._is_whole or job in self._seen else _latest_run(latest.events)
+            self._seen[job] = latest.events[-1].id if latest.events else self._seen.get(job, 0)
+            if latest.state in ENDED:
                 left += self._end(job)
         return sorted(events, key=lambda event: event.id)
 

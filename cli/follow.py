@@ -59,19 +59,19 @@ def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
         WaitTimedOut: if `wait.timeout` passed first.
     """
     deadline = None if wait.timeout is None else time.monotonic() + wait.timeout
-    family, heard = FamilyEvents(backend, job, is_whole=False), time.monotonic()
+    family, last_event = FamilyEvents(backend, job, is_whole=False), time.monotonic()
     with _choose_display(wait.as_json) as display:
         while True:
             for event in family.poll():
-                heard = time.monotonic()
+                last_event = time.monotonic()
                 display.show(event, family.names[event.job])
             if family.has_ended:
                 return family.reports
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
-            if wait.keep_up is not None and time.monotonic() - heard > MAX_EVENT_SILENCE:
+            if wait.keep_up is not None and time.monotonic() - last_event > MAX_EVENT_SILENCE:
                 wait.keep_up()
-                heard = time.monotonic()
+                last_event = time.monotonic()
             time.sleep(backend.poll_seconds)
 
 

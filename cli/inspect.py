@@ -82,7 +82,7 @@ class _InspectionOptions:
     up: str | None
 
 
-def _inspect_file(asked: _InspectionOptions, selection: Selection | None) -> dict[str, Any]:
+def _inspect_file(options: _InspectionOptions, selection: Selection | None) -> dict[str, Any]:
     """Return what is detected in a file.
 
     Raises:
@@ -93,18 +93,18 @@ def _inspect_file(asked: _InspectionOptions, selection: Selection | None) -> dic
     from ..service.inspect_scan import classify_file, explain_missing_body, inspect_person, is_garment_refusal
     from .terminal import print_note
 
-    what = asked.given_as or GARMENT
-    if asked.given_as is None and selection is None:
-        body = asked.body
-        what = PERSON if body is None else classify_file(asked.file, body, asked.units, asked.up)
+    what = options.given_as or GARMENT
+    if options.given_as is None and selection is None:
+        body = options.body
+        what = PERSON if body is None else classify_file(options.file, body, options.units, options.up)
     if what == PERSON:
         try:
-            return inspect_person(asked.file, asked.units, asked.up)
+            return inspect_person(options.file, options.units, options.up)
         except BadInput as error:
-            if asked.given_as == PERSON or asked.body is not None or not is_garment_refusal(error):
+            if options.given_as == PERSON or options.body is not None or not is_garment_refusal(error):
                 raise
             print_note(explain_missing_body(error))
-    found = inspect_file(asked.file, asked.body, units=asked.units, up=asked.up, selection=selection).as_dict()
+    found = inspect_file(options.file, options.body, units=options.units, up=options.up, selection=selection).as_dict()
     return {"as": GARMENT, **found}
 
 

@@ -44,11 +44,11 @@ def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Pat
     from ..service.settings import read_settings
     from .terminal import print_csv, print_json, print_table
 
-    given = read_pairs(pairs) if pairs else {}
+    named_pairs = read_pairs(pairs) if pairs else {}
     backend = open_backend(read_settings(home=home))
     with tempfile.TemporaryDirectory() as folder:
         files = [_find_file(backend, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
-        found = match_files(files[0], files[1], given)
+        found = match_files(files[0], files[1], named_pairs)
     heads = ["first", "second", "paired by", "turning rad", "area %", "outline mm"]
     rows = [list(pair.values())[: len(heads)] for pair in found["pairs"]]
     if as_json:

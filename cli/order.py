@@ -87,8 +87,8 @@ def make_choices(options: OrderOptions, templates: Mapping[str, str]) -> dict[st
             template = templates.get(word)
             file = find_file(template)
             name = None if file is not None else template
-            own = (garments.get(word), fabrics.get(word), locks.get(word), parts.get(word))
-            found[word] = PartOrder(file, name, *own)
+            choice = (garments.get(word), fabrics.get(word), locks.get(word), parts.get(word))
+            found[word] = PartOrder(file, name, *choice)
     return found
 
 

@@ -65,8 +65,8 @@ def writing(path: Path, is_private: bool = False) -> Iterator[None]:
         OutputUnwritable: if that fails.
     """
     context = click.get_current_context(silent=True)
-    own = None if context is None or is_private else context.meta.get(OWN_MASK)
-    before = None if own is None else os.umask(own)
+    mask = None if context is None or is_private else context.meta.get(OWN_MASK)
+    before = None if mask is None else os.umask(mask)
     try:
         yield
     except BrokenPipeError:

@@ -44,7 +44,7 @@ def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
     found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
     inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
     seen = sorted((c["confidence"], f"{part} {c['name']}") for part, c in found if not c["is_inferred"])
-    texts = [f"{name} {sure:.2f}" for sure, name in seen[:UNSURE_OPENING_COUNT]]
+    texts = [f"{name} {probability:.2f}" for probability, name in seen[:UNSURE_OPENING_COUNT]]
     unseen = f"; inferred: {', '.join(inferred)}" if inferred else ""
     least = f"{len(seen)} shown" + (f", least confidence: {', '.join(texts)}" if texts else "")
     return least + unseen

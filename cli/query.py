@@ -72,8 +72,8 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     from .summary import flatten
     from .terminal import print_csv, print_json, print_table, show_time
 
-    given = {name: value for name in OPTION_FIELDS if (value := getattr(options, name)) is not None}
-    query = JobQuery(given, options.wheres, options.sort, options.limit)
+    fields = {name: value for name in OPTION_FIELDS if (value := getattr(options, name)) is not None}
+    query = JobQuery(fields, options.wheres, options.sort, options.limit)
     found = open_backend(read_settings(home=home)).find_jobs(query)
     if as_json:
         for job in found:
@@ -82,8 +82,8 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     if as_csv:
         print_csv(*flatten(found))
         return
-    asked = [c.name for c in query.conditions if any(c.name in job.metrics for job in found)]
-    shown = list(dict.fromkeys(["surface_rms_mm.s2t", "surface_rms_mm.t2s", *asked]))
+    metrics = [c.name for c in query.conditions if any(c.name in job.metrics for job in found)]
+    shown = list(dict.fromkeys(["surface_rms_mm.s2t", "surface_rms_mm.t2s", *metrics]))
     print_table(
         ["job", "name", "kind", "state", "garment", "fabric", *shown, "created"],
         [

@@ -29,5 +29,5 @@ def command(context: click.Context, job: str, wearer: WearerOptions, options: De
     from ..service.derived import DerivedOrder
     from .derived import run_derived
 
-    given, files = split_wearer(wearer)
-    context.exit(run_derived(DerivedOrder("refit", job, given, files), options))
+    fields, files = split_wearer(wearer)
+    context.exit(run_derived(DerivedOrder("refit", job, fields, files), options))

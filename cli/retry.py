@@ -40,9 +40,9 @@ def command(jobs: tuple[str, ...], state: str | None, error: str | None, home: P
         raise click.UsageError("Give jobs, or --state, and --error with it.")
     backend = open_backend(read_settings(home=home))
     if state is not None:
-        given = {"state": state} | ({} if error is None else {"error": error})
+        conditions = {"state": state} | ({} if error is None else {"error": error})
         found = backend.find_jobs(
-            JobQuery({}, [f"{name} = '{value}'" for name, value in given.items()], limit=MAX_QUERY_ROWS)
+            JobQuery({}, [f"{name} = '{value}'" for name, value in conditions.items()], limit=MAX_QUERY_ROWS)
         )
         jobs = tuple(job.id for job in found)
         print_note(f"{len(jobs)} jobs match")

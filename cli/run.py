@@ -94,9 +94,9 @@ def command(
     for order, submitted in zip(orders, garments, strict=True):
         print_note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
         print_note(f"{file.name}: {describe_choice(order)}")
-    own = {submitted.job for submitted in garments if submitted.state in OPEN}
-    others = sum(count for state, count in backend.read_queue().states.items() if state in OPEN) - len(own)
-    if own and others > 0:
+    submitted_jobs = {submitted.job for submitted in garments if submitted.state in OPEN}
+    others = sum(count for state, count in backend.read_queue().states.items() if state in OPEN) - len(submitted_jobs)
+    if submitted_jobs and others > 0:
         print_note(f"{others} other jobs wait or run; `garmentq status` shows them")
     statuses, wait = [], Wait(waiting.timeout, as_json, keep_up, waiting.lenient)
     for part, submitted in zip(parts, garments, strict=True):
@@ -152,8 +152,8 @@ def wait_and_show(
         with suppress(ResultMissing), writing(folder, in_home):
             files = backend.export_files(found.id, folders[found.id])
         if wait.as_json:
-            here = {path.relative_to(folders[found.id]).as_posix(): str(path) for path in files}
-            print_json({**found.as_json(), "files": here})
+            local = {path.relative_to(folders[found.id]).as_posix(): str(path) for path in files}
+            print_json({**found.as_json(), "files": local})
         elif found.state == State.SUCCEEDED or files:
             print_result(found, files, verbose)
         if found.error:
@@ -170,6 +170,6 @@ def name_folders(family: Sequence[JobReport], folder: Path) -> dict[str, Path]:
         if job.parent not in folders:
             folders[job.id] = folder
             continue
-        wanted = folders[job.parent] / folder_name(job.name)
-        folders[job.id] = wanted if wanted not in folders.values() else wanted.with_name(f"{wanted.name}_{job.id}")
+        target = folders[job.parent] / folder_name(job.name)
+        folders[job.id] = target if target not in folders.values() else target.with_name(f"{target.name}_{job.id}")
     return folders

@@ -58,8 +58,8 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
       garmentq segment person.ply --out parts --wearing one-piece
     """
     from ..core.deliver.export.person import write_person
-    from ..core.people.given import PersonFiles, read_person_input
     from ..core.people.hints import Hints, parse_mark, parse_wearing
+    from ..core.people.person_input import PersonFiles, read_person_input
     from ..core.people.pipeline import register_given_body
     from ..core.people.separate import label_person
     from ..core.run.hooks import SILENT_HOOKS
@@ -70,11 +70,11 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     marks = tuple(parse_mark(mark) for mark in options.mark)
     wearer = read_wearer(options.body)
     body = wearer if isinstance(wearer, Path) else None
-    given = read_person_input(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
-    raw = given.raw
+    content = read_person_input(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
+    raw = content.raw
     built_in = wearer if isinstance(wearer, BuiltinWearer) else None
     separation = label_person(
-        raw, Hints(given.label, wearing, marks, register_given_body(given, built_in, SILENT_HOOKS))
+        raw, Hints(content.label, wearing, marks, register_given_body(content, built_in, SILENT_HOOKS))
     )
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)

@@ -69,7 +69,10 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
 
     database = open_database(settings)
     try:
-        is_lonely, is_keyless = not list_workers(database), is_alone and is_loopback(host) and not has_keys(database)
+        has_no_worker, is_keyless = (
+            not list_workers(database),
+            is_alone and is_loopback(host) and not has_keys(database),
+        )
         link = f"?link={begin_session(database, LOCAL_CALLER, is_link=True)}" if is_keyless else ""
     finally:
         database.dispose()
@@ -78,7 +81,7 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
     print_note(f"its pages: http://{host}:{port}/signin{link}{' (once, within 10 minutes)' if link else ''}")
     if is_keyless:
         print_note(f"there are no keys: programs of this user send the token in {settings.home / 'api.token'}")
-    if is_lonely:
+    if has_no_worker:
         print_note(
             "no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both running"
         )

@@ -67,11 +67,11 @@ def command(
 
     backend = open_backend(read_settings(home=home))
     statuses, made = [], []
-    pairs = [(file, one) for file, own in find_scans(files, options) for one in split_garments(own)]
+    pairs = [(file, one) for file, orders in find_scans(files, options) for one in split_garments(orders)]
     for file, chosen in pairs:
         try:
             order = make_order(backend, file, chosen)
-            taken = describe_choice(order)
+            choice = describe_choice(order)
             submitted = backend.submit(replace(order, terms=replace(order.terms, priority=priority, queue=queue)))
         except GarmentqError as error:
             print_error(error.code, name_file(str(file), error.message))
@@ -79,20 +79,20 @@ def command(
                 print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
             statuses.append(exits.error_status(error))
             continue
-        made.append((file, submitted, taken))
+        made.append((file, submitted, choice))
         if not as_json:
             click.echo(submitted.job)
-            print_note(f"{file.name}: {taken}")
+            print_note(f"{file.name}: {choice}")
     jobs = list(dict.fromkeys(submitted.job for _, submitted, _ in made))
     refused: dict[str, Job] = {}
     if jobs and not wait:
         refused, ended = _find_refused(backend, jobs, queue)
         statuses.append(ended)
-    for file, submitted, taken in made if as_json else ():
+    for file, submitted, choice in made if as_json else ():
         job = refused.get(submitted.job)
         state, failure = (job.state, job.error) if job else (submitted.state, None)
         shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
-        print_json({"file": str(file), **shown, "taken_as": taken, "error": asdict(failure) if failure else None})
+        print_json({"file": str(file), **shown, "taken_as": choice, "error": asdict(failure) if failure else None})
     if wait:
         statuses.append(_wait(backend, jobs, waiting))
     context.exit(exits.worst(statuses))

@@ -132,7 +132,7 @@ def _describe_bending(metrics: Mapping[str, float | None]) -> str:
 
 def _describe_distances(metrics: Mapping[str, float | None]) -> Iterator[str]:
     for prefix, mesh in PREFIXES:
-        ways = [metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
+        ways = [metrics.get(f"{prefix}surface_rms_mm.{direction}") for direction in ("s2t", "t2s")]
         if ways[0] is not None and ways[1] is not None:
             at_rest = metrics.get(f"{prefix}at_rest")
             yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm{'' if at_rest is None else REST_NOTES.get(at_rest, '')}"

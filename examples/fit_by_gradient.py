@@ -25,7 +25,7 @@ from garmentq.core.cloth.statics import equilibrium
 from garmentq.core.cloth.topology import Topology
 from garmentq.core.cloth.torch_bridge import drape_tensor
 from garmentq.core.garment.templates import load_draped_template
-from garmentq.core.recover.drape.tie import pin_waist
+from garmentq.core.recover.drape.waist_placement import pin_waist
 
 WIDTH_UNIT = 0.005
 """Change of the width for a parameter of 1: it then displaces the cloth about as far as one of the stiffness does."""

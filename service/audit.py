@@ -42,7 +42,7 @@ def is_recorded(method: str, path: str, status: int) -> bool:
     return method in ("POST", "PUT", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
 
 
-def record_access(database: Database, key: str, action: str, subject: str, came: tuple[str, str]) -> None:
+def record_access(database: Database, key: str, action: str, subject: str, origin: tuple[str, str]) -> None:
     """Add one row.
 
     Args:
@@ -50,20 +50,22 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
         key: Id of the API key; empty: the local user.
         action: Method and status.
         subject: The path; a person's name in it is not kept.
-        came: Address of the client, and the request's id.
+        origin: Address of the client, and the request's id.
     """
     subject = f"{PERSONS}{{name}}" if subject.startswith(PERSONS) else subject
     clean = "".join(letter if letter.isprintable() else "?" for letter in subject)[:255]
     with database.write() as session:
-        session.add(AuditRow(at=clock(), key=key, action=action, subject=clean, address=came[0][:64], request=came[1]))
+        session.add(
+            AuditRow(at=clock(), key=key, action=action, subject=clean, address=origin[0][:64], request=origin[1])
+        )
 
 
 @skip_damaged_rows
 def list_accesses(database: Database, limit: int = 100, key: str | None = None) -> list[Access]:
     """Return the newest rows, newest first; with `key` only those of one API key."""
-    asked = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
+    statement = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
     with database.read() as session:
-        rows = session.scalars(asked if key is None else asked.where(AuditRow.key == key)).all()
+        rows = session.scalars(statement if key is None else statement.where(AuditRow.key == key)).all()
     return [Access(row.at, row.key, row.action, row.subject, row.address, row.request) for row in rows]
 
 

@@ -63,7 +63,7 @@ class Backend(Protocol):
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the running jobs, then the newest others, each newest first."""
 
-    def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
+    def find_jobs(self, terms: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query.
 
         Raises:

@@ -35,8 +35,8 @@ def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: 
         BadInput: if a file cannot be used; the code says why.
         Cancelled: if `is_stopped` returned True.
     """
-    given = {"request": request, "files": str(files.absolute())}
-    answer = call_limited(checker, given, Bounds(), is_stopped, files.parent)
+    arguments = {"request": request, "files": str(files.absolute())}
+    answer = call_limited(checker, arguments, Bounds(), is_stopped, files.parent)
     return answer.result | {"cpu_seconds": round(answer.cpu_seconds, 3), "peak_mb": round(answer.peak_mb, 1)}
 
 
@@ -63,14 +63,14 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
     from .kinds.recover_request import READING, RecoverRequest
 
     folder = Path(files)
-    asked = parse_request(RecoverRequest, request)
-    wanted = asked.unpack(folder)
-    if asked.is_open and wanted.labels is not None and has_names(wanted.labels):
+    parsed = parse_request(RecoverRequest, request)
+    unpacked = parsed.unpack(folder)
+    if parsed.is_open and unpacked.labels is not None and has_names(unpacked.labels):
         return _mark_as_person(folder)
     try:
-        reading = read_request(wanted, Limits(is_confined=True))
+        reading = read_request(unpacked, Limits(is_confined=True))
     except NoFaces:
-        if asked.is_open and wanted.labels is None:  # a garment is a surface; a point cloud with a body is a person
+        if parsed.is_open and unpacked.labels is None:  # a garment is a surface; a point cloud with a body is a person
             return _mark_as_person(folder)
         raise
     save_reading(reading, folder / READING)
@@ -98,7 +98,7 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: if a file cannot be used.
     """
-    from ..core.people.given import PersonFiles, describe_person_input, read_person_input, save_person_input
+    from ..core.people.person_input import PersonFiles, describe_person_input, read_person_input, save_person_input
     from ..core.scan.limits import Limits
     from .inspect_scan import explain_missing_body, is_garment_refusal
     from .kinds import FileRef
@@ -106,23 +106,23 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
     from .kinds.person_request import PERSON_INPUT_FILE, PersonRequest
 
     folder = Path(files)
-    wanted = parse_request(PersonRequest, request)
+    parsed = parse_request(PersonRequest, request)
     found = PersonFiles(
-        folder / "scan" / wanted.scan.name,
-        None if wanted.labels is None else folder / "labels" / wanted.labels.name,
-        folder / "body" / wanted.body.name if isinstance(wanted.body, FileRef) else None,
-        {word: folder / wanted.place(word) / file.name for word, file in wanted.templates.items()},
-        wanted.settings.units,
-        wanted.settings.up,
+        folder / "scan" / parsed.scan.name,
+        None if parsed.labels is None else folder / "labels" / parsed.labels.name,
+        folder / "body" / parsed.body.name if isinstance(parsed.body, FileRef) else None,
+        {word: folder / parsed.place(word) / file.name for word, file in parsed.templates.items()},
+        parsed.settings.units,
+        parsed.settings.up,
     )
     try:
-        given = read_person_input(found, Limits(is_confined=True))
+        content = read_person_input(found, Limits(is_confined=True))
     except BadInput as error:
-        if is_garment_refusal(error) and wanted.given_as is None and wanted.body is None:
+        if is_garment_refusal(error) and parsed.given_as is None and parsed.body is None:
             error.message = explain_missing_body(error)
         raise
-    save_person_input(given, folder / PERSON_INPUT_FILE)
-    return describe_person_input(given)
+    save_person_input(content, folder / PERSON_INPUT_FILE)
+    return describe_person_input(content)
 
 
 def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
@@ -145,9 +145,9 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
 
     folder = Path(files)
     path = folder / "body" / request["body"]["name"]
-    given = read_body_file(path, request.get("units"), request.get("up"), Limits(is_confined=True))
-    write_record(given, folder / BODY)
-    return describe_body_file(given)
+    body = read_body_file(path, request.get("units"), request.get("up"), Limits(is_confined=True))
+    write_record(body, folder / BODY)
+    return describe_body_file(body)
 
 
 def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:

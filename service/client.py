@@ -46,31 +46,31 @@ class Client(RemoteBackend):
         params: dict[str, Any] = {"first": first, "second": second}
         params["pair"] = [f"{one}:{other}" for one, other in (pairs or {}).items()]
         params |= {"only_given": only_given, "outlines": outlines}
-        return self._ask_object("GET", "/v1/match", params=params)
+        return self._request_object("GET", "/v1/match", params=params)
 
-    def inspect_scan(self, sha256: str, quick: bool = False, **said: str) -> dict[str, Any]:
+    def inspect_scan(self, sha256: str, quick: bool = False, **options: str) -> dict[str, Any]:
         """Return what is detected in an uploaded scan, before a job is created.
 
         Args:
             sha256: Its hash, as `upload("scans", path)` returns it.
             quick: Read only the file, and do not fit the wearer.
-            said: Options of an order: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
+            options: Options of an order: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
         """
-        params = {name.rstrip("_"): value for name, value in said.items()} | {"quick": quick}
-        return self._ask_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)
+        params = {name.rstrip("_"): value for name, value in options.items()} | {"quick": quick}
+        return self._request_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)
 
     def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Return findings, lengths, seams and symmetry of a pattern's document (docs/reference/http.md)."""
-        return self._ask_object("POST", "/v1/patterns/check", json=dict(document))
+        return self._request_object("POST", "/v1/patterns/check", json=dict(document))
 
     def edit_pattern(self, document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """Return a document after operations, as `pattern`, beside the result of `check_pattern`."""
-        wanted = {"pattern": dict(document), "operations": [dict(one) for one in operations]}
-        return self._ask_object("POST", "/v1/patterns/edit", json=wanted)
+        payload = {"pattern": dict(document), "operations": [dict(one) for one in operations]}
+        return self._request_object("POST", "/v1/patterns/edit", json=payload)
 
     def read_wearer(self, job: str) -> dict[str, Any]:
         """Return the wearer that a job estimated: source, joints [m] by name, parameters."""
-        return self._ask_object("GET", f"/v1/bodies/of/{quote(job, safe='')}")
+        return self._request_object("GET", f"/v1/bodies/of/{quote(job, safe='')}")
 
     def read_export(self, job: str, name: str) -> bytes:
         """Return a file by name from the newest export of a job's result."""
@@ -87,29 +87,29 @@ class Client(RemoteBackend):
             job: A job of kind `person` with files.
             points: An .npy file, uint8: the number of a `Part` for each point of the job's segmented.ply.
         """
-        wanted = {"points": self.upload("labels", points)}
-        found = self._ask_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=wanted)
+        payload = {"points": self.upload("labels", points)}
+        found = self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=payload)
         return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
 
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job, all jobs below it and all jobs that read its results."""
-        found = self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1)
+        found = self._request_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1)
         return read(lambda: Deleted.from_json(found))
 
     def find_person(self, name: str) -> Person:
         """Return the data of a person, whose jobs, scans or uploads have exactly this name."""
-        found = self._ask_object("GET", f"/v1/persons/{quote(name, safe='')}")
+        found = self._request_object("GET", f"/v1/persons/{quote(name, safe='')}")
         return read(lambda: Person.from_json(found))
 
     def delete_person(self, name: str, dry_run: bool = False) -> PersonDeleted:
         """Delete the scans and uploads of exactly this name, and all made of them; a dry run only lists them."""
         params = {"dry_run": True} if dry_run else {}
-        found = self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1, params=params)
+        found = self._request_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1, params=params)
         return read(lambda: PersonDeleted.from_json(found))
 
     def forget_upload(self, kind: str, sha256: str) -> Deleted:
         """Delete an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep their files."""
-        found = self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1)
+        found = self._request_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1)
         return read(lambda: Deleted.from_json(found))
 
     def read_metrics(self) -> str:
@@ -118,9 +118,9 @@ class Client(RemoteBackend):
 
     def read_api(self) -> dict[str, Any]:
         """Return the OpenAPI document."""
-        return self._ask_object("GET", "/openapi.json")
+        return self._request_object("GET", "/openapi.json")
 
-    def _ask_object(self, method: str, url: str, **options: Any) -> dict[str, Any]:
+    def _request_object(self, method: str, url: str, **options: Any) -> dict[str, Any]:
         """Return a JSON object.
 
         Raises:

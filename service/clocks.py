@@ -25,13 +25,13 @@ def clamp_future_times(database: Database) -> int:
         How many jobs were changed.
     """
     late = clock() + AHEAD_SECONDS
-    ahead = JobRow.state.in_(OPEN) & (JobRow.touched > late)
+    in_future = JobRow.state.in_(OPEN) & (JobRow.touched > late)
     with database.read() as session:
-        found = exists().where(ahead), exists().where(WorkerRow.seen > late), exists().where(OutageRow.seen > late)
+        found = exists().where(in_future), exists().where(WorkerRow.seen > late), exists().where(OutageRow.seen > late)
         if not session.scalar(select(or_(*found))):
             return 0
     with database.write() as session:
-        rows = session.scalars(select(JobRow).where(ahead).with_for_update(skip_locked=True)).all()
+        rows = session.scalars(select(JobRow).where(in_future).with_for_update(skip_locked=True)).all()
         for row in rows:
             if row.lease_until is not None:
                 row.lease_until = clock() + max(0.0, row.lease_until - row.touched)

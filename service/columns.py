@@ -82,9 +82,9 @@ class Checked(TypeDecorator[Any]):
 
     def at(self, column: Any) -> Checked:
         """Return the type for one column, which errors then name."""
-        own = copy(self)
-        own.place, own.is_optional = (column.table.name, column.name), bool(column.nullable)
-        return own
+        copied = copy(self)
+        copied.place, copied.is_optional = (column.table.name, column.name), bool(column.nullable)
+        return copied
 
     def coerce_compared_value(self, op: Any, value: Any) -> Any:
         """Return the type of what a column is compared with, as without the check."""

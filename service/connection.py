@@ -66,7 +66,7 @@ class Connection:
         """Close the connection."""
         self._http.close()
 
-    def ask(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> Any:
+    def request(self, method: str, url: str, tries: int = MAX_REQUEST_TRIES, **options: Any) -> Any:
         """Return the JSON value of a response."""
         answer = self.send(method, url, tries, **options)
         try:

@@ -131,8 +131,8 @@ class Database:
     Attributes:
         url: SQLAlchemy address.
         engine: The connections.
-        sound: The same database without its damaged rows; used by `skip_damaged_rows`.
-        doubtful_until: Time until which `sound` is used at once [s, monotonic].
+        intact: The same database without its damaged rows; used by `skip_damaged_rows`.
+        doubtful_until: Time until which `intact` is used at once [s, monotonic].
     """
 
     def __init__(self, url: str, pooled: bool = True) -> None:
@@ -147,8 +147,8 @@ class Database:
         self._writer = self.engine.execution_options(**{WRITE: True})
         self._session: type[Session] = Session
         self.doubtful_until = -math.inf
-        self.sound = copy(self)
-        self.sound.sound, self.sound._session, self.sound.doubtful_until = self.sound, SoundSession, math.inf
+        self.intact = copy(self)
+        self.intact.intact, self.intact._session, self.intact.doubtful_until = self.intact, SoundSession, math.inf
 
     @contextmanager
     def read(self) -> Iterator[Session]:
@@ -187,18 +187,18 @@ class Database:
         self.engine.dispose()
 
 
-def skip_damaged_rows(ask: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
+def skip_damaged_rows(function: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
     """Return a function on a database that excludes damaged rows instead of raising; the log names them."""
 
-    @wraps(ask)
+    @wraps(function)
     def go_on(database: Database, *args: P.args, **kwargs: P.kwargs) -> T:
         if time.monotonic() >= database.doubtful_until:
             try:
-                return ask(database, *args, **kwargs)
+                return function(database, *args, **kwargs)
             except RowDamaged as error:
                 log.warning("%s: %s They are left out.", error.code, error.message)
                 database.doubtful_until = time.monotonic() + DOUBT_SECONDS
-        return ask(database.sound, *args, **kwargs)
+        return function(database.intact, *args, **kwargs)
 
     return cast(Callable[Concatenate[Database, P], T], go_on)
 

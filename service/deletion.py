@@ -80,39 +80,39 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
         JobNotEnded: if one of them, or a job made from it, has not ended; then nothing is deleted.
         JobShared: if another key owns one of them too.
     """
-    begun = time()
+    started = time()
     left = _add_readers(database, jobs)
     files = _find_files(database, left)
     _check_owners(database, left, key)
     _check_ended(database, left)
-    gone: list[str] = []
+    deleted: list[str] = []
     try:
-        _delete_all(database, left, gone)
+        _delete_all(database, left, deleted)
     finally:  # a job may have been requeued meanwhile: clean up after the deleted ones
         _forget_scans(database, files)
-        done = remove_files(database, store, files, Deleted(tuple(gone)), begun)
+        done = remove_files(database, store, files, Deleted(tuple(deleted)), started)
     return done
 
 
-def _delete_all(database: Database, left: list[str], gone: list[str]) -> None:
-    """Delete families, readers of results first; append the ids of deleted jobs to `gone`."""
+def _delete_all(database: Database, left: list[str], deleted: list[str]) -> None:
+    """Delete families, readers of results first; append the ids of deleted jobs to `deleted`."""
     while left:
         waiting: list[str] = []
         for job in left:
             try:
-                gone += delete_family(database, job)
+                deleted += delete_family(database, job)
             except JobInUse:
                 waiting.append(job)
         if len(waiting) == len(left):
             raise JobInUse(f"job {left[0]} is used by another one; delete that one first.")
-        left = [job for job in waiting if job not in gone]
+        left = [job for job in waiting if job not in deleted]
 
 
 def delete_upload(database: Database, store: Store, sha256: str, key: str = "") -> Deleted:
     """Delete a key's upload of a file, and the file if no job names it."""
-    begun = time()
+    started = time()
     count = forget_upload(database, sha256, key)
-    return remove_files(database, store, {sha256}, Deleted(uploads=count), begun)
+    return remove_files(database, store, {sha256}, Deleted(uploads=count), started)
 
 
 def _add_readers(database: Database, jobs: Sequence[str]) -> list[str]:
@@ -123,8 +123,8 @@ def _add_readers(database: Database, jobs: Sequence[str]) -> list[str]:
         with database.read() as session:
             readers = select(JobRow.family).join(JobInputRow, JobInputRow.job == JobRow.id)
             families = session.scalars(readers.where(JobInputRow.input.in_(below)).distinct()).all()
-            own = set(session.scalars(select(JobRow.family).where(JobRow.id.in_(below))))
-        level = [job for job in sorted(families) if job not in found and job not in own]
+            own_families = set(session.scalars(select(JobRow.family).where(JobRow.id.in_(below))))
+        level = [job for job in sorted(families) if job not in found and job not in own_families]
         found = level + found
     return found
 
@@ -166,8 +166,8 @@ def _forget_scans(database: Database, files: Iterable[str]) -> None:
 def forget_upload(database: Database, sha256: str, key: str) -> int:
     """Delete the rows of a key's (empty: any key's) uploads of a file; return how many."""
     with database.write() as session:
-        wanted = UploadRow.sha256 == sha256
-        rows = session.scalars(select(UploadRow).where(wanted & (UploadRow.key == key) if key else wanted)).all()
+        matches = UploadRow.sha256 == sha256
+        rows = session.scalars(select(UploadRow).where(matches & (UploadRow.key == key) if key else matches)).all()
         for row in rows:
             session.delete(row)
         if key:
@@ -175,7 +175,7 @@ def forget_upload(database: Database, sha256: str, key: str) -> int:
         return len(rows)
 
 
-def remove_files(database: Database, store: Store, files: set[str], done: Deleted, begun: float) -> Deleted:
+def remove_files(database: Database, store: Store, files: set[str], done: Deleted, started: float) -> Deleted:
     """Delete those of some files that no row names; none if a row is damaged, because it may name one."""
     named, damaged = find_all_references(database)
     count = size = young = 0
@@ -185,7 +185,7 @@ def remove_files(database: Database, store: Store, files: set[str], done: Delete
     for key in sorted(files - named):
         try:
             bytes_ = store.size(key)
-            if store.remove(key, begun - YOUNG_SECONDS):
+            if store.remove(key, started - YOUNG_SECONDS):
                 count, size = count + 1, size + bytes_
             else:
                 young += 1

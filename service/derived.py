@@ -75,13 +75,13 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
     reads += [(name, others, order.over) for name, others in kind.reads_too.items() if order.over]
     check_labels(order.terms)
     files = {name: _keep(services, file) for name, file in order.files.items()}
-    asked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
-    request = pack_request(asked)
+    checked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
+    request = pack_request(checked)
     if {place for place, _ in find_files(request)} - files.keys():  # a known hash is not an upload
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     rows = [_find_own(services, order, named) for _, _, named in reads]
     row = rows[0]
-    kind.refuse(services.store, asked, is_stopped)
+    kind.refuse(services.store, checked, is_stopped)
     with services.database.write() as session:
         for one, (name, allowed, _) in zip(rows, reads, strict=True):
             if one.kind not in allowed:
@@ -89,11 +89,11 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
                     f"job {one.id} is a job '{one.kind}', and '{kind.name}' works on the result of "
                     f"{' or '.join(allowed)}; `garmentq status {one.id}` shows the jobs below it."
                 )
-            _check_files(session, one.id, kind.choose_input(asked, name))
+            _check_files(session, one.id, kind.choose_input(checked, name))
         request = kind.adopt(session, request, row)
         more = kind.find_inputs(session, request, row)
         for name, job in more.items():
-            _check_files(session, job, kind.choose_input(asked, name))
+            _check_files(session, job, kind.choose_input(checked, name))
         inputs = {name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)} | more
         return add_job(session, JobRequest(kind.name, request, row.scan, inputs, order.terms.complete(row.name)))
 

@@ -17,7 +17,7 @@ def find_export(database: Database, job: str, name: str, key: str = "") -> Artif
     Raises:
         ResultMissing: if there is none.
     """
-    wanted = (
+    statement = (
         select(ArtifactRow)
         .join(JobRow, JobRow.id == ArtifactRow.job)
         .join(JobInputRow, JobInputRow.job == JobRow.id)
@@ -27,9 +27,9 @@ def find_export(database: Database, job: str, name: str, key: str = "") -> Artif
         .limit(1)
     )
     if key:
-        wanted = wanted.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
+        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with database.read() as session:
-        row = session.scalars(wanted).first()
+        row = session.scalars(statement).first()
     if row is None:
         raise ResultMissing(
             f"no export of job {job} has a file '{name[:80]}'; start one: POST /v1/jobs with kind export, or "

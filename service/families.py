@@ -124,9 +124,9 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
         row = _lock(session, job)
         tree = find_tree(session, row, is_locked=True)
         stuck = [one for one in tree if one.state in UNSUCCESSFUL]
-        still = next((one for one in tree if one.state in OPEN), None)
-        if still is not None and (still is row or not stuck):
-            raise JobNotEnded(f"job {still.id} is {still.state}; cancel it first, or wait.")
+        unended = next((one for one in tree if one.state in OPEN), None)
+        if unended is not None and (unended is row or not stuck):
+            raise JobNotEnded(f"job {unended.id} is {unended.state}; cancel it first, or wait.")
         if not stuck:
             raise JobSucceeded()
         requeue_jobs(session, stuck, "retried", key, quota)

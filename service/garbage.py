@@ -68,7 +68,7 @@ def collect_garbage(
         now: Seconds since 1970; None: now, by this machine's clock.
     """
     before = (time() if now is None else now) - grace_seconds
-    listed = list(store.list_kept())
+    listed = list(store.list_files())
     named, damaged = find_all_references(database)
     files = sorted((one for one in listed if one.sha256 not in named and one.modified < before), key=_age)
     removed = sum(_remove(store, one, before) for one in files) if is_delete and not damaged else 0
@@ -80,7 +80,7 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
     """Return every key that a row names, and the damaged rows, which may name more keys than are legible in them."""
     with suppress(RowDamaged), database.read() as session:
         return set(find_references(session)), ()
-    with database.sound.read() as session:
+    with database.intact.read() as session:
         left = {key.decode() for remains in read_damaged_references(session) for key in FOUND.findall(remains)}
         return left.union(find_references(session)), tuple(database.find_damaged())
 

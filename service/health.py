@@ -43,9 +43,9 @@ def find_troubles(queue: Queue) -> list[str]:
         since = "yet" if queue.silence is None else f"for {queue.silence:.0f} s"
         troubles.append(f"no dispatcher has acted {since}, so no new job starts; see the workers' log, restart them.")
     for outage in queue.outages:
-        begun = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(outage.since))
+        since_text = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(outage.since))
         host = f" ({outage.place})" if outage.place else ""
-        troubles.append(f"jobs wait since {begun}{host}: {outage.code}: {explain(outage.code)}")
+        troubles.append(f"jobs wait since {since_text}{host}: {outage.code}: {explain(outage.code)}")
     return troubles
 
 

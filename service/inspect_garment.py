@@ -12,9 +12,9 @@ from ..core.body.body import Body
 from ..core.body.smpl import is_smpl, load_smpl
 from ..core.body.spec import BuiltinWearer, Wearer
 from ..core.people.wearer import FoundWearer, fit_wearer
+from ..core.scan.contours.body_mismatch import find_misfit_warnings
 from ..core.scan.contours.garment import segment_garment
 from ..core.scan.contours.loop import find_loops, smoothed_length
-from ..core.scan.contours.misfit import find_misfit_warnings
 from ..core.scan.contours.rounded_rims import straighten_scan
 from ..core.scan.limits import Limits
 from ..core.scan.pieces import ScanInput, load_scan_input
@@ -109,8 +109,8 @@ def inspect_file(
     found = find_wearer(body, pieces)
     if found is None:
         return Inspection(**known)
-    who = found.body
-    target = segment_garment(scan, who)
+    found_body = found.body
+    target = segment_garment(scan, found_body)
     return Inspection(
         **known,
         contours_m={contour.name: round(contour.length, 4) for contour in target.contours},
@@ -119,12 +119,12 @@ def inspect_file(
         category=target.category,
         remarks=(
             *(one.describe() for one in found.undeclared or () if one.is_off_body),
-            *find_misfit_warnings(scan.vertices, who),
+            *find_misfit_warnings(scan.vertices, found_body),
         ),
         body={
-            "source": who.source,
-            "height_m": round(float(np.ptp(who.vertices[:, 1])), 4),
-            "fit_rms_mm": round(1e3 * who.fit_rms, 2),
+            "source": found_body.source,
+            "height_m": round(float(np.ptp(found_body.vertices[:, 1])), 4),
+            "fit_rms_mm": round(1e3 * found_body.fit_rms, 2),
             "repairs": list(wearer.repairs) if wearer is not None else [],
         },
     )

@@ -12,9 +12,9 @@ from ..core.body.person import fit_person
 from ..core.body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
 from ..core.body.registration import NotHuman
 from ..core.body.spec import Wearer, read_wearer
-from ..core.people.given import MAX_LISTED_NOTES, PersonInput, describe_person_input
+from ..core.people.person_input import MAX_LISTED_NOTES, PersonInput, describe_person_input
 from ..core.people.separate import check_single_person
-from ..core.people.whole import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
+from ..core.people.whole_person import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
 from ..core.run.errors import BadInput
 from ..core.scan.limits import Limits
 from ..core.scan.load import load_scan

@@ -243,8 +243,8 @@ def fail_with_result(session: Session, claim: Claim, error: GarmentqError, resul
     """
     message = show_message(error)
     note = {"code": error.code, "message": message}
-    told = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
-    change_state(session, claim, State.FAILED, "failed", note, result=result, **told)
+    error_columns = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
+    change_state(session, claim, State.FAILED, "failed", note, result=result, **error_columns)
 
 
 @skip_damaged_rows
@@ -341,8 +341,8 @@ def order_by_ids(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
 def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
     """Return a job's events with an id above `after`, in order."""
     with database.read() as session:
-        wanted = select(EventRow).where(EventRow.job == job, EventRow.id > after)
-        return list(session.scalars(wanted.order_by(EventRow.id)))
+        statement = select(EventRow).where(EventRow.job == job, EventRow.id > after)
+        return list(session.scalars(statement.order_by(EventRow.id)))
 
 
 def _requeue(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
@@ -388,6 +388,6 @@ def _update_claimed(claim: Claim) -> Update:
 
 def _describe_loss(session: Session, row: JobRow) -> str:
     """Return what ended the last attempt, if it is known."""
-    wanted = (EventRow.job == row.id) & (EventRow.kind == WORKER_LOST_EVENT)
-    last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
+    condition = (EventRow.job == row.id) & (EventRow.kind == WORKER_LOST_EVENT)
+    last = session.scalars(select(EventRow).where(condition).order_by(EventRow.id.desc()).limit(1)).one_or_none()
     return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""

@@ -96,7 +96,7 @@ class Caller:
         """Return whether the caller sees every job, not only the key's own."""
         return "admin" in self.scopes
 
-    def must(self, scope: str) -> None:
+    def check_scope(self, scope: str) -> None:
         """Check one scope.
 
         Raises:
@@ -105,7 +105,7 @@ class Caller:
         if scope not in self.scopes and "admin" not in self.scopes:
             raise ScopeMissing(f"the key lacks the scope '{scope}'; ask for one that has it.")
 
-    def may_hurry(self, priority: int) -> None:
+    def check_priority(self, priority: int) -> None:
         """Check the priority of a job.
 
         Raises:
@@ -225,8 +225,8 @@ def authenticate_key(database: Database, key: str) -> Caller:
 def _authenticate(database: Database, is_meant: ColumnElement[bool]) -> Caller:
     old = ApiKeyRow.used.is_(None) | (ApiKeyRow.used < clock() - USED_SECONDS)
     with database.read() as session:
-        asked = select(ApiKeyRow, old, ApiKeyRow.expires <= clock()).where(is_meant)
-        row, is_old, is_over = session.execute(asked).one_or_none() or (None, False, False)
+        statement = select(ApiKeyRow, old, ApiKeyRow.expires <= clock()).where(is_meant)
+        row, is_old, is_over = session.execute(statement).one_or_none() or (None, False, False)
     if row is None or row.revoked is not None or is_over:
         raise KeyBad()
     if is_old:

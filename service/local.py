@@ -79,9 +79,9 @@ class LocalBackend:
         """Return the running jobs, then the newest others, each newest first."""
         return results.report_jobs(self._database, query.list_jobs(self._database, limit), self.settings)
 
-    def find_jobs(self, wanted: query.JobQuery) -> list[JobReport]:
+    def find_jobs(self, terms: query.JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query."""
-        found = query.find_jobs(self._database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset))
+        found = query.find_jobs(self._database, terms.conditions, terms.sort, (terms.limit, terms.offset))
         return results.report_jobs(self._database, found, self.settings)
 
     def poll_events(self, job: str, after: int = 0) -> News:

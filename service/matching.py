@@ -28,7 +28,7 @@ class PairsUnreadable(BadInput):
 def match_files(
     first: Path,
     second: Path,
-    given: Mapping[str, str],
+    pairs: Mapping[str, str],
     only_given: bool = False,
     outlines: bool = False,
     is_stopped: IsStopped = never_stopped,
@@ -37,7 +37,7 @@ def match_files(
 
     Args:
         first, second: The files.
-        given: Names of the second's panels by the first's, for those that a user paired.
+        pairs: Names of the second's panels by the first's, for those that a user paired.
         only_given: Pair no others.
         outlines: Add each pattern's outlines [m], by the panels' names.
         is_stopped: As for `call_limited`.
@@ -48,7 +48,7 @@ def match_files(
     Raises:
         BadInput: if a file is not a pattern, or a pair is invalid.
     """
-    arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
+    arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(pairs)}
     arguments |= {"only_given": only_given, "outlines": outlines}
     return call_limited("garmentq.core.judge.comparison:compare_files", arguments, BOUNDS, is_stopped).result
 

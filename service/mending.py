@@ -38,7 +38,7 @@ class RelabelOrder:
     realm: str = ""
 
 
-def submit_relabelling(services: Services, row: JobRow, wanted: RelabelOrder) -> SubmissionResult:
+def submit_relabelling(services: Services, row: JobRow, order: RelabelOrder) -> SubmissionResult:
     """Queue a job that labels a person's scan again with corrected labels; all other options are as before.
 
     The options about worn garments and marked points are dropped, because the labels replace them.
@@ -57,12 +57,12 @@ def submit_relabelling(services: Services, row: JobRow, wanted: RelabelOrder) ->
         raise ResultMissing(f"job {row.id} has no labels; `garmentq status {row.id}` shows why.")
     with services.copying() as folder:
         (stored,) = export_files(services.database, services.store, row.id, folder, [LABELS])
-        mended = apply_corrected_labels(stored, read_corrected_labels(wanted.points), folder / "mended.npz")
-        file = FileRef(services.store.put(mended).sha256, LABELS)
+        corrected = apply_corrected_labels(stored, read_corrected_labels(order.points), folder / "mended.npz")
+        file = FileRef(services.store.put(corrected).sha256, LABELS)
     before = read_request(PersonRequest, row.request)
     request = pack_request(replace(before, labels=file, wearing=None, marks=(), given_as="person"))
     (report,) = report_jobs(services.database, [row], services.settings)
     terms = JobTerms(row.name, tuple(report.tags), queue=row.queue)
-    terms = replace(terms, key=wanted.key, quota=wanted.quota, realm=wanted.realm)
+    terms = replace(terms, key=order.key, quota=order.quota, realm=order.realm)
     with services.database.write() as session:
         return add_job(session, JobRequest(PERSON_KIND, request, row.scan, terms=terms))

@@ -61,9 +61,9 @@ def open_result(source: str | Path, *, key: str | None = None, home: str | Path 
 def _find_key(url: str, settings: ServiceSettings) -> str:
     """Return the token for a service; a token for another service is not sent to it."""
     known = os.environ.get("GARMENTQ_URL", "")
-    own = os.environ.get("GARMENTQ_API_KEY", "")
-    if own and (not known or urlsplit(known)[:2] == urlsplit(url)[:2]):
-        return own
+    api_key = os.environ.get("GARMENTQ_API_KEY", "")
+    if api_key and (not known or urlsplit(known)[:2] == urlsplit(url)[:2]):
+        return api_key
     return find_local_token(url, settings.home)
 
 
@@ -79,8 +79,8 @@ def _read(backend: Backend, job: str) -> StoredResult:
             below = ", ".join(f"{child.name} {child.job}" for child in report.children)
             raise InputWrong(f"job {report.id} is a job '{report.kind}'; open one of the jobs below it: {below}.")
         with tempfile.TemporaryDirectory(prefix="garmentq-result-") as folder:
-            wanted = [name for name in FILES if name in names] or [WORN_FILE_NAME]
-            backend.export_files(report.id, Path(folder), wanted)
+            file_names = [name for name in FILES if name in names] or [WORN_FILE_NAME]
+            backend.export_files(report.id, Path(folder), file_names)
             return load_result(Path(folder))
     finally:
         backend.close()

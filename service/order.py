@@ -85,5 +85,5 @@ def is_person(order: Order) -> bool:
         raise SettingsBad("keep and keep_colour choose one garment, person recovers all; use one of both.")
     if order.given_as == PERSON or of_person:
         return True
-    is_told = chosen.keep is not None or chosen.keep_colour is not None or order.labels is not None
-    return order.given_as is None and order.body is None and not is_told
+    is_garment = chosen.keep is not None or chosen.keep_colour is not None or order.labels is not None
+    return order.given_as is None and order.body is None and not is_garment

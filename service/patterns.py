@@ -34,8 +34,8 @@ def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[s
     Returns:
         JSON values as `core.garment.examine.examine_file` returns them.
     """
-    given = {"source": str(path.absolute())}
-    return call_limited(EXAMINER, given, BOUNDS, is_stopped).result
+    arguments = {"source": str(path.absolute())}
+    return call_limited(EXAMINER, arguments, BOUNDS, is_stopped).result
 
 
 def edit_pattern(
@@ -54,8 +54,8 @@ def edit_pattern(
         paths = {"source": Path(folder) / "pattern.json", "operations": Path(folder) / "operations.json"}
         for path, value in zip(paths.values(), (document, operations), strict=True):
             path.write_text(json.dumps(value), encoding="utf-8")
-        given = {name: str(path.absolute()) for name, path in paths.items()}
-        found = call_limited("garmentq.core.garment.editing.operations:edit_file", given, BOUNDS, is_stopped).result
+        arguments = {name: str(path.absolute()) for name, path in paths.items()}
+        found = call_limited("garmentq.core.garment.editing.operations:edit_file", arguments, BOUNDS, is_stopped).result
     if "refused" in found:
         refused = PatternUnsound(found["refused"]["message"], [found["refused"]])
         refused.code = found["refused"]["code"]

@@ -107,10 +107,10 @@ def delete_person(
     found, roots = _find(database, name, key)
     if is_dry_run:
         return PersonDeleted(found=found, dry_run=True)
-    begun = time()
+    started = time()
     done = delete_jobs(database, store, roots, key)
     uploads = sum(forget_upload(database, one, key) for one in found.files)
-    rest = remove_files(database, store, set(found.files), Deleted(done.jobs, uploads), begun)
+    rest = remove_files(database, store, set(found.files), Deleted(done.jobs, uploads), started)
     files, size, young = done.files + rest.files, done.size + rest.size, done.young + rest.young
     return PersonDeleted(done.jobs, uploads, files, size, young, found)
 
@@ -121,14 +121,18 @@ def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
         files = set() if FORBIDDEN_CHARACTERS.search(name) else _find_files(session, name, key)
         if not files:
             raise PersonUnknown(f"nothing has exactly the name '{name[:80]}'; `garmentq status` lists the jobs.")
-        asked = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
-        rows = session.execute(asked.order_by(JobRow.created, JobRow.id)).all()
+        statement = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
+        rows = session.execute(statement.order_by(JobRow.created, JobRow.id)).all()
     roots = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
-    doomed = find_dependent_jobs(database, roots)
-    jobs = describe_jobs(database, doomed, key)
+    dependent = find_dependent_jobs(database, roots)
+    jobs = describe_jobs(database, dependent, key)
     with database.read() as session:
-        wanted = select(UploadRow).where(UploadRow.sha256.in_(files)).order_by(UploadRow.created, UploadRow.sha256)
-        rows_of_uploads = session.scalars(wanted.where(UploadRow.key == key) if key else wanted).all()
+        statement_of_uploads = (
+            select(UploadRow).where(UploadRow.sha256.in_(files)).order_by(UploadRow.created, UploadRow.sha256)
+        )
+        rows_of_uploads = session.scalars(
+            statement_of_uploads.where(UploadRow.key == key) if key else statement_of_uploads
+        ).all()
         scans = [] if key else session.scalars(select(ScanRow.name).where(ScanRow.sha256.in_(files))).all()
     uploads = tuple(PersonUpload(row.sha256, row.name, row.key) for row in rows_of_uploads)
     names = {*(one.name for one in jobs), *(one.name for one in uploads), *scans}
@@ -141,15 +145,15 @@ def _find_files(session: Session, name: str, key: str) -> set[str]:
     named = _of_key(select(JobRow.scan).where(JobRow.name == name, JobRow.parent.is_(None)), key)
     files = set(session.scalars(named))
     for table in (UploadRow,) if key else (UploadRow, ScanRow):  # a scan's row has the name that the first key gave it
-        asked = select(table.sha256, table.name).where(or_(table.name == name, starts_with(table.name, f"{name}.")))
-        found = session.execute(asked.where(UploadRow.key == key) if key else asked)
-        files.update(sha256 for sha256, given in found if name in (given, given.rpartition(".")[0]))
+        statement = select(table.sha256, table.name).where(or_(table.name == name, starts_with(table.name, f"{name}.")))
+        found = session.execute(statement.where(UploadRow.key == key) if key else statement)
+        files.update(sha256 for sha256, stored_name in found if name in (stored_name, stored_name.rpartition(".")[0]))
     return files
 
 
-def _of_key(asked: Select[Any], key: str) -> Select[Any]:
+def _of_key(statement: Select[Any], key: str) -> Select[Any]:
     """Restrict a query for jobs to those that an API key may see; empty: all."""
-    return asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key) if key else asked
+    return statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key) if key else statement
 
 
 def describe_jobs(database: Database, jobs: Sequence[str], key: str = "") -> tuple[PersonJob, ...]:

@@ -58,8 +58,8 @@ class Pace:
         """
         if self.seconds is None:
             return None
-        own = elapsed / share if share >= BELIEVED_SHARE else 0.0
-        return (1.0 - share) * max(self.seconds, own)
+        estimate = elapsed / share if share >= BELIEVED_SHARE else 0.0
+        return (1.0 - share) * max(self.seconds, estimate)
 
 
 class ProgressEstimator:
@@ -95,8 +95,8 @@ def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages
         log.warning("times of earlier jobs are not available: %s: %s", type(error).__name__, error)
         seen = []
     weights: dict[str, float] = {}
-    for taken, _ in seen:
-        for stage, seconds in taken.items():
+    for share, _ in seen:
+        for stage, seconds in share.items():
             weights[stage] = weights.get(stage, 0.0) + seconds
     if sum(weights.values()) <= 0.0:
         return Pace(dict.fromkeys(stages, 1.0))
@@ -119,7 +119,7 @@ def is_time(seconds: object) -> bool:
 def _find_paces(database: Database, kind: str, request: Mapping[str, Any]) -> list[tuple[dict[str, float], float]]:
     """Return the times of the stages, and of the whole, of each of the latest jobs of a kind and method [s]."""
     newest = select(JobRow.id).order_by(JobRow.created.desc()).limit(LATEST_JOBS).scalar_subquery()
-    wanted = (
+    statement = (
         select(JobRow.request, JobRow.result, (JobRow.finished - JobRow.started).label("seconds"))
         .where(JobRow.id.in_(newest), JobRow.kind == kind, JobRow.state == State.SUCCEEDED, JobRow.attempts == 1)
         .where(JobRow.finished >= JobRow.started)
@@ -127,10 +127,10 @@ def _find_paces(database: Database, kind: str, request: Mapping[str, Any]) -> li
         .limit(3 * LEARNT_JOBS)
     )
     with database.read() as session:
-        rows = session.execute(wanted).all()
+        rows = session.execute(statement).all()
     found = [row for row in rows if _method(row.request) == _method(request)][:LEARNT_JOBS]
     timed = [(read_stage_seconds(row.result), float(row.seconds)) for row in found if is_time(row.seconds)]
-    return [(taken, seconds) for taken, seconds in timed if taken]
+    return [(share, seconds) for share, seconds in timed if share]
 
 
 def report(database: Database, claim: Claim, progress: Progress) -> None:

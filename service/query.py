@@ -115,14 +115,14 @@ class JobQuery:
     """Describe a query for jobs by their fields and their results.
 
     Attributes:
-        given: Fields with the text that each must have.
+        fields: Fields with the text that each must have.
         wheres: Conditions as they were typed, joined by `and`.
         sort: Field or metric to sort by; `-` before it: largest first.
         limit: Largest number of jobs.
         offset: Number of jobs that are skipped before them.
     """
 
-    given: Mapping[str, str] = field(default_factory=dict)
+    fields: Mapping[str, str] = field(default_factory=dict)
     wheres: Sequence[str] = ()
     sort: str = "-created"
     limit: int = 50
@@ -135,8 +135,8 @@ class JobQuery:
         Raises:
             QueryBad: if one cannot be parsed, or there are too many.
         """
-        given = [Condition(name, "=", value) for name, value in self.given.items()]
-        found = given + [condition for text in self.wheres for condition in parse_conditions(text)]
+        conditions = [Condition(name, "=", value) for name, value in self.fields.items()]
+        found = conditions + [condition for text in self.wheres for condition in parse_conditions(text)]
         if len(found) > MAX_QUERY_CONDITIONS:
             raise QueryBad(f"{len(found)} conditions are more than {MAX_QUERY_CONDITIONS}; use fewer.")
         return found

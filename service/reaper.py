@@ -38,8 +38,8 @@ def acquire_leader_lease(database: Database, name: str, owner: str, seconds: flo
     with database.write() as session:
         is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
         is_free = (LockRow.owner == owner) | is_stale
-        held = update(LockRow).where(LockRow.name == name, is_free).values(owner=owner, until=clock() + seconds)
-        if change_rows(session, held) == 1:
+        statement = update(LockRow).where(LockRow.name == name, is_free).values(owner=owner, until=clock() + seconds)
+        if change_rows(session, statement) == 1:
             return True
         try:
             with session.begin_nested():
@@ -132,8 +132,8 @@ def release_lost_leases(database: Database, mark: str, reason: str) -> None:
         reason: What ended it: the signal or the exit status.
     """
     with database.write() as session:
-        held = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
-        for row in session.scalars(select(JobRow).where(held).with_for_update()):
+        is_running = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
+        for row in session.scalars(select(JobRow).where(is_running).with_for_update()):
             row.lease_until = clock() - 1.0
             record(session, row.id, WORKER_LOST_EVENT, attempt=row.attempts, reason=reason[:200])
 

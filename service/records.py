@@ -128,8 +128,8 @@ class Event(JsonRecord):
         """Return the progress of a stage, if the event reports that."""
         if self.kind != "progress":
             return None
-        told = (self.data.get(name) for name in ("overall", "left_seconds"))
-        whole = (None if value is None else float(value) for value in told)
+        shown = (self.data.get(name) for name in ("overall", "left_seconds"))
+        whole = (None if value is None else float(value) for value in shown)
         return Progress(str(self.data["stage"]), float(self.data["fraction"]), str(self.data["message"]), *whole)
 
     @classmethod
@@ -284,8 +284,8 @@ class JobReport(Job):
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
-    own = ("error", "progress", "delay", "overall")
-    kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in own}
+    other_columns = ("error", "progress", "delay", "overall")
+    kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in other_columns}
     error = Failure(row.error_code, row.error_message or "") if row.error_code else None
     rests = row.state == State.QUEUED and row.delay_code is not None and row.not_before is not None
     delay = Delay(row.delay_code or "", row.not_before or 0.0) if rests else None

@@ -100,26 +100,26 @@ class RemoteBackend(RemoteLibraries):
         """Upload an order's files and create the job; a template that is not a file is sent by its name."""
         settings = order.settings.as_dict()
         template = settings.pop("template")
-        wanted: dict[str, Any] = {
+        payload: dict[str, Any] = {
             "scan": self.upload("scans", order.scan),
             "settings": settings,
         }
-        wanted |= _describe_terms(order.terms) | self._describe_person(order)
+        payload |= _describe_terms(order.terms) | self._describe_person(order)
         if isinstance(order.body, BuiltinWearer):
-            wanted["body"] = order.body.spec
+            payload["body"] = order.body.spec
         elif order.body is not None:
-            wanted["body"] = self.upload("bodies", order.body)
+            payload["body"] = self.upload("bodies", order.body)
         if order.labels is not None:
-            wanted["labels"] = self.upload("labels", order.labels)
+            payload["labels"] = self.upload("labels", order.labels)
         if order.template is not None:
-            wanted["pattern"] = self.upload("patterns", order.template)
+            payload["pattern"] = self.upload("patterns", order.template)
         elif template is not None:
-            wanted["template"] = template
-        return self._submit(wanted, order.terms)
+            payload["template"] = template
+        return self._submit(payload, order.terms)
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Upload an order's files and create the job that works on a stored result."""
-        wanted: dict[str, Any] = {
+        payload: dict[str, Any] = {
             "kind": order.kind,
             "result": self._complete(order.result),
             "options": dict(order.options),
@@ -127,13 +127,13 @@ class RemoteBackend(RemoteLibraries):
             **_describe_terms(order.terms),
         }
         if order.over:  # a service of an earlier version refuses the field
-            wanted["over"] = self._complete(order.over)
-        return self._submit(wanted, order.terms)
+            payload["over"] = self._complete(order.over)
+        return self._submit(payload, order.terms)
 
-    def _submit(self, wanted: dict[str, Any], terms: JobTerms) -> SubmissionResult:
+    def _submit(self, payload: dict[str, Any], terms: JobTerms) -> SubmissionResult:
         """Create a job; a forced one has an idempotency key, so that a repeated request creates no second job."""
         headers = {"idempotency-key": terms.nonce or uuid.uuid4().hex} if terms.force else {}
-        return _read_submitted(self._ask("POST", "/v1/jobs", json=wanted, headers=headers))
+        return _read_submitted(self._ask("POST", "/v1/jobs", json=payload, headers=headers))
 
     def _complete(self, job: str) -> str:
         """Return the complete id of a job from a beginning of it."""
@@ -155,9 +155,9 @@ class RemoteBackend(RemoteLibraries):
         for word, one in order.choices.items():
             pattern = self.upload("patterns", one.template) if one.template is not None else None
             template = None if pattern else one.name
-            own = {"garment": one.garment, "fabric": one.fabric, "lock": one.lock, "cut": one.parts}
-            told = {"pattern": pattern, "template": template, **own}
-            parts[word] = {name: value for name, value in told.items() if value is not None}
+            choices = {"garment": one.garment, "fabric": one.fabric, "lock": one.lock, "cut": one.parts}
+            values = {"pattern": pattern, "template": template, **choices}
+            parts[word] = {name: value for name, value in values.items() if value is not None}
         said = {"as": order.given_as, "wearing": order.wearing, "marks": list(order.marks), "parts": parts}
         return {name: value for name, value in said.items() if value}
 
@@ -184,26 +184,26 @@ class RemoteBackend(RemoteLibraries):
         """Return the progress of some jobs, a thousand a request; with `below`, then of all jobs below them."""
         found: dict[str, Job] = {}
         for start in range(0, len(ids), MAX_JOBS_PER_REQUEST):
-            wanted = {"jobs": list(ids[start : start + MAX_JOBS_PER_REQUEST])} | ({"below": True} if below else {})
-            answer = self._ask("POST", "/v1/jobs/states", json=wanted)
+            payload = {"jobs": list(ids[start : start + MAX_JOBS_PER_REQUEST])} | ({"below": True} if below else {})
+            answer = self._ask("POST", "/v1/jobs/states", json=payload)
             found |= {job.id: job for job in read_all(Job.from_json, answer, "jobs")}
-        known, asked = order_by_ids(ids, found), set(ids)
-        return known + [job for job in found.values() if job.id not in asked]
+        known, requested = order_by_ids(ids, found), set(ids)
+        return known + [job for job in found.values() if job.id not in requested]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the running jobs, then the newest others, each newest first; at most a thousand."""
-        given: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
-        asked = [
-            self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST)}) for one in given
+        conditions: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
+        pages = [
+            self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST)}) for one in conditions
         ]
-        found = {job.id: job for one in asked for job in read_all(JobReport.from_json, one, "jobs")}
+        found = {job.id: job for one in pages for job in read_all(JobReport.from_json, one, "jobs")}
         return list(found.values())[:limit]
 
-    def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
+    def find_jobs(self, terms: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query, which is parsed here before it is sent."""
-        _ = wanted.conditions
-        params = {**wanted.given, "where": list(wanted.wheres), "sort": wanted.sort, "limit": wanted.limit}
-        params |= {"offset": wanted.offset} if wanted.offset else {}
+        _ = terms.conditions
+        params = {**terms.fields, "where": list(terms.wheres), "sort": terms.sort, "limit": terms.limit}
+        params |= {"offset": terms.offset} if terms.offset else {}
         return read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
 
     def poll_events(self, job: str, after: int = 0) -> News:

@@ -26,7 +26,7 @@ class RemoteLibraries:
     def __init__(self, connection: Connection) -> None:
         """Use a connection."""
         self._connection = connection
-        self._ask, self._send = connection.ask, connection.send
+        self._ask, self._send = connection.request, connection.send
 
     def list_templates(self) -> list[Template]:
         """Return shipped and imported templates."""
@@ -76,8 +76,8 @@ class RemoteLibraries:
         self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
     ) -> tuple[Key, str]:
         """Create an API key and return it with its token, which is returned only here."""
-        wanted = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
-        found = self._ask("POST", "/v1/keys", tries=1, json=wanted)
+        payload = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
+        found = self._ask("POST", "/v1/keys", tries=1, json=payload)
         return read(lambda: (Key.from_json(found), str(found["token"])))
 
     def list_keys(self) -> list[Key]:

@@ -108,8 +108,8 @@ def load_checkpoint(database: Database, store: Store, job: str, name: str, kind:
 def list_files(database: Database, job: str) -> list[ArtifactRow]:
     """Return a job's result files by name."""
     with database.read() as session:
-        wanted = (ArtifactRow.job == job) & (ArtifactRow.kind == RESULT)
-        return list(session.scalars(select(ArtifactRow).where(wanted).order_by(ArtifactRow.name)))
+        condition = (ArtifactRow.job == job) & (ArtifactRow.kind == RESULT)
+        return list(session.scalars(select(ArtifactRow).where(condition).order_by(ArtifactRow.name)))
 
 
 def export_files(database: Database, store: Store, job: str, folder: Path, names: Sequence[str] = ()) -> list[Path]:
@@ -146,11 +146,11 @@ def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSet
             chunk = rows[start : start + JOBS_AT_ONCE]
             ids = [row.id for row in chunk]
             found, family = _find_patterns(session, ids), _find_family(session, ids)
-            held = _load_garments(session, ids)
+            garments = _load_garments(session, ids)
             for row in chunk:
                 details = _show_details(session, row, settings)
                 reports.append(JobReport.from_row(row, details=details, **found[row.id], **family[row.id]))
-            del held
+            del garments
     return reports
 
 

@@ -93,7 +93,7 @@ class S3Store(Store):
                 os.replace(self.copy(sha256, Path(folder) / sha256), path)
         return path
 
-    def renew(self, known: StoredFile) -> bool:
+    def renew(self, file: StoredFile) -> bool:
         """Return False: a bucket cannot update a file's time, so every file is put again."""
         return False
 
@@ -131,7 +131,7 @@ class S3Store(Store):
             )
         return _read_body(sha256, answer["Body"])
 
-    def list_kept(self) -> Iterator[StoreEntry]:
+    def list_files(self) -> Iterator[StoreEntry]:
         """Yield every stored file."""
         base = f"{self.prefix}/" if self.prefix else ""
         with _translate_s3_errors(""):

@@ -54,9 +54,9 @@ def begin_session(database: Database, caller: Caller, is_link: bool = False, ear
         if earlier is not None:
             is_past |= SessionRow.hash == hash_token(earlier)
         session.execute(delete(SessionRow).where(is_past))
-        own = (SessionRow.key == caller.key) & (SessionRow.is_link == is_link)
-        kept = select(SessionRow.hash).where(own).order_by(SessionRow.created.desc()).limit(MAX_KEY_SESSIONS - 1)
-        session.execute(delete(SessionRow).where(own, SessionRow.hash.not_in(kept)))
+        condition = (SessionRow.key == caller.key) & (SessionRow.is_link == is_link)
+        kept = select(SessionRow.hash).where(condition).order_by(SessionRow.created.desc()).limit(MAX_KEY_SESSIONS - 1)
+        session.execute(delete(SessionRow).where(condition, SessionRow.hash.not_in(kept)))
         row = {"hash": hash_token(token), "key": caller.key, "is_link": is_link}
         session.add(SessionRow(**row, created=clock(), expires=clock() + seconds))
     return token
@@ -73,9 +73,9 @@ def authenticate_session(database: Database, token: str, is_open: bool) -> Calle
     Raises:
         SessionEnded: if there is no session, it has expired, or its key is no longer valid.
     """
-    asked = select(SessionRow.key).where(SessionRow.hash == hash_token(token), ~SessionRow.is_link)
+    statement = select(SessionRow.key).where(SessionRow.hash == hash_token(token), ~SessionRow.is_link)
     with database.read() as session:
-        key = session.scalar(asked.where(SessionRow.expires > clock()))
+        key = session.scalar(statement.where(SessionRow.expires > clock()))
     if key is None or (not key and (not is_open or has_keys(database))):
         raise SessionEnded()
     try:
@@ -92,8 +92,8 @@ def take_link(database: Database, token: str) -> None:
     """
     meant = delete(SessionRow).where(SessionRow.hash == hash_token(token), SessionRow.is_link)
     with database.write() as session:
-        taken = session.execute(meant.where(SessionRow.expires > clock()).returning(SessionRow.hash)).all()
-    if len(taken) != 1 or has_keys(database):
+        rows = session.execute(meant.where(SessionRow.expires > clock()).returning(SessionRow.hash)).all()
+    if len(rows) != 1 or has_keys(database):
         raise LinkUsed()
 
 
@@ -108,11 +108,11 @@ def make_csrf(token: str) -> str:
     return hmac.new(token.encode(), b"csrf", hashlib.sha256).hexdigest()
 
 
-def check_csrf(token: str, given: str) -> None:
+def check_csrf(token: str, csrf_token: str) -> None:
     """Check the token that came with a change.
 
     Raises:
         CsrfBad: if it is not the session's.
     """
-    if not hmac.compare_digest(make_csrf(token).encode(), given.encode("utf-8", "replace")):
+    if not hmac.compare_digest(make_csrf(token).encode(), csrf_token.encode("utf-8", "replace")):
         raise CsrfBad()

@@ -33,9 +33,9 @@ def defer_stop_signals() -> Iterator[None]:
     """
     came: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()
-    heard = [number for number in STOP_SIGNALS if is_main and signal.getsignal(number) is not signal.SIG_IGN]
+    numbers = [number for number in STOP_SIGNALS if is_main and signal.getsignal(number) is not signal.SIG_IGN]
     try:
-        with handle_signals(heard, lambda number, _: came.append(number)):
+        with handle_signals(numbers, lambda number, _: came.append(number)):
             yield
     finally:  # also after an error: a signal is never lost
         for number in came:

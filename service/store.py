@@ -146,12 +146,12 @@ class Store:
         with source.open("rb") as stream:
             return self.put_stream(stream)
 
-    def renew(self, known: StoredFile) -> bool:
+    def renew(self, file: StoredFile) -> bool:
         """Set a stored file's time to now, so that `remove` keeps it; return False if it is missing or damaged."""
-        path = self.root / known.sha256[:2] / known.sha256[2:]
+        path = self.root / file.sha256[:2] / file.sha256[2:]
         try:
             os.utime(path)  # first: from here on `remove` restores the file
-            if hash_file(path) != known:
+            if hash_file(path) != file:
                 return False
             _flush_folder(path.parent)  # another process may have renamed it into place a moment ago
         except OSError:
@@ -225,18 +225,18 @@ class Store:
             ArtifactMissing: in place of the first block.
             ArtifactDamaged: in place of the last block, if the bytes changed.
         """
-        digest, held = hashlib.sha256(), b""
+        digest, last = hashlib.sha256(), b""
         for block in self.read(sha256, 0, size):
             digest.update(block)
-            if held:
-                yield held
-            held = block
+            if last:
+                yield last
+            last = block
         if digest.hexdigest() != sha256:
             raise ArtifactDamaged()
-        if held:
-            yield held
+        if last:
+            yield last
 
-    def list_kept(self) -> Iterator[StoreEntry]:
+    def list_files(self) -> Iterator[StoreEntry]:
         """Yield every stored file, in no order, without partial ones."""
         for path in self.root.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(ArtifactMissing, FileNotFoundError):

@@ -123,7 +123,7 @@ def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
         return add_job(session, JobRequest(kind, request, scan.sha256, terms=terms))
 
 
-def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
+def add_job(session: Session, order: JobRequest) -> SubmissionResult:
     """Add a job with its first event and outbox row, or return an equal job, requeued if it did not succeed.
 
     Raises:
@@ -131,10 +131,10 @@ def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
         InputNotEnded: if a job that is to be read has no result.
         QueueFull: if the key has reached its number of open jobs.
     """
-    terms = wanted.terms
-    for job in wanted.inputs.values():  # first: an equal job shows the contents of its inputs
+    terms = order.terms
+    for job in order.inputs.values():  # first: an equal job shows the contents of its inputs
         _check_input(session, job, terms.key)
-    dedup = _hash(wanted)
+    dedup = _hash(order)
     take_advisory_lock(session, dedup)  # equal orders at the same time are one job
     row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
     if row is not None:
@@ -146,8 +146,8 @@ def add_job(session: Session, wanted: JobRequest) -> SubmissionResult:
         return SubmissionResult(row.id, False, row.state)
     check_quota(session, terms.key, terms.quota)
     new = NewJob(
-        dedup, wanted.kind, wanted.request, wanted.scan, terms.name, terms.priority, terms.queue, terms.key, terms.tags,
-        wanted.inputs,
+        dedup, order.kind, order.request, order.scan, terms.name, terms.priority, terms.queue, terms.key, terms.tags,
+        order.inputs,
     )  # fmt: skip
     made = create(session, new)
     grant_job(session, terms.key, made.id)
@@ -249,16 +249,16 @@ def _check_input(session: Session, job: str, key: str) -> None:
         raise InputNotEnded(f"job {job} is {row.state}; its result can be read once it has succeeded.")
 
 
-def _hash(wanted: JobRequest) -> str:
+def _hash(order: JobRequest) -> str:
     """Return the hash that equal jobs share: of what is computed, not of the job's name."""
-    terms, request = wanted.terms, _name_fabric(wanted.request)
+    terms, request = order.terms, _name_fabric(order.request)
     value: dict[str, Any] = {"request": request, "version": __version__, "nonce": terms.nonce}
-    if wanted.kind != Recover.name:
-        value["kind"] = wanted.kind
+    if order.kind != Recover.name:
+        value["kind"] = order.kind
     if terms.realm:
         value["realm"] = terms.realm
-    if wanted.inputs:
-        value["inputs"] = dict(wanted.inputs)
+    if order.inputs:
+        value["inputs"] = dict(order.inputs)
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()
 
 

@@ -44,8 +44,8 @@ def import_template(
     """
     from ..core.garment.templates import list_templates
 
-    given = {"source": str(path.absolute())}
-    found = call_limited("garmentq.service.inspect_reading:check_pattern", given, BOUNDS, is_stopped).result
+    arguments = {"source": str(path.absolute())}
+    found = call_limited("garmentq.service.inspect_reading:check_pattern", arguments, BOUNDS, is_stopped).result
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
     keep_template(services.database, services.store, name, path, found["category"], found["panels"])

@@ -43,7 +43,7 @@ class IdempotencyMismatch(BadInput):
 
 
 def keep_upload(
-    database: Database, store: Store, key: str, path: Path, given: tuple[str, str], day_bytes: int | None = None
+    database: Database, store: Store, key: str, path: Path, name_and_kind: tuple[str, str], day_bytes: int | None = None
 ) -> StoredFile:
     """Store an uploaded file, and that this key may use it as its kind; a new name replaces an older one.
 
@@ -52,7 +52,7 @@ def keep_upload(
         store: The store for the file.
         key: Id of the API key, or empty.
         path: The file.
-        given: Its name, and its kind, `scans` for example.
+        name_and_kind: Its name, and its kind, `scans` for example.
         day_bytes: Largest number of bytes that the key may upload in 24 hours; None: unlimited.
 
     Raises:
@@ -64,8 +64,8 @@ def keep_upload(
             lock_key(session, key)
             _check_day(session, key, kept.size, day_bytes, kept.sha256)
         known = session.get(UploadRow, (key, kept.sha256))
-        kinds = sorted({given[1], *(known.kinds if known is not None else ())})
-        row = UploadRow(key=key, sha256=kept.sha256, name=_printable(given[0]), size=kept.size, kinds=kinds)
+        kinds = sorted({name_and_kind[1], *(known.kinds if known is not None else ())})
+        row = UploadRow(key=key, sha256=kept.sha256, name=_printable(name_and_kind[0]), size=kept.size, kinds=kinds)
         row.created = clock()
         session.merge(row)
     return kept
@@ -129,8 +129,8 @@ def begin_idempotent(database: Database, key: str, token: str, request: str) -> 
                 session.add(IdempotencyRow(key=key, token=token, fingerprint=fingerprint, job=None, created=clock()))
             return None
         except IntegrityError:
-            wanted = (IdempotencyRow.key == key) & (IdempotencyRow.token == token)
-            row = session.scalars(select(IdempotencyRow).where(wanted)).one()
+            condition = (IdempotencyRow.key == key) & (IdempotencyRow.token == token)
+            row = session.scalars(select(IdempotencyRow).where(condition)).one()
     if row.fingerprint != fingerprint:
         raise IdempotencyMismatch()
     return row.job

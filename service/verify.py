@@ -56,7 +56,7 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
         StoreUnreachable: if the store is unavailable.
     """
     rows = database.find_damaged()
-    with (database.sound if rows else database).read() as session:
+    with (database.intact if rows else database).read() as session:
         owners: dict[str, list[FileReference]] = {}
         for one in find_file_references(session):
             owners.setdefault(one.sha256, []).append(one)

@@ -50,18 +50,18 @@ def list_versions(database: Database, job: str, owner: str = "") -> list[Version
         found: dict[str, str | None] = {first: None}
         level = [first]
         while level:
-            asked = (
+            statement = (
                 select(JobInputRow.job, JobInputRow.input)
                 .join(JobRow, JobRow.id == JobInputRow.job)
                 .where(JobRow.kind == EDIT, JobInputRow.name == RESULT, JobInputRow.input.in_(level))
             )
-            pairs = session.execute(asked).all()
+            pairs = session.execute(statement).all()
             level = [row.job for row in pairs]
             found |= {row.job: row.input for row in pairs}
-        wanted = select(JobRow).where(JobRow.id.in_(found)).order_by(JobRow.created, JobRow.id)
+        jobs = select(JobRow).where(JobRow.id.in_(found)).order_by(JobRow.created, JobRow.id)
         if owner:
-            wanted = wanted.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
-        rows = session.scalars(wanted).all()
+            jobs = jobs.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
+        rows = session.scalars(jobs).all()
         return [Version(row.id, found[row.id], row.name, row.kind, row.state, row.verdict, row.created) for row in rows]
 
 

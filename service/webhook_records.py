@@ -39,10 +39,10 @@ class Webhook(JsonRecord):
     owed: int
 
     @classmethod
-    def from_row(cls, row: WebhookRow, owed: int) -> Self:
+    def from_row(cls, row: WebhookRow, unsent: int) -> Self:
         """Read a row of the table of webhooks."""
-        told = (row.served or None, row.status, row.error, owed)
-        return cls(row.id, row.key, row.url, [State(state) for state in row.states], row.created, *told)
+        delivery = (row.served or None, row.status, row.error, unsent)
+        return cls(row.id, row.key, row.url, [State(state) for state in row.states], row.created, *delivery)
 
 
 @dataclass(frozen=True)

@@ -93,9 +93,9 @@ def create_webhook(
     """
     check_url(url, networks)
     secret = "whsec_" + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
-    wanted = [state.value for state in sorted(set(states) or ENDED)]
+    state_names = [state.value for state in sorted(set(states) or ENDED)]
     row = WebhookRow(
-        id=secrets.token_hex(6), key=key, url=url, secret=secret, states=wanted, created=clock(), served=0.0,
+        id=secrets.token_hex(6), key=key, url=url, secret=secret, states=state_names, created=clock(), served=0.0,
         taken_until=0.0,
     )  # fmt: skip
     with database.write() as session:
@@ -114,11 +114,11 @@ def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
     """Return the webhooks of a key, or with None all, oldest first."""
     owed = select(func.count()).select_from(DeliveryRow)
     owed = owed.where(DeliveryRow.webhook == WebhookRow.id, DeliveryRow.due.is_not(None))
-    wanted = select(WebhookRow, owed.correlate(WebhookRow).scalar_subquery())
+    statement = select(WebhookRow, owed.correlate(WebhookRow).scalar_subquery())
     if key is not None:
-        wanted = wanted.where(WebhookRow.key == key)
+        statement = statement.where(WebhookRow.key == key)
     with database.read() as session:
-        rows = session.execute(wanted.order_by(WebhookRow.created, WebhookRow.id)).all()
+        rows = session.execute(statement.order_by(WebhookRow.created, WebhookRow.id)).all()
     return [Webhook.from_row(row, count) for row, count in rows]
 
 
@@ -166,15 +166,15 @@ def queue_messages(session: Session, job: str, state: State) -> None:
     """Queue one message for each webhook that may see an ended job, in the transaction that ends the job."""
     owned = exists().where(OwnerRow.job == job, OwnerRow.key == WebhookRow.key)
     hooks = session.scalars(select(WebhookRow).where((WebhookRow.key == "") | owned, _is_valid())).all()
-    wanted = [hook.id for hook in hooks if state in hook.states]
-    if not wanted:
+    hook_ids = [hook.id for hook in hooks if state in hook.states]
+    if not hook_ids:
         return
     names = ("name", "kind", "family", "parent", "verdict", "error_code", "error_message")
-    asked = select(*(getattr(JobRow, name) for name in names), clock().label("at")).where(JobRow.id == job)
-    row = session.execute(asked).one()
+    statement = select(*(getattr(JobRow, name) for name in names), clock().label("at")).where(JobRow.id == job)
+    row = session.execute(statement).one()
     error = {"code": row.error_code, "message": row.error_message} if row.error_code else None
     shown = {"job": job, "state": state, **{name: getattr(row, name) for name in names[:5]}, "error": error}
-    for hook in wanted:
+    for hook in hook_ids:
         mark = uuid.uuid4().hex
         body = {"id": mark, "type": f"job.{state}", "at": row.at, "job": shown}
         session.add(DeliveryRow(id=mark, webhook=hook, job=job, body=body, created=clock(), due=clock(), tries=0))
@@ -189,12 +189,12 @@ def has_due(database: Database) -> bool:
 @skip_damaged_rows
 def claim_due_messages(database: Database, most: int) -> list[Message]:
     """Claim some messages to send, one for each webhook, the webhook served longest ago first."""
-    wanted = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
+    hooks = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
     found = []
     with database.write() as session:
-        for hook in session.scalars(wanted.limit(most).with_for_update(skip_locked=True)).all():
-            own = select(DeliveryRow).where(DeliveryRow.webhook == hook.id, _is_due())
-            row = session.scalars(own.order_by(DeliveryRow.due, DeliveryRow.created).limit(1)).one()
+        for hook in session.scalars(hooks.limit(most).with_for_update(skip_locked=True)).all():
+            messages = select(DeliveryRow).where(DeliveryRow.webhook == hook.id, _is_due())
+            row = session.scalars(messages.order_by(DeliveryRow.due, DeliveryRow.created).limit(1)).one()
             hook.taken_until, hook.served = clock() + TAKEN_SECONDS, clock()
             found.append(Message(row.id, hook.url, hook.secret, row.body))
     return found
@@ -224,9 +224,9 @@ def find_pause(tries: int) -> float:
 def forget_messages(database: Database) -> int:
     """Delete messages that ended long ago, or whose key is no longer valid; return how many rows."""
     over = DeliveryRow.due.is_(None) & (DeliveryRow.created < clock() - KEPT_SECONDS)
-    gone = DeliveryRow.webhook.in_(select(WebhookRow.id).where(~_is_valid()))
+    is_orphan = DeliveryRow.webhook.in_(select(WebhookRow.id).where(~_is_valid()))
     with database.write() as session:
-        return change_rows(session, delete(DeliveryRow).where(over | gone))
+        return change_rows(session, delete(DeliveryRow).where(over | is_orphan))
 
 
 def _is_due() -> ColumnElement[bool]:

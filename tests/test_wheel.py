@@ -123,7 +123,7 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.motion.shipped import SHIPPED_MOTIONS, find_shipped_motion
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.templates import list_templates, load_draped_template, load_template
-from garmentq.core.people.learnt import load_ensemble
+from garmentq.core.people.networks import load_ensemble
 from garmentq.service.pages.static_files import FOLDER, VENDORED
 
 assert builtin_body("builtin:male,height=1.80").vertices.shape[1] == 3

@@ -16,10 +16,9 @@ import numpy as np
 
 from ..core.people.coat import Coat, find_coat
 from ..core.people.colour import link_alike
-from ..core.people.crumbs import relabel_small_pieces
 from ..core.people.diffusion import Links, link_points
 from ..core.people.features import Features, describe_points
-from ..core.people.learnt import (
+from ..core.people.networks import (
     Network,
     NetworkEnsemble,
     find_limb_cells,
@@ -40,6 +39,7 @@ from ..core.people.part import GARMENTS, Part
 from ..core.people.points import PersonPoints, sample_person
 from ..core.people.rules import tell_by_rules
 from ..core.people.separate import smooth_parts
+from ..core.people.small_pieces import relabel_small_pieces
 from ..core.people.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit

@@ -24,7 +24,7 @@ from ..core.body.registration import body_of_state
 from ..core.body.template import load_template, rotations_of
 from ..core.people.diffusion import link_points
 from ..core.people.features import FEATURE_LAYOUT_VERSION, describe_points
-from ..core.people.learnt import network_inputs, parts_to_kinds
+from ..core.people.networks import network_inputs, parts_to_kinds
 from ..core.people.points import PersonPoints, sample_person
 from ..core.people.rules import tell_by_rules
 from ..core.people.separate import fit_below_clothes

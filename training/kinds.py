@@ -16,13 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..core.people.features import FEATURE_LAYOUT_VERSION
-from ..core.people.learnt import (
-    LimbCells,
-    Network,
-    NetworkEnsemble,
-    kinds_to_parts,
-    parts_to_kinds,
-)
+from ..core.people.networks import LimbCells, Network, NetworkEnsemble, kinds_to_parts, parts_to_kinds
 from .describe import Described
 from .judge import Judged, judge
 from .network import PersonNetwork
@@ -49,7 +43,7 @@ def measure_committee(committee: NetworkEnsemble, scans: list[Described]) -> Jud
     found = []
     for scan in scans:
         cells = LimbCells.of(scan.limb, scan.station, *front_and_side(scan))
-        found.append(kinds_to_parts(committee.tell(scan.kind_inputs, parts_to_kinds(scan.rules), cells), scan.share))
+        found.append(kinds_to_parts(committee.predict(scan.kind_inputs, parts_to_kinds(scan.rules), cells), scan.share))
     return judge(found, [scan.label for scan in scans])
 
 

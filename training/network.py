@@ -1,4 +1,4 @@
-"""The network of `core/people/learnt.py` in torch, to be trained, and its weights as a file."""
+"""The network of `core/people/networks.py` in torch, to be trained, and its weights as a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ import torch
 from torch import nn
 
 from ..core.people.features import FEATURE_LAYOUT_VERSION
-from ..core.people.learnt import (
+from ..core.people.limbs import Limb
+from ..core.people.networks import (
     EXCHANGE_ROUND_COUNT,
     FILTER_DILATIONS,
     KINDS,
@@ -26,7 +27,6 @@ from ..core.people.learnt import (
     LimbCells,
     Network,
 )
-from ..core.people.limbs import Limb
 from ..core.people.part import GARMENTS, PARTS
 
 WIDTH = 48

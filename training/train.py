@@ -17,10 +17,10 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from ..core.people import learnt
+from ..core.people import networks as learnt
 from ..core.people.features import FEATURE_LAYOUT_VERSION, FEATURE_LENGTH_SCALE, FEATURE_NAMES
-from ..core.people.learnt import KIND_OF_COLUMN, KINDS, LimbCells, kinds_to_parts, parts_to_kinds
 from ..core.people.limbs import Limb
+from ..core.people.networks import KIND_OF_COLUMN, KINDS, LimbCells, kinds_to_parts, parts_to_kinds
 from ..core.people.part import GARMENTS, PARTS
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described

@@ -19,7 +19,7 @@ from ..core.garment.templates import draft_template
 from ..core.geometry.connectivity import HalfEdges
 from ..core.people.part import Part
 from ..core.recover.drape.dress import DressSettings, dress, waist_loop
-from ..core.recover.drape.follow import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
+from ..core.recover.drape.pbd import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
 from ..core.recover.drape.sizing import measure_wearer
 from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
@@ -185,7 +185,9 @@ def put_on(pieces: list[Piece], rest: Body) -> list[Worn]:
         try:
             garment = mesh_pattern(draft_template(piece.template, piece.measures), NODES)
             threads = build_distance_constraints(garment)
-            nodes = dress(garment, rest, Over.of(rest, grid, over), settings=DressSettings(iron=False), threads=threads)
+            nodes = dress(
+                garment, rest, Over.of(rest, grid, over), settings=DressSettings(unfold=False), threads=threads
+            )
         except (GarmentqError, RuntimeError, ValueError):
             continue
         if not np.isfinite(nodes).all():
@@ -265,7 +267,7 @@ def take_pose(worn: list[Worn], body: Body, grid: DistanceGrid, rng: np.random.G
         around = Over.of(body, grid, one.heights)
         nodes = skin(one.nodes, weights_at(body, one.nodes, rest=True), body.transforms)
         start = PbdState.at_rest(nodes)
-        nodes = simulate_pbd(one.threads, start, around, FALL, gravity=9.81, held=waist_loop(one.garment)).nodes
+        nodes = simulate_pbd(one.threads, start, around, FALL, gravity=9.81, pins=waist_loop(one.garment)).nodes
         if not np.isfinite(nodes).all():
             continue
         layers.append(Layer(one.piece.part, _finish(one, nodes, around, body, rng)))

@@ -58,29 +58,29 @@ class CourierAway(Unavailable):
 @contextmanager
 def _stop_event() -> Iterator[Event]:
     """Yield an event that is set when this process receives a stop signal; messages being sent are still completed."""
-    told = Event()
+    stop = Event()
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
-    heard = [number for number in STOP_SIGNALS if not (is_kept and number is signal.SIGHUP)]
-    with handle_signals(heard, lambda *_: told.set()):
-        yield told
+    numbers = [number for number in STOP_SIGNALS if not (is_kept and number is signal.SIGHUP)]
+    with handle_signals(numbers, lambda *_: stop.set()):
+        yield stop
 
 
 async def deliver(
-    database: Database, networks: str, seconds: float = MAX_COURIER_RUNTIME, told: Event | None = None
+    database: Database, networks: str, seconds: float = MAX_COURIER_RUNTIME, stop: Event | None = None
 ) -> int:
-    """Send due messages until none is left, the time is up, or `told` is set.
+    """Send due messages until none is left, the time is up, or `stop` is set.
 
     Args:
         database: The messages' database.
         networks: Non-public networks that webhooks may reach.
         seconds: Longest run time [s].
-        told: Event that ends the run.
+        stop: Event that ends the run.
 
     Returns:
         How many messages were sent.
     """
-    until, sent, told = time.monotonic() + seconds, 0, told or Event()
-    while time.monotonic() < until and not told.is_set() and (batch := claim_due_messages(database, AT_ONCE)):
+    until, sent, stop = time.monotonic() + seconds, 0, stop or Event()
+    while time.monotonic() < until and not stop.is_set() and (batch := claim_due_messages(database, AT_ONCE)):
         receipts = await asyncio.gather(*(send(message, networks) for message in batch))
         for message, receipt in zip(batch, receipts, strict=True):
             note_receipt(database, message.id, receipt)
@@ -94,14 +94,14 @@ def run_courier(settings: ServiceSettings) -> None:
     set_up_logs(bool(settings.log_json))
     database = open_database(settings, pooled=False)
     try:
-        with _stop_event() as told:
-            while not told.is_set():
+        with _stop_event() as stop:
+            while not stop.is_set():
                 try:
-                    asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS, told))
+                    asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS, stop))
                     _heartbeat_path(settings).touch()
                 except GarmentqError as error:
                     log.warning("messages wait: %s", error)
-                told.wait(settings.poll_seconds)
+                stop.wait(settings.poll_seconds)
     finally:
         _heartbeat_path(settings).unlink(missing_ok=True)
         database.dispose()
@@ -133,8 +133,8 @@ def main() -> int:
     set_up_logs(bool(settings.log_json))
     database = Database(settings.database, pooled=False)
     try:
-        with _stop_event() as told:
-            asyncio.run(deliver(database, settings.webhook_networks, MAX_COURIER_RUNTIME, told))
+        with _stop_event() as stop:
+            asyncio.run(deliver(database, settings.webhook_networks, MAX_COURIER_RUNTIME, stop))
     except GarmentqError as error:
         log.warning("messages wait: %s", error)
         return 1

@@ -62,7 +62,7 @@ def persist(write: Callable[[], T], watch: LeaseKeeper) -> T:
         Unavailable: if the outage lasts longer, or the job must stop.
         FenceLost: if another worker has taken the job over.
     """
-    deadline, told = time.monotonic() + MAX_OUTAGE_PAUSE, ""
+    deadline, reported = time.monotonic() + MAX_OUTAGE_PAUSE, ""
     while True:
         try:
             done = write()
@@ -71,11 +71,11 @@ def persist(write: Callable[[], T], watch: LeaseKeeper) -> T:
             is_patient = isinstance(outage, DatabaseUnreachable) or time.monotonic() < deadline
             if outage is None or watch.reason or not is_patient:
                 raise
-            if outage.code != told:
+            if outage.code != reported:
                 log.warning("a write waits: %s", outage)
-                told = _report_outage(watch.database, outage)
+                reported = _report_outage(watch.database, outage)
         else:
-            if told:
+            if reported:
                 end_outages(watch.database, socket.gethostname())
             return done
         time.sleep(AWAY_SECONDS)

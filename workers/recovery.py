@@ -76,114 +76,114 @@ def run_job(
     store = open_store(settings, must_exist=True)
     try:
         ready = wait_for_store(settings, database, store, is_draining)
-        held = claim_next(database, wakeup, owner, settings.lease_seconds) if ready else None
+        claim = claim_next(database, wakeup, owner, settings.lease_seconds) if ready else None
     except (DatabaseUnreachable, RowDamaged) as error:
         log.warning("no job is started: %s", error)
-        held = None
-    if held is None:
+        claim = None
+    if claim is None:
         return "unclaimed"
-    note = make_note(held)
-    log.info("job %s attempt %d starts", held.job, held.attempt, extra=note)
+    note = make_note(claim)
+    log.info("job %s attempt %d starts", claim.job, claim.attempt, extra=note)
 
     def force(reason: str) -> None:
         """End this process, whose job does not stop; its work since the last checkpoint is lost."""
-        log.warning("job %s does not stop (%s): its process ends", held.job, reason, extra=note)
+        log.warning("job %s does not stop (%s): its process ends", claim.job, reason, extra=note)
         try:
-            _stop(database, held, reason, settings.max_seconds)
+            _stop(database, claim, reason, settings.max_seconds)
         except GarmentqError as error:
             log.warning("%s", error, extra=note)
         finally:
             os._exit(FORCED_EXIT_STATUS)
 
     times = (settings.lease_seconds, settings.poll_seconds, settings.max_seconds)
-    watch = LeaseKeeper(database, held, *times, is_draining, settings.grace_seconds, force)
+    watch = LeaseKeeper(database, claim, *times, is_draining, settings.grace_seconds, force)
     try:
         with watch:
-            outcome = _work(Services(settings, database, store), held, watch)
+            outcome = _work(Services(settings, database, store), claim, watch)
     except FenceLost:
         outcome = "lost"
     except (DatabaseUnreachable, RowDamaged) as error:
         outcome = "lost"
-        log.warning("job %s: %s", held.job, error, extra=note)
-    log.info("job %s: %s", held.job, outcome, extra=note)
+        log.warning("job %s: %s", claim.job, error, extra=note)
+    log.info("job %s: %s", claim.job, outcome, extra=note)
     return outcome
 
 
-def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
+def make_note(claim: Claim, stage: str = "") -> dict[str, Any]:
     """Return the fields of a structured log line."""
-    return {"job": held.job, "attempt": held.attempt, "stage": stage}
+    return {"job": claim.job, "attempt": claim.attempt, "stage": stage}
 
 
-def _work(services: Services, held: Claim, watch: LeaseKeeper) -> str:
+def _work(services: Services, claim: Claim, watch: LeaseKeeper) -> str:
     settings, database, store = services.settings, services.database, services.store
     try:
-        with work_folder(settings.home / "work", held.job) as folder:
+        with work_folder(settings.home / "work", claim.job) as folder:
             limit_threads(settings.threads)
-            kind, request, work, turned = _begin(services, held, watch, folder / "1")
+            kind, request, work, turned = _begin(services, claim, watch, folder / "1")
             if turned is not None:
-                held = persist(partial(change_kind, database, held, turned.kind, turned.request), watch)
-                kind, request, work, _ = _begin(services, held, watch, folder / "2")
-            pace = learn_pace(database, held.kind, held.request, kind.stages)
-            result = kind.run(request, work, make_hooks(database, store, held, watch, pace))
+                claim = persist(partial(change_kind, database, claim, turned.kind, turned.request), watch)
+                kind, request, work, _ = _begin(services, claim, watch, folder / "2")
+            pace = learn_pace(database, claim.kind, claim.request, kind.stages)
+            result = kind.run(request, work, make_hooks(database, store, claim, watch, pace))
             if watch.reason in ("lost", "cancelled"):
-                return _stop(database, held, watch.reason, settings.max_seconds)
-            return persist(partial(store_result, database, store, held, kind, result, work.out), watch)
+                return _stop(database, claim, watch.reason, settings.max_seconds)
+            return persist(partial(store_result, database, store, claim, kind, result, work.out), watch)
     except FenceLost:
         raise
     except BaseException as error:
         if watch.reason:
-            return _stop(database, held, watch.reason, settings.max_seconds)
+            return _stop(database, claim, watch.reason, settings.max_seconds)
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
         if (outage := find_outage(error)) is not None:
-            return _reschedule(settings, database, held, outage, watch)
-        persist(partial(_fail, database, held, error), watch)
+            return _reschedule(settings, database, claim, outage, watch)
+        persist(partial(_fail, database, claim, error), watch)
         return State.FAILED
 
 
 def _begin(
-    services: Services, held: Claim, watch: LeaseKeeper, folder: Path
+    services: Services, claim: Claim, watch: LeaseKeeper, folder: Path
 ) -> tuple[Kind, Any, RunContext, KindChange | None]:
     """Copy and check a job's files, and find whether they belong to another kind."""
     settings, database = services.settings, services.database
-    kind = find_kind(settings, held.kind)
-    request = read_request(kind.request, held.request)
-    work = unpack(services, held, folder, kind, request)
-    hooks = make_hooks(database, services.store, held, watch)
+    kind = find_kind(settings, claim.kind)
+    request = read_request(kind.request, claim.request)
+    work = unpack(services, claim, folder, kind, request)
+    hooks = make_hooks(database, services.store, claim, watch)
     if work.files.is_dir() and (checker := kind.checker(settings)):
         hooks.progress(STAGE, 0.0, "reading and checking the files")
-        found = check_files(checker, held.request, work.files, hooks.is_cancelled)
-        persist(partial(note_checked, database, held, found), watch)
+        found = check_files(checker, claim.request, work.files, hooks.is_cancelled)
+        persist(partial(note_checked, database, claim, found), watch)
     return kind, request, work, kind.turn(request, work, hooks)
 
 
-def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
+def _stop(database: Database, claim: Claim, reason: str, seconds: float) -> str:
     """End an attempt that must stop."""
     if reason == "cancelled":
-        end_cancelled(database, held)
+        end_cancelled(database, claim)
     elif reason == "released":
-        release(database, held)
+        release(database, claim)
     elif reason == "too_long":
         message = (
             f"the job took longer than {seconds:g} s; use fewer --vertices or a shorter motion, "
             "or raise GARMENTQ_MAX_SECONDS."
         )
-        fail(database, held, JobTooLong.code, message, bad_input=False)
+        fail(database, claim, JobTooLong.code, message, bad_input=False)
         return State.FAILED
     return reason
 
 
 def _reschedule(
-    settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: LeaseKeeper
+    settings: ServiceSettings, database: Database, claim: Claim, outage: Unavailable, watch: LeaseKeeper
 ) -> str:
     """Return a job that met an outage to the queue, and record the outage for the display of workers."""
-    log.warning("job %s is rescheduled: %s", held.job, outage, extra=make_note(held))
+    log.warning("job %s is rescheduled: %s", claim.job, outage, extra=make_note(claim))
     persist(partial(note_outage, database, socket.gethostname(), outage.code), watch)
-    persist(partial(reschedule, database, held, outage, settings.pause_seconds), watch)
+    persist(partial(reschedule, database, claim, outage, settings.pause_seconds), watch)
     return "put_off"
 
 
-def _fail(database: Database, held: Claim, error: BaseException) -> None:
+def _fail(database: Database, claim: Claim, error: BaseException) -> None:
     if isinstance(error, GarmentqError):
         code, message = error.code, show_message(error)
     elif is_memory_short(error):
@@ -195,8 +195,8 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
             f"{type(error).__name__}: a fault of garmentq; please report it with the worker's log.",
         )
     if not isinstance(error, BadInput) or is_service_error(error):
-        log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
-    fail(database, held, code, message, isinstance(error, BadInput))
+        log.error("job %s failed:\n%s", claim.job, "".join(traceback.format_exception(error)), extra=make_note(claim))
+    fail(database, claim, code, message, isinstance(error, BadInput))
 
 
 @contextmanager
@@ -209,7 +209,7 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: Any) -> RunContext:
+def unpack(services: Services, claim: Claim, folder: Path, kind: Kind, request: Any) -> RunContext:
     """Copy a job's files, each into a folder of its own, and the results of other jobs that it reads.
 
     Raises:
@@ -217,16 +217,16 @@ def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: A
     """
     work = RunContext(services.settings, folder / "files", {}, folder / "result")
     work.out.mkdir(parents=True)
-    for field, file in find_files(held.request):
+    for field, file in find_files(claim.request):
         services.store.copy(file.sha256, work.files / field / file.name)
-    inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(held.inputs)}
+    inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(claim.inputs)}
     for name, place in inputs.items():
         names = kind.choose_input(request, name)
-        export_files(services.database, services.store, held.inputs[name], place, names)
+        export_files(services.database, services.store, claim.inputs[name], place, names)
     return replace(work, inputs=inputs)
 
 
-def make_hooks(database: Database, store: Store, held: Claim, watch: LeaseKeeper, pace: Pace = Pace()) -> Hooks:  # noqa: B008
+def make_hooks(database: Database, store: Store, claim: Claim, watch: LeaseKeeper, pace: Pace = Pace()) -> Hooks:  # noqa: B008
     """Return hooks that write progress and checkpoints to the job's row; `pace` estimates the overall progress."""
     pacer = ProgressEstimator(pace)
     last: dict[str, Any] = {"stage": "", "at": 0.0}
@@ -236,22 +236,22 @@ def make_hooks(database: Database, store: Store, held: Claim, watch: LeaseKeeper
         if stage == last["stage"] and fraction < 1.0 and now - last["at"] < REPORT_SECONDS:
             return
         last.update(stage=stage, at=now)
-        log.debug("job %s: %s %.2f", held.job, stage, fraction, extra=make_note(held, stage))
-        with tolerate_outage(held.job, make_note(held, stage)):
-            report(database, held, pacer.note(stage, fraction, message))
+        log.debug("job %s: %s %.2f", claim.job, stage, fraction, extra=make_note(claim, stage))
+        with tolerate_outage(claim.job, make_note(claim, stage)):
+            report(database, claim, pacer.note(stage, fraction, message))
 
     def save(name: str, arrays: Arrays) -> None:
         buffer = io.BytesIO()
         np.savez(buffer, **{key: np.asarray(value) for key, value in arrays.items()})  # type: ignore[arg-type]
-        with tolerate_outage(held.job, make_note(held, last["stage"])):
-            save_checkpoint(database, store, held, name, buffer.getvalue())
+        with tolerate_outage(claim.job, make_note(claim, last["stage"])):
+            save_checkpoint(database, store, claim, name, buffer.getvalue())
 
     def load(name: str) -> Arrays | None:
         for kind in (CHECKPOINT, PREVIOUS):
             try:
-                content = load_checkpoint(database, store, held.job, name, kind)
+                content = load_checkpoint(database, store, claim.job, name, kind)
             except (ArtifactDamaged, ArtifactMissing):
-                log.warning("job %s: %s '%s' is damaged", held.job, kind, name, extra=make_note(held, last["stage"]))
+                log.warning("job %s: %s '%s' is damaged", claim.job, kind, name, extra=make_note(claim, last["stage"]))
                 continue
             if content is not None:
                 with np.load(io.BytesIO(content), allow_pickle=False) as arrays:

@@ -79,13 +79,13 @@ class DispatcherStep(bootsteps.StartStopStep):
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         # A dying child's pipe closes a moment before the system reports its end; Celery would check again after 5 s.
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
-        self.showed, self.forgot = 0.0, -FORGET_OLD_SECONDS
+        self.last_heartbeat, self.last_purge = 0.0, -FORGET_OLD_SECONDS
         self.courier: int | None = None
-        self.leaps = ClockJumpGuard(self.settings.lease_seconds)
-        self.began = time.monotonic()
-        if parent.app.garmentq_goes_home and self.settings.idle_seconds:
+        self.clock_guard = ClockJumpGuard(self.settings.lease_seconds)
+        self.started = time.monotonic()
+        if parent.app.garmentq_exits_if_idle and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
-            parent.timer.call_repeatedly(period, self._go_home_if_idle)
+            parent.timer.call_repeatedly(period, self._exit_if_idle)
 
     def stop(self, parent: Any) -> None:
         """Release the leader lease at once; the parent's timers continue while its children finish."""
@@ -100,14 +100,14 @@ class DispatcherStep(bootsteps.StartStopStep):
 
     def _round(self) -> None:
         try:
-            if time.monotonic() - self.showed > LIFE_SECONDS:
+            if time.monotonic() - self.last_heartbeat > LIFE_SECONDS:
                 queues, concurrency = self.app.garmentq_strength
                 record_heartbeat(self.database, self.name, queues, concurrency, FORGET_SECONDS)
-                self.showed = time.monotonic()
+                self.last_heartbeat = time.monotonic()
             if acquire_leader_lease(self.database, DISPATCHER_LEASE, self.name, LEADER_LEASE_TIME):
                 clamp_future_times(self.database)
-                self.leaps.note(read_clock(self.database))
-                if self.leaps.is_steady:
+                self.clock_guard.note(read_clock(self.database))
+                if self.clock_guard.is_steady:
                     reap(self.database, self.settings.max_attempts)
                 release_waiting_jobs(self.database)
                 republish_stalled_jobs(
@@ -115,12 +115,12 @@ class DispatcherStep(bootsteps.StartStopStep):
                 )
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
                 self._send_messages()
-                if time.monotonic() - self.forgot > FORGET_OLD_SECONDS:
-                    self.forgot = time.monotonic()
+                if time.monotonic() - self.last_purge > FORGET_OLD_SECONDS:
+                    self.last_purge = time.monotonic()
                     forget_accesses(self.database)
                     forget_messages(self.database)
         except DatabaseUnreachable as error:
-            self.leaps.note_outage()
+            self.clock_guard.note_outage()
             log.warning("a round of the dispatcher failed: %s", error)
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
@@ -130,9 +130,9 @@ class DispatcherStep(bootsteps.StartStopStep):
         if self.settings.send_messages and (self.courier is None or has_ended(self.courier)) and has_due(self.database):
             self.courier = start_courier(self.settings, dict(os.environ))
 
-    def _go_home_if_idle(self) -> None:
+    def _exit_if_idle(self) -> None:
         """Stop an embedded worker after `idle_seconds` without a job, counted from its start at the earliest."""
-        if time.monotonic() - self.began < self.settings.idle_seconds:
+        if time.monotonic() - self.started < self.settings.idle_seconds:
             return
         try:
             if is_idle(self.database, self.settings.idle_seconds):
@@ -165,7 +165,7 @@ def run_worker(
     app = make_app(settings)
     app.garmentq_settings = settings
     app.garmentq_strength = (",".join(queues), concurrency)
-    app.garmentq_goes_home = lock is not None
+    app.garmentq_exits_if_idle = lock is not None
     draining = multiprocessing.RawValue("b", 0)
     _register(app, settings, draining, lock)
     app.steps["worker"].add(DispatcherStep)
@@ -212,8 +212,8 @@ def limit_job_memory(megabytes: int) -> None:
     """Limit the memory that this process may allocate; mapped libraries and child processes do not count."""
     if megabytes and sys.platform == "linux":
         hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
-        wanted = megabytes * 10**6
-        soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        limit = megabytes * 10**6
+        soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
         resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
@@ -223,13 +223,13 @@ def _ignore_signal(number: int, frame: object) -> None:
 
 def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int | None) -> None:
     """Add the task and the initialisation of a child; `draining` is memory that parent and children share."""
-    held: dict[str, Database] = {}
+    state: dict[str, Database] = {}
 
     @app.task(name=TASK, ignore_result=True, bind=True)
     def recover(task: Any, job: str) -> str:
         for number in (signal.SIGTERM, signal.SIGHUP):  # sent to a whole unit or terminal; the parent stops us
             signal.signal(number, _ignore_signal)
-        return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
+        return run_job(settings, state["database"], job, lambda: bool(draining.value), task.request.id)
 
     @signals.task_failure.connect(weak=False)
     def release_leases(task_id: str = "", exception: Any = None, **_: Any) -> None:
@@ -249,7 +249,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
             os.close(lock)  # a child that outlives a killed parent must not pass for a running worker
         limit_threads(settings.threads)
         limit_job_memory(settings.job_memory_mb)
-        held["database"] = Database(settings.database)
+        state["database"] = Database(settings.database)
 
     @signals.worker_shutting_down.connect(weak=False)
     def drain(**_: Any) -> None:

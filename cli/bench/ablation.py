@@ -170,8 +170,10 @@ class _Stage:
         from ...core.recover.fit.inverse import fit_inverse
         from ...core.recover.state import made
 
-        few = InverseSettings(iterations=ABLATION_ADAM_ITERATIONS[0], fabric_iterations=ABLATION_ADAM_ITERATIONS[1])
-        found = made(fit_inverse(self.case, self.graded, replace(few, **switch.descent)).garment)
+        settings = InverseSettings(
+            iterations=ABLATION_ADAM_ITERATIONS[0], fabric_iterations=ABLATION_ADAM_ITERATIONS[1]
+        )
+        found = made(fit_inverse(self.case, self.graded, replace(settings, **switch.descent)).garment)
         return self._measure(found, found.nodes)
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
@@ -193,8 +195,8 @@ class _Stage:
         from .packs import read_true_mesh
 
         truth = read_true_mesh(self.pack)
-        ours = VertexCloud(nodes, vertex_normals(nodes, garment.faces))
-        chamfer, cosine = chamfer_and_normals(ours, VertexCloud(truth[0], vertex_normals(*truth)))
+        cloud = VertexCloud(nodes, vertex_normals(nodes, garment.faces))
+        chamfer, cosine = chamfer_and_normals(cloud, VertexCloud(truth[0], vertex_normals(*truth)))
         found = dict(zip(KEY_METRICS, (1e3 * chamfer, cosine), strict=True))
         crossing = float(len(self_intersections(nodes, garment.faces)))
         distances = measure_distance(nodes, garment.faces, *truth, samples=ABLATION_SAMPLE_COUNT)
@@ -234,9 +236,9 @@ def print_ablation(lines: Sequence[Line]) -> None:
 
 def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
     """Yield for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
-    ours = {line["target"]: line["metrics"] for line in lines if line["setting"] == OURS and line["ok"]}
+    hybrid = {line["target"]: line["metrics"] for line in lines if line["setting"] == OURS and line["ok"]}
     for line in lines:
-        known = ours.get(line["target"])
+        known = hybrid.get(line["target"])
         if line["setting"] == OURS or not line["ok"] or known is None:
             yield line, "" if line["ok"] else "failed"
             continue

@@ -53,11 +53,11 @@ def cut_holes(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Gener
 
     def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
         area, centres = face_areas(vertices, faces), vertices[faces].mean(axis=1)
-        kept = np.ones(len(faces), bool)
-        while area[~kept].sum() < share * area.sum():
+        is_kept = np.ones(len(faces), bool)
+        while area[~is_kept].sum() < share * area.sum():
             place = centres[rng.choice(len(faces), p=area / area.sum())]
-            kept &= np.linalg.norm(centres - place, axis=1) > rng.uniform(*HOLE_RADII)
-        return vertices, faces[kept]
+            is_kept &= np.linalg.norm(centres - place, axis=1) > rng.uniform(*HOLE_RADII)
+        return vertices, faces[is_kept]
 
     return apply
 
@@ -67,9 +67,9 @@ def add_outliers(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Ge
 
     def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
         moved = rng.random(len(vertices)) < share
-        away = rng.standard_normal((int(moved.sum()), 3))
+        direction = rng.standard_normal((int(moved.sum()), 3))
         vertices = vertices.copy()
-        vertices[moved] += OUTLIER_DISTANCE * away / np.linalg.norm(away, axis=1, keepdims=True)
+        vertices[moved] += OUTLIER_DISTANCE * direction / np.linalg.norm(direction, axis=1, keepdims=True)
         return vertices, faces
 
     return apply

@@ -184,9 +184,9 @@ def print_study(lines: Sequence[Line]) -> None:
             line = found.get((target, damage, preset), empty_line(target, damage, preset))
             values = [line["metrics"].get(name) for name in SHOWN_METRICS[:3]]
             row += [None if value is None else float(f"{value:.3g}") for value in values]
-        own = found[target, damage, presets[0]]
-        note = own["error"]["code"] if own["error"] else "as clean" if own["same_as_clean"] else ""
-        rows.append([*row, ", ".join([note, *own["untrusted"]]).strip(", ")])
+        undamaged = found[target, damage, presets[0]]
+        note = undamaged["error"]["code"] if undamaged["error"] else "as clean" if undamaged["same_as_clean"] else ""
+        rows.append([*row, ", ".join([note, *undamaged["untrusted"]]).strip(", ")])
     columns = ["target", "damage", *(f"{preset} {name}" for preset in presets for name in ("s2t", "t2s", "normal"))]
     print_table([*columns, "note"], rows, title="Damage (mm to the clean truth; listed contours are not trusted)")
     for preset in presets:

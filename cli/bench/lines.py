@@ -51,6 +51,6 @@ def answer_order(arguments: Sequence[str], kind: type[T], run: Callable[[T], Lin
         kind: The dataclass of the order.
         run: Runs the order.
     """
-    given, answer = (Path(name) for name in arguments)
-    line = run(kind(**json.loads(given.read_text(encoding="utf-8"))))
+    order, answer = (Path(name) for name in arguments)
+    line = run(kind(**json.loads(order.read_text(encoding="utf-8"))))
     answer.write_text(json.dumps(line, allow_nan=False), encoding="utf-8")

@@ -16,7 +16,7 @@ from ...core.judge.matching import PanelPair, match_panels, mirror_outline, orie
 from ...core.judge.outlines import fit_outline
 from ...core.judge.patterns import measure_seams
 from ...core.judge.true_pattern import TruePanel, TruePattern
-from ...core.judge.turning import turning_distance
+from ...core.judge.turning_distance import turning_distance
 from ...core.run.units import MM_PER_M
 
 MAX_BAND_WIDTH = 0.12

@@ -47,10 +47,10 @@ def find_edges(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """
     if len(faces):
         return HalfEdges.of(faces, len(points)).edges
-    distance, near = cKDTree(points).query(points, k=CLOUD_EDGE_COUNT + 1)
-    own = np.repeat(np.arange(len(points)), CLOUD_EDGE_COUNT)
+    distance, neighbours = cKDTree(points).query(points, k=CLOUD_EDGE_COUNT + 1)
+    origin = np.repeat(np.arange(len(points)), CLOUD_EDGE_COUNT)
     close = distance[:, 1:].ravel() <= MAX_CLOUD_EDGE_RATIO * np.median(distance[:, 1:])
-    pairs = np.sort(np.stack([own, near[:, 1:].ravel()], axis=1)[close], axis=1)
+    pairs = np.sort(np.stack([origin, neighbours[:, 1:].ravel()], axis=1)[close], axis=1)
     return np.unique(pairs, axis=0)
 
 

@@ -37,8 +37,8 @@ def find_frame(raw: RawScan, true_points: np.ndarray) -> TruthFrame:
         true_points: Each point of the file in the truth's frame [m], shape [file_count, 3].
     """
     kept = np.flatnonzero(raw.place >= 0)
-    ours, truth = raw.points[raw.place[kept]], true_points[kept]
-    motion = fit_rigid(ours, truth)
+    points, truth = raw.points[raw.place[kept]], true_points[kept]
+    motion = fit_rigid(points, truth)
     frame = TruthFrame(motion.rotation, motion.translation, 0.0)
-    error = np.sqrt(np.mean(np.sum((frame.apply(ours) - truth) ** 2, axis=1)))
+    error = np.sqrt(np.mean(np.sum((frame.apply(points) - truth) ** 2, axis=1)))
     return TruthFrame(frame.rotation, frame.shift, float(error))

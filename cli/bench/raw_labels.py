@@ -72,8 +72,8 @@ def measure_labels(truth: np.ndarray, found: np.ndarray) -> LabelScore:
 
 def measure_overlap(truth: np.ndarray, found: np.ndarray, parts: Iterable[int]) -> float | None:
     """Measure the intersection over union of some parts taken together; None if neither labelling has them."""
-    wanted = [int(part) for part in parts]
-    one, other = np.isin(truth, wanted), np.isin(found, wanted)
+    numbers = [int(part) for part in parts]
+    one, other = np.isin(truth, numbers), np.isin(found, numbers)
     either = int(np.sum(one | other))
     return float(np.sum(one & other) / either) if either else None
 
@@ -84,14 +84,14 @@ def measure_calibration(truth: np.ndarray, found: np.ndarray, confidence: np.nda
     place = np.clip((confidence * CALIBRATION_BIN_COUNT).astype(int), 0, CALIBRATION_BIN_COUNT - 1)
     count = np.bincount(place, minlength=CALIBRATION_BIN_COUNT)
     gap = np.bincount(place, right, CALIBRATION_BIN_COUNT) - np.bincount(place, confidence, CALIBRATION_BIN_COUNT)
-    sure = confidence >= MIN_SURE_CONFIDENCE
+    is_confident = confidence >= MIN_SURE_CONFIDENCE
 
     def share(mask: np.ndarray) -> float | None:
         return float(right[mask].mean()) if mask.any() else None
 
     return Calibration(
         error=float(np.abs(gap).sum() / max(1, count.sum())),
-        sure=float(sure.mean()),
-        sure_right=share(sure),
-        least_sure_right=share(~sure),
+        sure=float(is_confident.mean()),
+        sure_right=share(is_confident),
+        least_sure_right=share(~is_confident),
     )

@@ -93,15 +93,15 @@ def measure_visible(
         samples: Number of samples on each surface.
     """
     rng = np.random.default_rng(seed)
-    ours, true = TriangleSurface(*detail), TriangleSurface(*truth)
+    surface, true = TriangleSurface(*detail), TriangleSurface(*truth)
     shown = np.asarray(visible[true.faces].all(axis=1))
     if not shown.any():
         return VisibleScore(np.inf, np.inf, np.inf, np.inf)
-    near = true.closest(ours.sample(samples, rng)[0])
-    forward = near.distance[shown[near.face]]
-    forward = forward if len(forward) else near.distance
+    closest = true.closest(surface.sample(samples, rng)[0])
+    forward = closest.distance[shown[closest.face]]
+    forward = forward if len(forward) else closest.distance
     seen = TriangleSurface(true.vertices, true.faces[shown])
-    backward = ours.distance(seen.sample(samples, rng)[0])
+    backward = surface.distance(seen.sample(samples, rng)[0])
     return VisibleScore(
         s2t=float(np.sqrt(np.mean(forward**2))),
         t2s=float(np.sqrt(np.mean(backward**2))),

@@ -316,7 +316,7 @@ class StageClock:
 
 def spent_seconds() -> float:
     """Return the CPU seconds of this process and of its finished children, which read the files."""
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    used = [resource.getrusage(process) for process in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(each.ru_utime + each.ru_stime for each in used)
 
 

@@ -191,9 +191,9 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
 def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[list[Line], dict[str, str] | None]:
     """Run a study of one pack in a process of its own; return its lines, and the error if it did not finish."""
     with tempfile.TemporaryDirectory(prefix="garmentq-study-") as folder:
-        given, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
-        given.write_text(json.dumps(order), encoding="utf-8")
-        process = [sys.executable, "-m", f"garmentq.cli.bench.{study.module}", str(given), str(lines)]
+        order_file, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
+        order_file.write_text(json.dumps(order), encoding="utf-8")
+        process = [sys.executable, "-m", f"garmentq.cli.bench.{study.module}", str(order_file), str(lines)]
         error = None
         try:
             with log.open("wb") as out:

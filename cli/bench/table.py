@@ -127,10 +127,12 @@ def _print_metrics(done: Sequence[Line]) -> None:
 def _print_thesis(done: Sequence[Line], categories: dict[str, str]) -> None:
     rows = []
     for garment, (ours, phydeformer, igpm, area) in THESIS.items():
-        own = [line["metrics"] for line in done if categories.get(line["target"]) in ours]
-        if own:
-            values = round_to_three_digits([mean([metrics.get(name) for metrics in own]) for name in THESIS_METRICS])
-            rows.append([garment, len(own), *values[:3], *phydeformer, *values[3:], *igpm, area])
+        measured = [line["metrics"] for line in done if categories.get(line["target"]) in ours]
+        if measured:
+            values = round_to_three_digits(
+                [mean([metrics.get(name) for metrics in measured]) for name in THESIS_METRICS]
+            )
+            rows.append([garment, len(measured), *values[:3], *phydeformer, *values[3:], *igpm, area])
     columns = [
         "garment", "targets", "chamfer", "its floor", "normal", "PhyDeformer chamfer", "normal",
         "sim. chamfer", "normal", "area, all panels", "IGPM chamfer", "normal", "area",

@@ -63,8 +63,8 @@ def measure_recovery(
     else:
         found |= measure_pattern(recovery.pattern, pattern, own_template)
     found |= measure_fabric(recovery.fabric, pack.fabric)
-    own = {name: value for name, value in recovery.report.metrics.items() if not _is_of_truth(name)}
-    return dict(sorted((own | found).items())), unmatched
+    metrics = {name: value for name, value in recovery.report.metrics.items() if not _is_of_truth(name)}
+    return dict(sorted((metrics | found).items())), unmatched
 
 
 def transfer_contours(
@@ -116,8 +116,8 @@ def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
     distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).distance(points)
     truth = ExposedSurface(vertices, faces)
-    ours = recovery.meshes
-    meshes = {"": ours.detail, "sim.": ours.simulation, "redrape.": ours.redraped}
+    found_meshes = recovery.meshes
+    meshes = {"": found_meshes.detail, "sim.": found_meshes.simulation, "redrape.": found_meshes.redraped}
     depths: dict[str, float | None] = {
         f"{prefix}truth_body_penetration_mm": MM_PER_M * penetration_depth(nodes, recovery.garment.faces, truth)
         for prefix, nodes in meshes.items()

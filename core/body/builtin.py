@@ -59,10 +59,10 @@ def builtin_body(spec: str | BuiltinWearer) -> Body:
         BodySpecBad: where it cannot be read or describes a body outside the model's range.
         MeasureRange: where a girth is outside its range.
     """
-    asked = parse_spec(str(spec))
+    parsed = parse_spec(str(spec))
     template = load_template()
-    shape = most_probable_shape(template, asked.wanted)
-    return pose_template(template, shape, named_pose(asked.pose), f"{BUILTIN}{asked.wanted.gender}")
+    shape = most_probable_shape(template, parsed.measures)
+    return pose_template(template, shape, named_pose(parsed.pose), f"{BUILTIN}{parsed.measures.gender}")
 
 
 def pose_template(
@@ -118,7 +118,7 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
 class BodySpec:
     """Describe the body that a description specifies: gender and measures, and one of `POSES`."""
 
-    wanted: TargetMeasures
+    measures: TargetMeasures
     pose: str = "T"
 
 

@@ -81,17 +81,17 @@ class DistanceGrid:
         pad = max(margin, (NARROW_BAND_WIDTH + 2) * spacing)
         origin = used.min(0) - pad
         shape = np.ceil((used.max(0) + pad - origin) / spacing).astype(np.int64) + 1
-        near = np.ones(shape, dtype=bool)
+        in_band = np.ones(shape, dtype=bool)
         samples = _sample_surface(vertices, faces, spacing)
-        near[tuple(np.rint((samples - origin) / spacing).astype(np.int64).T)] = False
-        rough = distance_transform_edt(near)
+        in_band[tuple(np.rint((samples - origin) / spacing).astype(np.int64).T)] = False
+        rough = distance_transform_edt(in_band)
         band = np.argwhere(rough <= NARROW_BAND_WIDTH + 1)
         values = rough * spacing
         values[tuple(band.T)] = TriangleSurface(vertices, faces).distance(origin + spacing * band)
         # A closed surface cannot pass between two neighbours that are both further than half a cell from it. Through a
         # hole the inside is connected to the outside, so there only points beyond the band have a certain side.
-        sure = values > 0.51 * spacing if _is_closed(faces) else rough > NARROW_BAND_WIDTH + 1
-        values[_find_inside_points(sure, origin, spacing, vertices, faces)] *= -1.0
+        certain = values > 0.51 * spacing if _is_closed(faces) else rough > NARROW_BAND_WIDTH + 1
+        values[_find_inside_points(certain, origin, spacing, vertices, faces)] *= -1.0
         return cls.from_values(origin, spacing, values)
 
     @classmethod
@@ -144,13 +144,13 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
 
 
 def _find_inside_points(
-    sure: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
+    certain: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
     """Find the grid points inside the mesh; a mesh that is inside out as a whole is turned. Connected points that are
-    `sure`, shape [nx, ny, nz], share one winding number; each other point has its own."""
+    `certain`, shape [nx, ny, nz], share one winding number; each other point has its own."""
     from scipy.ndimage import label
 
-    regions, count = label(sure)
+    regions, count = label(certain)
     first = np.unique(regions, return_index=True)[1][-count:] if count else np.zeros(0, dtype=np.int64)
     single = np.flatnonzero(regions == 0)
     places = np.stack(np.unravel_index(np.concatenate([first, single]), regions.shape), axis=1)

@@ -56,9 +56,9 @@ class ExposedSurface:
         vertices: np.ndarray,
         faces: np.ndarray,
         splits: int = CREASE_SUBDIVISION_COUNT,
-        near: np.ndarray | None = None,
+        measured: np.ndarray | None = None,
     ) -> None:
-        self._solid, self._near = Solid(vertices, faces), near
+        self._solid, self._near = Solid(vertices, faces), measured
         self._strict: ExposedSurface | None = None
         self._surface = TriangleSurface(*self._keep_open(splits))
         self.vertices, self.faces = self._surface.vertices, self._surface.faces
@@ -74,7 +74,7 @@ class ExposedSurface:
         """Return the same skin with faces that creases cross classified whole, by their centres."""
         if self._strict is not None:
             return self._strict.whole.sparing_pinched
-        return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, near=self._near)
+        return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, measured=self._near)
 
     @cached_property
     def sparing_pinched(self) -> ExposedSurface:
@@ -86,10 +86,10 @@ class ExposedSurface:
         return other
 
     @cached_property
-    def swallowed(self) -> TriangleSurface | None:
+    def hidden_skin(self) -> TriangleSurface | None:
         """Return the hidden skin: that of intersecting parts, where it is inside the body; None where there is none."""
         if self._strict is not None:
-            return self._strict.swallowed
+            return self._strict.hidden_skin
         solid = self._solid
         inside = ~self._bare
         return TriangleSurface(solid.vertices, solid.faces[inside]) if inside.any() else None
@@ -140,17 +140,17 @@ class ExposedSurface:
         if self._near is None:
             return self._solid.exposed(middles, normals)
         low, high = self._near.min(axis=0) - SKIN_BOX_MARGIN, self._near.max(axis=0) + SKIN_BOX_MARGIN
-        asked = ((middles >= low) & (middles <= high)).all(axis=1)
+        queried = ((middles >= low) & (middles <= high)).all(axis=1)
         bare = np.ones(len(faces), dtype=bool)
-        bare[asked] = self._solid.exposed(middles[asked], normals[asked])
+        bare[queried] = self._solid.exposed(middles[queried], normals[queried])
         return bare
 
     def _bare_corners(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Return which of the faces' corners are exposed, shape [n, 3]."""
         middle = vertices[faces].mean(axis=1, keepdims=True)
-        near = middle + CORNER_SAMPLE_SHARE * (vertices[faces] - middle)
+        samples = middle + CORNER_SAMPLE_SHARE * (vertices[faces] - middle)
         normals = np.repeat(face_normals(vertices, faces)[0], 3, axis=0)
-        return self._solid.exposed(near.reshape(-1, 3), normals).reshape(-1, 3)
+        return self._solid.exposed(samples.reshape(-1, 3), normals).reshape(-1, 3)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Return which points [m], shape [n, 3], are inside, shape [n]."""
@@ -161,31 +161,31 @@ class ExposedSurface:
         Where every point has to be tested, the ways of points inside alone are computed."""
         if self._is_cut:
             inside = points[self.contains(points)]
-            way = self.closest(inside).distance
+            exit_distance = self.closest(inside).distance
             if self._strict is not None:
-                free = ~self.pinch(inside, way)[0]
-                inside, way = inside[free], way[free]
-            return inside, way
+                free = ~self.pinch(inside, exit_distance)[0]
+                inside, exit_distance = inside[free], exit_distance[free]
+            return inside, exit_distance
         distance, _ = self.measure(points)
         return points[distance < 0.0], -distance[distance < 0.0]
 
-    def pinch(self, inside: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def pinch(self, inside: np.ndarray, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Find which points inside the body are pinched by its parts.
 
         A point is pinched if it is nearer to hidden than to exposed skin: between intersecting parts, outside of none.
 
         Args:
             inside: Points [m], shape [n, 3].
-            way: Their distances to the exposed skin [m], shape [n].
+            distance: Their distances to the exposed skin [m], shape [n].
 
         Returns:
             Which are pinched, shape [n], and their distances to hidden skin [m], infinite where there is none.
         """
-        swallowed = self.swallowed
-        if swallowed is None or not len(inside):
+        hidden_skin = self.hidden_skin
+        if hidden_skin is None or not len(inside):
             return np.zeros(len(inside), dtype=bool), np.full(len(inside), np.inf)
-        depth = swallowed.distance(inside)
-        return depth < way, depth
+        depth = hidden_skin.distance(inside)
+        return depth < distance, depth
 
     def closest(self, points: np.ndarray) -> ClosestPoints:
         """Find the closest points of the exposed skin to points [m], shape [n, 3]."""
@@ -214,8 +214,8 @@ class ExposedSurface:
         )  # the winding number of a point costs more than its foot
         sign[doubtful] = np.where(self.contains(points[doubtful]), -1.0, 1.0)
         # Below a nanometre, the difference of two positions of about 1 m has no accurate direction in float64.
-        far = distance > 1e-9
-        gradient[far] = offset[far] * (sign[far] / distance[far])[:, None]
+        is_far = distance > 1e-9
+        gradient[is_far] = offset[is_far] * (sign[is_far] / distance[is_far])[:, None]
         signed = sign * distance
         if self._strict is not None:
             inside = np.flatnonzero(signed < 0.0)
@@ -258,12 +258,12 @@ class PinchedDepth(NamedTuple):
 
     Attributes:
         free: Greatest way to exposed skin, of points that are not pinched.
-        way: Greatest way to exposed skin, of pinched points (`ExposedSurface.pinch`).
+        exit: Greatest way to exposed skin, of pinched points (`ExposedSurface.pinch`).
         pinched: Greatest distance of pinched points from the nearer part's skin: how far flesh has to yield.
     """
 
     free: float
-    way: float
+    exit: float
     pinched: float
 
 
@@ -275,9 +275,9 @@ def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) ->
         faces: Garment faces, shape [face_count, 3].
         skin: The body.
     """
-    inside, way = _depths(nodes, faces, skin)
-    pinched, depth = skin.pinch(inside, way)
-    found = (way[~pinched], way[pinched], depth[pinched])
+    inside, distance = _depths(nodes, faces, skin)
+    pinched, depth = skin.pinch(inside, distance)
+    found = (distance[~pinched], distance[pinched], depth[pinched])
     return PinchedDepth(*(float(each.max(initial=0.0)) for each in found))
 
 

@@ -190,10 +190,10 @@ class Fitter:
     def residual(self, state: FitState, scale: float, normal_length: float) -> float:
         """Compute the robust two-way misfit of a state: mean of min(d, scale) over pairs, d [m] including normals."""
         placed = self._place(state)
-        ours = np.hstack([placed.points, normal_length * placed.normals])
-        theirs = self.surface.stack(normal_length)
-        there, _ = cKDTree(theirs).query(ours, distance_upper_bound=scale)
-        back, _ = cKDTree(ours).query(theirs, distance_upper_bound=scale)
+        placed_stack = np.hstack([placed.points, normal_length * placed.normals])
+        target_stack = self.surface.stack(normal_length)
+        there, _ = cKDTree(target_stack).query(placed_stack, distance_upper_bound=scale)
+        back, _ = cKDTree(placed_stack).query(target_stack, distance_upper_bound=scale)
         if not self.surface.oriented:
             back = back.reshape(2, -1).min(axis=0)
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
@@ -260,9 +260,9 @@ class Fitter:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Pair each template point with the surface and each surface point with the template; return the rows."""
         s, length = self.surface, stage.normal_length
-        ours = np.hstack([points, length * normals])
-        _, there = tree.query(ours)
-        distance, back = cKDTree(ours).query(s.stack(length))
+        oriented = np.hstack([points, length * normals])
+        _, there = tree.query(oriented)
+        distance, back = cKDTree(oriented).query(s.stack(length))
         if not s.oriented:
             there = there % len(s.points)
             back = np.where(distance[: len(s.points)] <= distance[len(s.points) :], *back.reshape(2, -1))

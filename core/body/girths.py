@@ -174,8 +174,8 @@ class Section:
         count = len(vertices)
         key = np.sort(ends, axis=1) @ [count, 1]
         order = np.argsort(key)
-        own = faces[(side[faces].any(axis=1)) & ~side[faces].all(axis=1)]
-        sides = np.sort(np.stack([own, own[:, [1, 2, 0]]], axis=2), axis=2) @ [count, 1]
+        crossed = faces[(side[faces].any(axis=1)) & ~side[faces].all(axis=1)]
+        sides = np.sort(np.stack([crossed, crossed[:, [1, 2, 0]]], axis=2), axis=2) @ [count, 1]
         place = np.searchsorted(key[order], sides)
         place = np.minimum(place, max(len(key) - 1, 0))
         hit = key[order][place] == sides if len(key) else np.zeros_like(sides, dtype=bool)
@@ -190,18 +190,18 @@ class Section:
         corners are points p = a + t (b - a) of edges, t = (level - a_y) / (b_y - a_y); at a fixed level, dp = (1 - t)
         da + t db + dt (b - a) with dt = -((1 - t) da_y + t db_y) / (b_y - a_y)."""
         slope = np.zeros_like(self.vertices)
-        own = np.flatnonzero(chosen[self.part]) if len(self.part) else np.zeros(0, dtype=int)
-        if len(own) < 3:
+        chosen_faces = np.flatnonzero(chosen[self.part]) if len(self.part) else np.zeros(0, dtype=int)
+        if len(chosen_faces) < 3:
             return Girth(float("nan"), self.level, slope)
         flat = [k for k in range(3) if k != self.axis]
-        first, second = self.vertices[self.ends[own, 0]], self.vertices[self.ends[own, 1]]
-        share = self.share[own, None]
+        first, second = self.vertices[self.ends[chosen_faces, 0]], self.vertices[self.ends[chosen_faces, 1]]
+        share = self.share[chosen_faces, None]
         points = (first + share * (second - first))[:, flat]
         corners = ConvexHull(points).vertices
         ring = points[corners]
-        ahead = np.roll(ring, -1, axis=0) - ring
-        length = np.linalg.norm(ahead, axis=1, keepdims=True)
-        unit = ahead / np.maximum(length, 1e-15)
+        step = np.roll(ring, -1, axis=0) - ring
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        unit = step / np.maximum(length, 1e-15)
         by_point = np.zeros((len(corners), 3))
         by_point[:, flat] = np.roll(unit, 1, axis=0) - unit
         along = (second - first)[corners]
@@ -210,5 +210,5 @@ class Section:
         for end, weight in ((0, 1.0 - share), (1, share)):
             force = weight * by_point
             force[:, [self.axis]] -= weight * by_share
-            np.add.at(slope, self.ends[own[corners], end], force)
+            np.add.at(slope, self.ends[chosen_faces[corners], end], force)
         return Girth(float(length.sum()), self.level, slope)

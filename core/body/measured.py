@@ -57,7 +57,7 @@ class TargetMeasures:
     girths: Mapping[str, float] | None = None
 
 
-def most_probable_shape(template: Template, wanted: TargetMeasures) -> np.ndarray:
+def most_probable_shape(template: Template, measures: TargetMeasures) -> np.ndarray:
     """Compute the most probable shape coefficients [k] of a gender with a height, and optionally a weight and girths.
 
     With z ~ N(mean, C) and the constraints c(z) = t, minimise (z - mean)' C^-1 (z - mean) subject to c(z) = t: each
@@ -68,15 +68,15 @@ def most_probable_shape(template: Template, wanted: TargetMeasures) -> np.ndarra
     Raises:
         MeasureRange: where a girth is further than `MAX_GIRTH_Z_SCORE` standard deviations from the most probable one.
     """
-    girths = dict(wanted.girths or {})
-    shape = _solve(template, wanted, (), template.means[wanted.gender])
+    girths = dict(measures.girths or {})
+    shape = _solve(template, measures, (), template.means[measures.gender])
     for count, name in enumerate(girths, start=1):
-        _check_range(template, wanted, tuple(girths)[: count - 1], name, shape)
-        shape = _solve(template, wanted, tuple(girths)[:count], shape)
+        _check_range(template, measures, tuple(girths)[: count - 1], name, shape)
+        shape = _solve(template, measures, tuple(girths)[:count], shape)
     return shape
 
 
-def nearest_shape(template: Template, start: np.ndarray, wanted: TargetMeasures) -> np.ndarray:
+def nearest_shape(template: Template, start: np.ndarray, measures: TargetMeasures) -> np.ndarray:
     """Compute the shape coefficients [k] with a height and girths that are nearest to given ones.
 
     Minimise (z - start)' C^-1 (z - start) subject to the measures, C the gender's covariance: what is not measured
@@ -85,7 +85,7 @@ def nearest_shape(template: Template, start: np.ndarray, wanted: TargetMeasures)
     Raises:
         MeasureRange: where the measures cannot be met.
     """
-    return _solve(template, wanted, tuple(wanted.girths or {}), start, start)
+    return _solve(template, measures, tuple(measures.girths or {}), start, start)
 
 
 def t_pose_body(template: Template, shape: np.ndarray) -> Body:
@@ -107,52 +107,52 @@ def volume_of(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarra
 
 def _solve(
     template: Template,
-    wanted: TargetMeasures,
+    measures: TargetMeasures,
     names: tuple[str, ...],
     start: np.ndarray,
-    near: np.ndarray | None = None,
+    other: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Search the shape with height, weight and girths that is nearest to the gender's mean or to the shape `near`."""
-    mean, covariance = template.means[wanted.gender], template.covariances[wanted.gender]
-    mean = mean if near is None else near
-    shape, scale = start.copy(), _scale(wanted, names)
-    values, a = _constraints(template, wanted, names, shape)
+    """Search the shape with height, weight and girths that is nearest to the gender's mean or to the shape `other`."""
+    mean, covariance = template.means[measures.gender], template.covariances[measures.gender]
+    mean = mean if other is None else other
+    shape, scale = start.copy(), _scale(measures, names)
+    values, a = _constraints(template, measures, names, shape)
     for step in range(MAX_SHAPE_ITERATIONS):
-        gap = _targets(wanted, names) - values
+        gap = _targets(measures, names) - values
         if step > 0 and np.abs(gap).max() < (GIRTH_SOLVE_TOLERANCE if names else 1e-9):
             break
         moved = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap + a @ (shape - mean))
         # The heights of the narrowest and the widest place are discontinuous: a step that does not help is shortened.
         for share in NEWTON_STEP_FRACTIONS:
             tried = shape + share * (moved - shape)
-            values, a = _constraints(template, wanted, names, tried)
-            if step == 0 or np.abs(scale * (_targets(wanted, names) - values)).max() < np.abs(scale * gap).max():
+            values, a = _constraints(template, measures, names, tried)
+            if step == 0 or np.abs(scale * (_targets(measures, names) - values)).max() < np.abs(scale * gap).max():
                 break
         shape = tried
     if names:
-        values, _ = _constraints(template, wanted, names, shape)
-        missed = np.abs(_targets(wanted, names) - values)[-len(names) :]
+        values, _ = _constraints(template, measures, names, shape)
+        missed = np.abs(_targets(measures, names) - values)[-len(names) :]
         if missed.max() > MAX_GIRTH_MISMATCH:
             worst = names[int(missed.argmax())]
             raise MeasureRange(
-                f"{worst}={(wanted.girths or {})[worst]:g} m cannot be met together with the other measures (by "
+                f"{worst}={(measures.girths or {})[worst]:g} m cannot be met together with the other measures (by "
                 f"{1e3 * missed.max():.0f} mm); leave out the measures that matter least."
             )
     return shape
 
 
-def _scale(wanted: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
+def _scale(measures: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
     """Return the weights by which mismatches are compared: a litre of volume counts as a centimetre of length."""
-    return np.array([1.0] + [10.0] * (wanted.weight is not None) + [1.0] * len(names))
+    return np.array([1.0] + [10.0] * (measures.weight is not None) + [1.0] * len(names))
 
 
-def _targets(wanted: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
-    weight = [] if wanted.weight is None else [wanted.weight / BODY_DENSITY]
-    return np.array([wanted.height, *weight, *((wanted.girths or {})[name] for name in names)])
+def _targets(measures: TargetMeasures, names: tuple[str, ...]) -> np.ndarray:
+    weight = [] if measures.weight is None else [measures.weight / BODY_DENSITY]
+    return np.array([measures.height, *weight, *((measures.girths or {})[name] for name in names)])
 
 
 def _constraints(
-    template: Template, wanted: TargetMeasures, names: tuple[str, ...], shape: np.ndarray
+    template: Template, measures: TargetMeasures, names: tuple[str, ...], shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return height, volume and girths of a shape, and their derivatives by its coefficients, shape [n, k]."""
     body = t_pose_body(template, shape)
@@ -160,7 +160,7 @@ def _constraints(
     top, bottom = vertices[:, 1].argmax(), vertices[:, 1].argmin()
     values = [float(vertices[top, 1] - vertices[bottom, 1])]
     slopes = [template.directions[:, top, 1] - template.directions[:, bottom, 1]]
-    if wanted.weight is not None:
+    if measures.weight is not None:
         volume, slope = volume_of(vertices, template.faces)
         values.append(volume)
         slopes.append(np.tensordot(template.directions, slope, axes=2))
@@ -173,21 +173,21 @@ def _constraints(
 
 
 def _check_range(
-    template: Template, wanted: TargetMeasures, known: tuple[str, ...], name: str, shape: np.ndarray
+    template: Template, measures: TargetMeasures, known: tuple[str, ...], name: str, shape: np.ndarray
 ) -> None:
     """Check a girth against its spread around the most probable one given the measures before it. With C given A: C - C
     A' (A C A')^-1 A C, the variance of a girth with derivative a is a C_A a'."""
-    covariance = template.covariances[wanted.gender]
-    values, a = _constraints(template, wanted, (*known, name), shape)
-    before, own = a[:-1], a[-1]
-    left = own @ covariance - own @ covariance @ before.T @ np.linalg.solve(
+    covariance = template.covariances[measures.gender]
+    values, a = _constraints(template, measures, (*known, name), shape)
+    before, last = a[:-1], a[-1]
+    left = last @ covariance - last @ covariance @ before.T @ np.linalg.solve(
         before @ covariance @ before.T, before @ covariance
     )
-    reach = MAX_GIRTH_Z_SCORE * float(np.sqrt(max(left @ own, 0.0)))
+    reach = MAX_GIRTH_Z_SCORE * float(np.sqrt(max(left @ last, 0.0)))
     low, high = values[-1] - reach, values[-1] + reach
-    asked = (wanted.girths or {})[name]
-    if not low <= asked <= high:
+    girth = (measures.girths or {})[name]
+    if not low <= girth <= high:
         raise MeasureRange(
-            f"{name}={asked:g} is outside {low:.2f} to {high:.2f} m, which is what a {wanted.gender} body has with "
+            f"{name}={girth:g} is outside {low:.2f} to {high:.2f} m, which is what a {measures.gender} body has with "
             f"the measures before it (girths are in metres)."
         )

@@ -238,9 +238,9 @@ def refit_person(
 def _find_limbs(template: Template, surface: OrientedPoints, state: FitState) -> np.ndarray:
     """Label the points within `MAX_SLEEVE_DISTANCE` of a fit's forearm: numbers of `find_forearms`, shape [n]."""
     model, normals = pose_model(template, state)
-    _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
-    close = ((surface.points - model[near]) ** 2).sum(axis=1) < MAX_SLEEVE_DISTANCE**2
-    return np.where(close, find_forearms(template.weights)[near], 0)
+    _, nearest = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
+    close = ((surface.points - model[nearest]) ** 2).sum(axis=1) < MAX_SLEEVE_DISTANCE**2
+    return np.where(close, find_forearms(template.weights)[nearest], 0)
 
 
 def _run_stages(
@@ -261,14 +261,14 @@ def strengthen_contact(template: Template, surface: OrientedPoints, state: FitSt
         return None
     model, normals = pose_model(template, state)
     tree = cKDTree(np.hstack([model, 0.05 * normals]))
-    _, near = tree.query(np.hstack([surface.points, 0.05 * surface.normals]))
-    offset = np.einsum("na,na->n", surface.points - model[near], normals[near])
+    _, nearest = tree.query(np.hstack([surface.points, 0.05 * surface.normals]))
+    offset = np.einsum("na,na->n", surface.points - model[nearest], normals[nearest])
     cloth = np.asarray(surface.cloth, dtype=np.float64).copy()
     for names in SUPPORT_JOINTS:
         part = template.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1) > 0.5
-        mine = part[near] & (cloth > 0)
-        if mine.sum() >= 50 and np.quantile(offset[mine], 0.1) > MAX_CONTACT_OFFSET:
-            cloth[mine] *= 0.8
+        in_contact = part[nearest] & (cloth > 0)
+        if in_contact.sum() >= 50 and np.quantile(offset[in_contact], 0.1) > MAX_CONTACT_OFFSET:
+            cloth[in_contact] *= 0.8
     return None if np.array_equal(cloth, surface.cloth) else replace(surface, cloth=cloth)
 
 
@@ -284,8 +284,8 @@ def find_outer_points(body: Body, points: np.ndarray, normals: np.ndarray, cloth
         normals: Outward unit normals, shape [n, 3].
         cloth: Probability of cloth of each point, shape [n].
     """
-    _, near = cKDTree(body.vertices).query(points)
-    facing = np.einsum("na,na->n", vertex_normals(body.vertices, body.faces)[near], normals)
+    _, nearest = cKDTree(body.vertices).query(points)
+    facing = np.einsum("na,na->n", vertex_normals(body.vertices, body.faces)[nearest], normals)
     return np.asarray((facing > INWARD_CLOTH_COSINE) | (np.asarray(cloth) < 0.5))
 
 
@@ -309,13 +309,13 @@ def guess_weights(template: Template, surface: OrientedPoints, state: FitState) 
     """Estimate weights from a fit: all is cloth but face, hands and feet; crown and feet have low weight. Hair hides
     the crown and the back of the head, shoes hide the feet."""
     model, normals = pose_model(template, state)
-    _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
+    _, nearest = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
     bare = template.weights[:, [JOINTS.index(name) for name in BARE_PARTS]].sum(axis=1)
-    shod = template.weights[:, [JOINTS.index(name) for name in SHOD_PARTS]].sum(axis=1)
-    hairy = find_hair_vertices(template)
-    cloth = np.where(hairy, 1.0, 1.0 - np.clip(bare + shod, 0.0, 1.0))[near]
-    far = ((surface.points - model[near]) ** 2).sum(axis=1) > MAX_BARE_SKIN_DISTANCE**2
-    return PointWeights(np.where(far, 1.0, cloth), np.maximum(0.7 * hairy, 0.7 * (shod > 0.5))[near])
+    shoe_weight = template.weights[:, [JOINTS.index(name) for name in SHOD_PARTS]].sum(axis=1)
+    hair = find_hair_vertices(template)
+    cloth = np.where(hair, 1.0, 1.0 - np.clip(bare + shoe_weight, 0.0, 1.0))[nearest]
+    is_far = ((surface.points - model[nearest]) ** 2).sum(axis=1) > MAX_BARE_SKIN_DISTANCE**2
+    return PointWeights(np.where(is_far, 1.0, cloth), np.maximum(0.7 * hair, 0.7 * (shoe_weight > 0.5))[nearest])
 
 
 def orient_by_body(template: Template, surface: OrientedPoints, state: FitState) -> OrientedPoints:
@@ -323,8 +323,8 @@ def orient_by_body(template: Template, surface: OrientedPoints, state: FitState)
     if surface.oriented:
         return surface
     model, normals = pose_model(template, state)
-    _, near = cKDTree(model).query(surface.points)
-    sign = np.where(np.einsum("na,na->n", normals[near], surface.normals) < 0, -1.0, 1.0)
+    _, nearest = cKDTree(model).query(surface.points)
+    sign = np.where(np.einsum("na,na->n", normals[nearest], surface.normals) < 0, -1.0, 1.0)
     return replace(surface, normals=sign[:, None] * surface.normals, oriented=True)
 
 

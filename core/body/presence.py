@@ -42,7 +42,7 @@ class Presence:
             0.82 (in coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
         head: The same of the head, or the face if more: people 0.64 to 0.90, chairs <= 0.10, animals 0.25, headless 0.
         upper: The same of trunk and arms: people 0.52 to 0.86.
-        beside: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
+        far_share: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
         stray: Share of the scan beyond `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (wide skirts), pairs 0.29 to 0.45.
     """
 
@@ -50,7 +50,7 @@ class Presence:
     found: float
     head: float
     upper: float
-    beside: float
+    far_share: float
     stray: float
 
     @property
@@ -96,13 +96,13 @@ def measure_presence(template: Template, surface: OrientedPoints, state: FitStat
         over |= tree.query(model + height * normals)[0] < 0.05 + 0.3 * height
     length = 0.05
     tree = cKDTree(surface.stack(length))
-    near = tree.query(np.hstack([model, length * normals]))[1] % len(surface.points)
-    cosine = np.einsum("na,na->n", surface.normals[near], normals)
+    nearest = tree.query(np.hstack([model, length * normals]))[1] % len(surface.points)
+    cosine = np.einsum("na,na->n", surface.normals[nearest], normals)
     cosine = cosine if surface.oriented else np.abs(cosine)
     found = (cosine > MIN_SCAN_MATCH_COSINE) & (
-        ((surface.points[near] - model) ** 2).sum(axis=1) < MAX_SCAN_MATCH_DISTANCE**2
+        ((surface.points[nearest] - model) ** 2).sum(axis=1) < MAX_SCAN_MATCH_DISTANCE**2
     )
-    away = cKDTree(model).query(surface.points)[0]
+    distance = cKDTree(model).query(surface.points)[0]
     head = _weight_of(template, "head") > 0.5
     face = head & ~find_hair_vertices(template)
     legs = _weight_of(template, "hip", "knee", "ankle", "foot") > 0.5
@@ -111,8 +111,8 @@ def measure_presence(template: Template, surface: OrientedPoints, state: FitStat
         found=float(found.mean()),
         head=max(float(found[head].mean()), float(found[face].mean())),
         upper=float(found[~legs & ~head].mean()),
-        beside=float((away > 0.1).mean()),
-        stray=float((away > STRAY_POINT_DISTANCE).mean()),
+        far_share=float((distance > 0.1).mean()),
+        stray=float((distance > STRAY_POINT_DISTANCE).mean()),
     )
 
 
@@ -141,7 +141,7 @@ def find_presence_error(presence: Presence, height: float) -> BadInput | None:
     """Return why a scan of this height [m] is not one whole person, or None; two persons are not checked here."""
     if presence.is_person and height >= MIN_WHOLE_PERSON_HEIGHT:
         return None
-    if presence.beside < 0.1 and presence.stray < 0.02:
+    if presence.far_share < 0.1 and presence.stray < 0.02:
         return ScanPartial()
     seen = f"Of a person's surface {100 * presence.found:.0f} % are found in the scan"
     return NotHuman(f"{seen}. The scan does not look like a person; scan a whole wearer, head to feet, upright.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.intersections import self_intersections
-from .current import advect_outside
+from .advection import advect_outside
 from .exposed import ExposedSurface
 
 MAX_BODY_PUSH_ITERATIONS = 12
@@ -83,8 +83,8 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
     at_nodes, at_faces = np.arange(len(nodes)), np.arange(len(faces))
     for _ in range(MAX_BODY_PUSH_ITERATIONS):
         push = np.zeros_like(nodes)
-        distance, way = exit_displacements(nodes[at_nodes], skin, clearance)
-        push[at_nodes] = way
+        distance, displacement = exit_displacements(nodes[at_nodes], skin, clearance)
+        push[at_nodes] = displacement
         worst = 0.0
         if len(at_faces):
             depth, outward = exit_displacements(nodes[faces[at_faces]].mean(1), skin, 1e-4)
@@ -126,13 +126,13 @@ def exit_displacements(points: np.ndarray, skin: ExposedSurface, clearance: floa
     return distance, move
 
 
-def _keep_larger(push: np.ndarray, corners: np.ndarray, wanted: np.ndarray) -> None:
+def _keep_larger(push: np.ndarray, corners: np.ndarray, face_push: np.ndarray) -> None:
     """Replace each corner's displacement by its face's where that is longer."""
     for k in range(3):
-        size = np.linalg.norm(wanted, axis=1)
+        size = np.linalg.norm(face_push, axis=1)
         order = np.argsort(size, kind="stable")  # the largest move of all faces around a node is written last
-        node, wish = corners[order, k], wanted[order]
+        node, candidate = corners[order, k], face_push[order]
         best = np.zeros_like(push)
-        best[node] = wish
+        best[node] = candidate
         larger = (best**2).sum(1) > (push**2).sum(1)
         push[larger] = best[larger]

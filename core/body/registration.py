@@ -61,7 +61,7 @@ class RegistrationSettings:
         fine_count: Number of template points in the last stages: one every 3 cm, finer than the joints are determined.
         surface_count: Number of points of the mesh in the last stages: one every 2 cm, where the plane through a point
             is within a millimetre or two of the surface.
-        kept: Number of starts in the middle and in the last stages, in addition to the best of every other distinct
+        starts: Number of starts in the middle and in the last stages, in addition to the best of every other distinct
             fit: under a long dress the first 3 were the same fit, which faced backward.
         worst_fit: Largest ratio of RMS to the body's height. People, also dressed, have up to 0.006; a box as tall as a
             person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
@@ -73,7 +73,7 @@ class RegistrationSettings:
     coarse_count: int = 350
     fine_count: int = 1800
     surface_count: int = 5000
-    kept: tuple[int, int] = (8, 3)
+    starts: tuple[int, int] = (8, 3)
     worst_fit: float = 0.02
     seed: int = 0
     coarse: tuple[FitStage, ...] = (FitStage(5, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
@@ -167,12 +167,12 @@ def _find(
         hooks.progress(STAGE, 0.5 * i / len(starts), "trying headings and poses")
         ranked.append(run_stages(coarse, settings.coarse, (0.0, i, start), settings.ranking[0]))
     ranked.sort(key=lambda entry: entry[:2])
-    ranked = [run_stages(coarse, settings.middle, entry, settings.ranking[1]) for entry in ranked[: settings.kept[0]]]
+    ranked = [run_stages(coarse, settings.middle, entry, settings.ranking[1]) for entry in ranked[: settings.starts[0]]]
     ranked.sort(key=lambda entry: entry[:2])
     fine = Fitter(template, subset, surface)
     finalists = []
-    best = ranked[: settings.kept[1]]
-    for entry in best + find_distinct_fits(template, best, ranked[settings.kept[1] :]):
+    best = ranked[: settings.starts[1]]
+    for entry in best + find_distinct_fits(template, best, ranked[settings.starts[1] :]):
         hooks.progress(STAGE, 0.7, "comparing the best starts")
         finalists.append(run_stages(fine, settings.fine[:1], entry, settings.ranking[2]))
     state = min(finalists, key=lambda entry: entry[:2])[2]

@@ -32,12 +32,12 @@ def resize_body(body: Body, growth: Mapping[str, float], ratio: float = 1.0, pos
     if not np.array_equal(body.rest_faces, template.faces):
         body = register_body(body.rest_vertices, body.rest_faces)
     shape = np.zeros(template.shape_count)
-    own = body.parameters["shape"]
-    shape[: len(own)] = own
+    coefficients = body.parameters["shape"]
+    shape[: len(coefficients)] = coefficients
     tape, tall = TapeMeasure.of(body), float(np.ptp(body.rest_vertices[:, 1]))
     girths = {name: tape.measure(name).value + more for name, more in growth.items()}
-    near = nearest_shape(template, shape, TargetMeasures(_find_gender(template, shape), ratio * tall, None, girths))
-    return pose_template(template, near, named_pose(pose), "resized")
+    fitted = nearest_shape(template, shape, TargetMeasures(_find_gender(template, shape), ratio * tall, None, girths))
+    return pose_template(template, fitted, named_pose(pose), "resized")
 
 
 def _find_gender(template: Template, shape: np.ndarray) -> str:

@@ -31,15 +31,15 @@ def skin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.
     Returns:
         Positions in the pose [m], shape [n, 3].
     """
-    own = blend(weights, transforms)
-    found: np.ndarray = np.einsum("nab,nb->na", own[:, :3, :3], points) + own[:, :3, 3]
+    blended = blend(weights, transforms)
+    found: np.ndarray = np.einsum("nab,nb->na", blended[:, :3, :3], points) + blended[:, :3, 3]
     return found
 
 
 def unskin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
     """Map points from the pose back into rest space: the exact inverse of `skin` at the same weights."""
-    own = blend(weights, transforms)
-    return np.linalg.solve(own[:, :3, :3], (points - own[:, :3, 3])[..., None])[..., 0]
+    blended = blend(weights, transforms)
+    return np.linalg.solve(blended[:, :3, :3], (points - blended[:, :3, 3])[..., None])[..., 0]
 
 
 def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.intersections import self_intersections
-from ..geometry.moving_towards import move_towards
+from ..geometry.move_towards import move_towards
 from ..geometry.untangling import UNTANGLING_STEP_LENGTH, untangle
 from .exposed import ExposedSurface, penetration_depth
 from .projection import limit_penetration, project_outside
@@ -75,27 +75,27 @@ def untangle_outside(
 
 
 def _restore_positions(
-    apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
+    separated: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
 ) -> np.ndarray:
     """Move untangled cloth back towards where it was as far as its layers and the body let it.
 
     Args:
-        apart: Where it does not cross itself [m], shape [node_count, 3].
+        separated: Where it does not cross itself [m], shape [node_count, 3].
         before: Where it was.
         limit: Depth in the body to which no node or face is moved back [m].
     """
     goal = before.copy()
     for _ in range(MAX_BODY_UNTANGLE_ITERATIONS):
-        closer = move_towards(apart, goal, faces)
-        moved = (closer != apart).any(axis=1)
+        closer = move_towards(separated, goal, faces)
+        moved = (closer != separated).any(axis=1)
         at_nodes, at_faces = np.flatnonzero(moved), faces[moved[faces].any(axis=1)]
         nodes_deep = skin.measure(closer[at_nodes])[0] < -limit
         faces_deep = skin.measure(closer[at_faces].mean(axis=1))[0] < -limit
         if not nodes_deep.any() and not faces_deep.any():
             return closer
         for deep in (at_nodes[nodes_deep], at_faces[faces_deep]):
-            goal[deep] = apart[deep]
-    return apart
+            goal[deep] = separated[deep]
+    return separated
 
 
 def separate_layers_in_gap(

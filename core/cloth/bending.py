@@ -52,12 +52,12 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
             energy += 2.0 * stiffness * half_sine * half_sine / (1.0 + half_cosine)
         else:
             energy += 2.0 * stiffness * (1.0 - half_cosine)
-        away, reach = 0.0, slip
+        excess, reach = 0.0, slip
         if moments[h] > 0.0:
-            away = math.atan2(sine, cosine) - angles[h]
-            if abs(away) > math.pi:
-                away -= math.copysign(2.0 * math.pi, away)
-            reach = math.sqrt(away * away + slip * slip)
+            excess = math.atan2(sine, cosine) - angles[h]
+            if abs(excess) > math.pi:
+                excess -= math.copysign(2.0 * math.pi, excess)
+            reach = math.sqrt(excess * excess + slip * slip)
             energy += moments[h] * (reach - slip)
         if order == 0:
             continue
@@ -65,7 +65,7 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
         if not exact:
             second = abs(second)
         if moments[h] > 0.0:
-            first += moments[h] * away / reach
+            first += moments[h] * excess / reach
             second += moments[h] * slip * slip / reach**3
         t1, t2 = dot(p, e) / squared, dot(q, e) / squared
         u2, u3 = -length / m1, -length / m2
@@ -102,7 +102,7 @@ def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: i
     |e|^2, |e|; `triangle`: p, n, its sign, m, t; `slots`: of the blocks (0, apex), (1, apex), (apex, apex)."""
     e, squared, length = edge
     p, n, sign, m, t = triangle
-    to0, to1, own = slots
+    to0, to1, slot = slots
     for d in range(3):
         for f in range(3):
             # entry (d, f) of the cross-product matrices [e]x and [p]x, and of n x e and n x p
@@ -119,7 +119,7 @@ def _add_triangle_hessian(edge, triangle, apex, first, slots, curve):  # type: i
             by_e = -n[d] * e[f] / (length * m) + length * sign * (px - 2.0 * n[d] * nxp / m) / m
             t_p = e[f] / squared
             t_e = (p[f] - 2.0 * t * e[f]) / squared
-            curve[own, d, f] += first * by_p
+            curve[slot, d, f] += first * by_p
             curve[to1, f, d] += first * by_e
             curve[to0, f, d] -= first * (by_p + by_e)
             curve[4, d, f] += first * (-t * by_e - apex[d] * t_e)

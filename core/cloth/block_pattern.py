@@ -118,18 +118,18 @@ def _spread(blocks, pairs, places, stride, fixed, data):  # type: ignore[no-unty
     rows, columns = pairs
     for b in range(len(rows)):
         i, j = rows[b], columns[b]
-        here, there = places[b, 0], places[b, 1]
+        first, second = places[b, 0], places[b, 1]
         if fixed[i] or fixed[j]:
             if i == j:
                 for d in range(3):
-                    data[here + d * stride[i] + d] = 1.0
+                    data[first + d * stride[i] + d] = 1.0
             continue
         for d in range(3):
             for e in range(3):
                 value = blocks[b, d, e]
-                data[here + d * stride[i] + e] = value
+                data[first + d * stride[i] + e] = value
                 if i != j:
-                    data[there + e * stride[j] + d] = value
+                    data[second + e * stride[j] + d] = value
 
 
 @kernel(inline="always")
@@ -155,9 +155,9 @@ def _find_slots(elements, node_count, keys):  # type: ignore[no-untyped-def]
         for i in range(corners):
             for j in range(i, corners):
                 low, high = min(elements[n, i], elements[n, j]), max(elements[n, i], elements[n, j])
-                wanted = low * node_count + high
-                slot = np.searchsorted(keys, wanted)
-                if b < 0 or slot == len(keys) or keys[slot] != wanted:
+                slot_keys = low * node_count + high
+                slot = np.searchsorted(keys, slot_keys)
+                if b < 0 or slot == len(keys) or keys[slot] != slot_keys:
                     b = -1
                     continue
                 slots[n, b] = ~slot if elements[n, i] > elements[n, j] else slot

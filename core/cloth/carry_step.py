@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..run.kernels import kernel
-from .collision.advance import collision_free_share
+from .collision.collision_free_step import collision_free_share
 from .energy import Energy
 
 MAX_HOLD_BACK_ITERATIONS = 6
@@ -24,10 +24,10 @@ def move_collision_free(energy: Energy, nodes: np.ndarray, goal: np.ndarray) -> 
     that have moved. Also returns the energy with the near pairs of the path."""
     if energy.scene.self_contact is None:
         return energy, goal
-    way, share = goal - nodes, np.ones(len(nodes))
+    displacement, share = goal - nodes, np.ones(len(nodes))
     sides = energy.scene.self_contact.edges
     for turn in range(MAX_HOLD_BACK_ITERATIONS + 1):
-        step = share[:, None] * way
+        step = share[:, None] * displacement
         energy, free = energy.free_share(nodes, step)
         if free == 1.0 or turn == MAX_HOLD_BACK_ITERATIONS:
             break

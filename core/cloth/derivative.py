@@ -9,8 +9,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..geometry.linear import Solver, SuperLU
+from .collision.cloth_friction import ClothFriction
 from .collision.coupling import extend_sparsity
-from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import Friction, lag_friction
@@ -146,7 +146,7 @@ def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: S
     largest positive definite share of the exact Hessian is factored: all of it where the cloth is at rest. Elsewhere a
     pulled-back loss derivative is still a direction of descent."""
     energy, solver = extend_sparsity(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
-    energy = energy.lag_rubbing(nodes)
+    energy = energy.lag_friction(nodes)
     blocks = energy.hessian(nodes)[2]
     factor_regularised(energy, solver, nodes, blocks, 1.0)
     return FactoredEquilibrium(energy, nodes, blocks, solver)

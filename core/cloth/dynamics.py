@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..geometry.linear import Solver
-from .collision.advance import MIN_PAIR_REACH_SHARE
+from .collision.cloth_friction import ClothFriction
+from .collision.collision_free_step import MIN_PAIR_REACH_SHARE
 from .collision.coupling import extend_sparsity
-from .collision.rubbing import ClothFriction
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -78,8 +78,8 @@ def continue_time_steps(
         inertia = Inertia(nodes + settings.damping * dt * state.velocities, 1.0 / dt**2)
         energy = replace(energy, friction=friction, inertia=inertia)
         if energy.push is not None or n == 0:
-            energy = energy.pull_apart(nodes)
-        energy = energy.lag_rubbing(nodes, state.rubbing)
+            energy = energy.contract_crossings(nodes)
+        energy = energy.lag_friction(nodes, state.rubbing)
         energy, free = energy.free_share(nodes, pinned - nodes, MIN_PAIR_REACH_SHARE)
         pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         energy, solver, end = _step(energy, solver, pinned, settings)
@@ -96,8 +96,8 @@ def _step(
     left, watching = settings.newton_per_step, energy.watch(nodes)
     if watching.near is not None and not len(watching.near.pairs.kinds):
         path = [nodes]
-        held, solver = _iterate(watching.hold(nodes), solver, path, settings, left, False)
-        energy, good = held.look_back(np.stack(path))
+        frozen, solver = _iterate(watching.freeze(nodes), solver, path, settings, left, False)
+        energy, good = frozen.verify_pairs(np.stack(path))
         nodes, left = path[good], (left - good if good < len(path) - 1 else 0)
     path = [nodes]
     energy, solver = _iterate(energy, solver, path, settings, left, True)
@@ -105,7 +105,7 @@ def _step(
 
 
 def _iterate(
-    energy: Energy, solver: Solver | None, path: list[np.ndarray], settings: SolveSettings, most: int, looks_back: bool
+    energy: Energy, solver: Solver | None, path: list[np.ndarray], settings: SolveSettings, most: int, verify: bool
 ) -> tuple[Energy, Solver | None]:
     """Add at most `most` Newton iterations to a path [m], [node_count, 3] each, from its last place."""
     for _ in range(most):
@@ -113,12 +113,12 @@ def _iterate(
         start, gradient, blocks = energy.hessian(path[-1], False)
         if factor_regularised(energy, solver, path[-1], blocks, 0.0) < 0:
             break
-        if looks_back:
+        if verify:
             leg = descend(energy, solver, path[-1], start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
         else:
             leg = step_with_frozen_pairs(energy, solver, path[-1], start, gradient, settings.max_step)
         energy = leg.energy
         path.append(leg.nodes)
-        if leg.motion < settings.still:
+        if leg.motion < settings.rest_motion:
             break
     return energy, solver

@@ -10,9 +10,9 @@ from .bending import bending
 from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
 from .collision.barrier import barrier, find_coincident_nodes
-from .collision.look_back import verify_pairs_on_path
-from .collision.near import NearPairs, find_near_pairs
-from .collision.rubbing import ClothFriction, cloth_friction, lag_cloth_friction
+from .collision.cloth_friction import ClothFriction, cloth_friction, lag_cloth_friction
+from .collision.near_pairs import NearPairs, find_near_pairs
+from .collision.path_check import verify_pairs_on_path
 from .collision.untangle import contract_crossings
 from .contact import NO_BLOCKS, Forces, NodeElements, add_contact
 from .friction import Friction, friction
@@ -68,7 +68,7 @@ class Energy:
     def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
         """Return the same energy with the pairs that may touch at nodes [m] and on the path to `end` [m]."""
         cloth, near = self.scene.self_contact, self.near
-        if cloth is None or (near is not None and near.held):
+        if cloth is None or (near is not None and near.frozen):
             return self
         if near is not None and near.covers(nodes) and (end is None or near.covers(end)):
             return self
@@ -87,13 +87,13 @@ class Energy:
         assert watching.near is not None
         return watching, watching.near.free_share(nodes, step, least)
 
-    def hold(self, nodes: np.ndarray) -> Energy:
+    def freeze(self, nodes: np.ndarray) -> Energy:
         """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere. It is
         valid as long as no other pair comes within reach, which `verify_pairs_on_path` checks."""
         watching = self.watch(nodes)
-        return self if watching.near is None else replace(watching, near=replace(watching.near, held=True))
+        return self if watching.near is None else replace(watching, near=replace(watching.near, frozen=True))
 
-    def look_back(self, path: np.ndarray) -> tuple[Energy, int]:
+    def verify_pairs(self, path: np.ndarray) -> tuple[Energy, int]:
         """Return the last place of a path [m], [place_count, node_count, 3], up to which no other than the known pairs
         came near: its number, 0 to place_count - 1, and the energy with the pairs near it and those that came near
         after it."""
@@ -102,24 +102,24 @@ class Energy:
         near, good = verify_pairs_on_path(self.scene.self_contact, path, self.near)
         return replace(self, near=near), good
 
-    def pull_apart(self, nodes: np.ndarray) -> Energy:
+    def contract_crossings(self, nodes: np.ndarray) -> Energy:
         """Return the same energy with contact off where faces cross at nodes [m], and forces that pull them apart."""
         scene, push = contract_crossings(self.scene, nodes)
         return replace(self, scene=scene, push=push, near=self.near if scene is self.scene else None)
 
-    def let_shut(self, nodes: np.ndarray) -> Energy:
+    def suspend_coincident(self, nodes: np.ndarray) -> Energy:
         """Return the same energy with contact also off around coincident pairs at nodes [m]."""
         watching = self.watch(nodes)
         cloth, near = watching.scene.self_contact, watching.near
         if cloth is None or near is None:
             return self
-        shut = find_coincident_nodes(nodes, near.pairs)
-        if not len(shut):
+        is_coincident = find_coincident_nodes(nodes, near.pairs)
+        if not len(is_coincident):
             return watching
-        waiting = cloth.wait(np.flatnonzero(cloth.crossed | np.isin(cloth.faces, shut).any(axis=1)))
+        waiting = cloth.wait(np.flatnonzero(cloth.crossed | np.isin(cloth.faces, is_coincident).any(axis=1)))
         return replace(watching, scene=replace(watching.scene, self_contact=waiting), near=None)
 
-    def lag_rubbing(self, nodes: np.ndarray, before: ClothFriction | None = None) -> Energy:
+    def lag_friction(self, nodes: np.ndarray, before: ClothFriction | None = None) -> Energy:
         """Return the same energy with the friction of cloth on cloth at nodes [m], [node_count, 3]. Pairs that are also
         in `before`, the friction until then, keep their displacement."""
         watching = self.watch(nodes)
@@ -148,7 +148,7 @@ class Energy:
         gradient[self.scene.fixed] = 0.0
         return energy, gradient, blocks
 
-    def foresee_stress(self, nodes: np.ndarray, step: np.ndarray) -> np.ndarray:
+    def predict_stress(self, nodes: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Compute the membrane's stress [N/m], shape [face_count, 3], after a step [m] from nodes [m], linear in the
         step. It is free of the stretch that any straight step along a fold adds."""
         topology, found = self.scene.topology, []
@@ -167,9 +167,9 @@ class Energy:
         found = Derivatives(np.zeros_like(nodes), blocks)
         energy, folds = 0.0, FoldFriction.of(topology, scene.bending_friction)
         for layer in scene.garments:
-            foreseen = stress[layer.faces] if len(stress) else stress
+            layer_stress = stress[layer.faces] if len(stress) else stress
             faces, hinges = layer.membrane_of(topology), layer.bending_of(topology)
-            energy += membrane(nodes, faces, layer.stiffness, foreseen, order, exact, found)
+            energy += membrane(nodes, faces, layer.stiffness, layer_stress, order, exact, found)
             energy += bending(nodes, hinges, layer.fabric.k, folds.among(layer.hinges), order, exact, found)
         diagonal = topology.pattern.diagonal
         if scene.body is not None:
@@ -218,10 +218,10 @@ class Energy:
             if order == 2 and exact:
                 blocks[diagonal] -= scene.rotation.rate**2 * masses[:, None, None] * np.diag(HORIZONTAL_AXIS_MASK)
         if scene.pins is not None and scene.pins.stiffness is not None:
-            held, weights = scene.pins.nodes, scene.pins.stiffness * np.array(scene.pins.directions)
-            away = nodes[held] - scene.pins.points
-            energy += 0.5 * float((weights * away**2).sum())
-            np.add.at(gradient, held, weights * away)
+            pinned, weights = scene.pins.nodes, scene.pins.stiffness * np.array(scene.pins.directions)
+            offset = nodes[pinned] - scene.pins.points
+            energy += 0.5 * float((weights * offset**2).sum())
+            np.add.at(gradient, pinned, weights * offset)
             if order == 2:
-                np.add.at(blocks, diagonal[held], np.diag(weights))
+                np.add.at(blocks, diagonal[pinned], np.diag(weights))
         return energy

@@ -80,9 +80,9 @@ def check_fabric(fabric: Fabric) -> Fabric:
 def _check_sources(fabric: Fabric) -> None:
     sources = dict(fabric.sources)
     for name in PARAMETERS:
-        origin, _, told = sources.get(name, "").partition(":")
-        is_told = MIN_SOURCE_LENGTH <= len(told.strip()) and len(told) <= MAX_SOURCE_LENGTH and told.isprintable()
-        if origin not in ORIGINS or not is_told:
+        origin, _, text = sources.get(name, "").partition(":")
+        is_text = MIN_SOURCE_LENGTH <= len(text.strip()) and len(text) <= MAX_SOURCE_LENGTH and text.isprintable()
+        if origin not in ORIGINS or not is_text:
             raise FabricSourceBad(f"{name} of '{fabric.name}' has no source. {FabricSourceBad().message}")
     if len(fabric.sources) != len(PARAMETERS) or set(sources) != set(PARAMETERS):
         raise FabricSourceBad(f"'{fabric.name}' has sources of numbers that a fabric does not have; leave them out.")

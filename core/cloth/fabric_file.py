@@ -80,7 +80,7 @@ def read_fabrics(path: Path) -> list[Fabric]:
 
 def write_fabrics(fabrics: Sequence[Fabric], path: Path) -> None:
     """Write fabrics in SI units for `read_fabrics`: CSV where the path ends in `.csv`, else JSON."""
-    told = [
+    listed = [
         {
             "name": fabric.name,
             "title": fabric.title,
@@ -92,12 +92,12 @@ def write_fabrics(fabrics: Sequence[Fabric], path: Path) -> None:
         for fabric in fabrics
     ]
     if path.suffix.lower() != ".csv":
-        path.write_text(json.dumps({"fabrics": told}, indent=1) + "\n", encoding="utf-8")
+        path.write_text(json.dumps({"fabrics": listed}, indent=1) + "\n", encoding="utf-8")
         return
     with path.open("w", encoding="utf-8", newline="") as stream:
         sheet = csv.writer(stream)
         sheet.writerow(COLUMNS)
-        sheet.writerows(_list_rows({"fabrics": told}))
+        sheet.writerows(_list_rows({"fabrics": listed}))
 
 
 def _read_json(text: str) -> Iterator[Row]:

@@ -62,16 +62,16 @@ def mobilise(y, square, slip):  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
+def friction(x, contact, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
     """Add friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E_v = L_v f(|u|),  u = (I - n n^T)(x - a),  f(y) = y^2/s - y^3/(3 s^2) for y < s, else y - s/3; f'(y >= s) = 1.
 
-    Notation: `given` a `Friction`: anchors a [m]; normals n; limits L = mu N [N], lagged; slip s [m]. The force never
+    Notation: `contact` a `Friction`: anchors a [m]; normals n; limits L = mu N [N], lagged; slip s [m]. The force never
     exceeds mu N and opposes the motion away from the anchor; below s it is elastic, so a block at rest does not creep.
     Smoothed as by Li et al. 2020 (incremental potential contact), with an anchor in place of the last time step.
     """
-    anchors, normals, limits, slip = given
+    anchors, normals, limits, slip = contact
     gradient, blocks = derivatives
     energy = 0.0
     u = np.zeros(3)

@@ -129,9 +129,9 @@ def _bending(
     angle = 0.5 * (turn - torch.from_numpy(hinged.angles))
     second = 0.5 * k * scale * torch.cos(angle).abs()
     angles, moments, slip = FoldFriction.of(topology, scene.bending_friction)
-    away = turn - torch.from_numpy(angles)
-    away = away - 2.0 * np.pi * torch.round(away.detach() / (2.0 * np.pi))
-    second = second + torch.from_numpy(moments) * slip**2 / (away**2 + slip**2) ** 1.5
+    change = turn - torch.from_numpy(angles)
+    change = change - 2.0 * np.pi * torch.round(change.detach() / (2.0 * np.pi))
+    second = second + torch.from_numpy(moments) * slip**2 / (change**2 + slip**2) ** 1.5
     g2, g3 = -(length / m1)[:, None] * n1, -(length / m2)[:, None] * n2
     t1, t2 = ((p * e).sum(1) / squared)[:, None], ((q * e).sum(1) / squared)[:, None]
     slopes = (-(1.0 - t1) * g2 - (1.0 - t2) * g3, -t1 * g2 - t2 * g3, g2, g3)
@@ -160,15 +160,15 @@ def _contact(
 def _friction(energy: Energy, x: torch.Tensor, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
     """Return L (f'/y one_t . other_t + (f'' - f'/y) (u . one)(u . other) / y^2), u the slide, y = |u|; see
     `friction`."""
-    given = energy.friction
-    assert given is not None
-    held = np.flatnonzero(given.limits > 0)
-    n, limits = torch.from_numpy(given.normals[held]), torch.from_numpy(given.limits[held])
-    away, first, second = x[held] - torch.from_numpy(given.anchors[held]), one[held], other[held]
-    u = away - (away * n).sum(1, keepdim=True) * n
+    elements = energy.friction
+    assert elements is not None
+    active = np.flatnonzero(elements.limits > 0)
+    n, limits = torch.from_numpy(elements.normals[active]), torch.from_numpy(elements.limits[active])
+    offset, first, second = x[active] - torch.from_numpy(elements.anchors[active]), one[active], other[active]
+    u = offset - (offset * n).sum(1, keepdim=True) * n
     square = (u**2).sum(1)
     # a node on its anchor: the second part is 0 there, and the square root is not differentiable
-    y, slip = torch.sqrt(torch.clamp(square, min=1e-30)), given.slip
+    y, slip = torch.sqrt(torch.clamp(square, min=1e-30)), elements.slip
     stuck = y < slip
     over = torch.where(stuck, 2.0 / slip - y / slip**2, 1.0 / y)
     along = torch.where(stuck, -1.0 / (slip**2 * y), -1.0 / y**3)

@@ -58,12 +58,12 @@ class LinearisedSteps(TimeSteps):
         else:
             by_nodes, by_rest, by_fabric = pull_form(step, placed, weights, end - placed)[1]
         rest, fabric = pull_forces(step, placed, weights)
-        back, held = bar - _hessian_product(step, placed, weights) - by_nodes, np.zeros((0, 3))
+        back, by_pins = bar - _hessian_product(step, placed, weights) - by_nodes, np.zeros((0, 3))
         if pins is not None and pins.stiffness is not None:
-            held = pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
+            by_pins = pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
         elif pins is not None:
-            held, back[pins.nodes] = back[pins.nodes].copy(), 0.0
-        return weights, Sensitivity(-rest - by_rest, -fabric - by_fabric, held, back)
+            by_pins, back[pins.nodes] = back[pins.nodes].copy(), 0.0
+        return weights, Sensitivity(-rest - by_rest, -fabric - by_fabric, by_pins, back)
 
 
 def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.ndarray]:
@@ -83,14 +83,14 @@ def _hessian_product(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np
     return np.asarray((matrix_of(topology, data) @ weights.ravel()).reshape(-1, 3))
 
 
-def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along `way`. H
-    is the derivative of g, so the order can be exchanged; the outer derivative is a central difference over
-    `HESSIAN_DIFFERENCE_STEP`."""
-    length = float(np.sqrt((way**2).sum(1).max()))
+def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along
+    `direction`. H is the derivative of g, so the order can be exchanged; the outer derivative is a central difference
+    over `HESSIAN_DIFFERENCE_STEP`."""
+    length = float(np.sqrt((direction**2).sum(1).max()))
     if length == 0.0:
         return tuple(np.zeros_like(part) for part in (nodes, *pull_forces(step, nodes, weights)))
     share = HESSIAN_DIFFERENCE_STEP / length
-    ends = [nodes + s * share * way for s in (1.0, -1.0)]
+    ends = [nodes + s * share * direction for s in (1.0, -1.0)]
     found = [(_hessian_product(step, end, weights), *pull_forces(step, end, weights)) for end in ends]
     return tuple((ahead - behind) / (2.0 * share) for ahead, behind in zip(*found, strict=True))

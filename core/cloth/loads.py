@@ -19,18 +19,18 @@ def loads(x, masses, gravity, inertia, order, diagonal, derivatives):  # type: i
     """
     target, weight = inertia
     gradient, blocks = derivatives
-    energy, held = 0.0, len(target) > 0
+    energy, is_tied = 0.0, len(target) > 0
     for v in range(x.shape[0]):
         mass = masses[v]
         for d in range(3):
             energy -= mass * gravity[d] * x[v, d]
             if order > 0:
                 gradient[v, d] -= mass * gravity[d]
-            if held:
-                away = x[v, d] - target[v, d]
-                energy += 0.5 * mass * weight * away * away
+            if is_tied:
+                offset = x[v, d] - target[v, d]
+                energy += 0.5 * mass * weight * offset * offset
                 if order > 0:
-                    gradient[v, d] += mass * weight * away
+                    gradient[v, d] += mass * weight * offset
                 if order > 1:
                     blocks[diagonal[v], d, d] += mass * weight
     return energy

@@ -35,8 +35,8 @@ class StepSettings:
         wind: Velocity of the air [m/s].
         tolerance: Largest force left on a node [mean weight of a node]. 0.1: 1 m/s2 on the worst node for a step, which
             in 1/30 s moves it by at most a millimetre; on 99 of 100 nodes it is a fifth of that.
-        still: Motion of the fastest node in a run under which the step counts as converged [m], unless a near collision
-            cut the run short.
+        rest_motion: Motion of the fastest node in a run under which the step counts as converged [m], unless a near
+            collision cut the run short.
         steps_per_factor: Number of quasi-Newton steps per factored matrix (a run).
         legs: Largest number of runs; a step that needs more is taken in two halves. 40: steps of a skirt in a walk that
             failed after 12 runs, and then took 14 to 21 in two halves, converged after 14 to 26.
@@ -49,7 +49,7 @@ class StepSettings:
     damping: float = 2.0
     wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
     tolerance: float = 0.1
-    still: float = 1e-4
+    rest_motion: float = 1e-4
     steps_per_factor: int = 8
     legs: int = 40
     renewals: int = 5
@@ -133,11 +133,11 @@ def step_in_motion(
     free = 1.0 + settings.damping * dt
     target = before.nodes + dt * (before.velocities + settings.damping * dt * np.asarray(settings.wind)) / free
     energy, solver = replace(layout.energy, inertia=Inertia(target, free / dt**2), friction=None), layout.solver
-    held = energy.scene.bending_friction
-    if held is not None and before.folds is not None:
-        held = replace(held, angles=before.folds)
-        energy = replace(energy, scene=replace(energy.scene, bending_friction=held))
-    energy = energy.let_shut(before.nodes)
+    friction = energy.scene.bending_friction
+    if friction is not None and before.folds is not None:
+        friction = replace(friction, angles=before.folds)
+        energy = replace(energy, scene=replace(energy.scene, bending_friction=friction))
+    energy = energy.suspend_coincident(before.nodes)
     energy, nodes = move_collision_free(energy, before.nodes, carried.nodes)
     planes, motion, cut, factors, sound = TangentPlanes.none(len(nodes)), np.inf, False, 0, before.nodes
     while True:
@@ -152,7 +152,7 @@ def step_in_motion(
         if not np.isfinite(residual):
             nodes, converged = sound, False
             break
-        sound, converged = nodes, residual <= settings.tolerance or (motion < settings.still and not cut)
+        sound, converged = nodes, residual <= settings.tolerance or (motion < settings.rest_motion and not cut)
         if converged or factors == settings.legs:
             break
         if factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
@@ -164,7 +164,7 @@ def step_in_motion(
         energy, nodes, motion, cut, factors = leg.energy, leg.nodes, leg.motion, leg.cut, factors + 1
     velocities = (nodes - before.nodes) / dt
     anchors = nodes if energy.friction is None else energy.friction.slide(nodes)
-    folds = None if held is None else held.slide(measure_angles(energy.scene.topology, nodes))
+    folds = None if friction is None else friction.slide(measure_angles(energy.scene.topology, nodes))
     bare = replace(energy, scene=replace(energy.scene, body=None), friction=None, inertia=None)
     return StepResult(
         ClothState(nodes, velocities, anchors, folds=folds),

@@ -18,7 +18,7 @@ class Outcome(StrEnum):
     converged: bool
 
     CONVERGED = "converged", "at rest: all forces are balanced.", True
-    STILL = "still", "at rest by motion, forces not fully balanced: set still to 0 for more.", True
+    STILL = "still", "at rest by motion, forces not fully balanced: set rest_motion to 0 for more.", True
     STUCK = "stuck", "not at rest: no step lowers the energy; settle for longer first, or soften contact."
     ITERATIONS = "iterations", "not at rest: raise max_iterations, settle for longer, or pin a contour that slides."
     TIME = "time", "not at rest: raise max_cpu_seconds or take fewer vertices."

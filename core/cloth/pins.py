@@ -52,7 +52,7 @@ def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarr
     if pins is None or pins.stiffness is not None:
         return nodes
     nodes = nodes.copy()
-    way = np.asarray(pins.points) - nodes[pins.nodes]
-    length = np.linalg.norm(way, axis=1, keepdims=True)
-    nodes[pins.nodes] += way * np.minimum(1.0, max_step / np.maximum(length, 1e-300))
+    displacement = np.asarray(pins.points) - nodes[pins.nodes]
+    length = np.linalg.norm(displacement, axis=1, keepdims=True)
+    nodes[pins.nodes] += displacement * np.minimum(1.0, max_step / np.maximum(length, 1e-300))
     return nodes

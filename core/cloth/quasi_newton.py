@@ -81,7 +81,7 @@ def descend(
     touches, cut = energy.scene.self_contact is not None, False
     for turn in range(_MAX_LBFGS_RESTARTS + 1):
         checked = len(path) - 1
-        energy = energy.hold(path[-1].nodes)
+        energy = energy.freeze(path[-1].nodes)
         while len(path) <= steps and energy.scene.relative_residual(path[-1].gradient) > residual:
             place, energy, free = _step(energy, solver, path, max_step, turn == _MAX_LBFGS_RESTARTS)
             cut = cut or free < 1.0
@@ -90,7 +90,7 @@ def descend(
             path.append(place)
         if not touches:
             break
-        energy, good = energy.look_back(np.stack([place.nodes for place in path[checked:]]))
+        energy, good = energy.verify_pairs(np.stack([place.nodes for place in path[checked:]]))
         if checked + good == len(path) - 1:
             break
         del path[checked + good + 1 :]
@@ -100,10 +100,10 @@ def descend(
 def step_with_frozen_pairs(
     energy: Energy, solver: Solver, nodes: np.ndarray, start: float, gradient: np.ndarray, max_step: float
 ) -> LbfgsRun:
-    """Take one descent step as `descend` does, without checking its path; the caller checks it (`Energy.look_back`).
+    """Take one descent step as `descend` does, without checking its path; the caller checks it (`Energy.verify_pairs`).
 
     Args:
-        energy: What is minimised; its known pairs are frozen (`Energy.hold`).
+        energy: What is minimised; its known pairs are frozen (`Energy.freeze`).
         solver: Has the factors of a positive definite matrix.
         nodes: Start [m], shape [node_count, 3].
         start: Energy there [J].
@@ -148,22 +148,22 @@ class _Iterate(NamedTuple):
 
 
 def _step(
-    energy: Energy, solver: Solver, path: list[_Iterate], max_step: float, wary: bool
+    energy: Energy, solver: Solver, path: list[_Iterate], max_step: float, search_ahead: bool
 ) -> tuple[_Iterate | None, Energy, float]:
     """Return the place after the next step, or None where no step lowers the energy. Also returns the energy with the
-    pairs on the path, and the share of the step, 0 to 1, without collision. `wary` searches the pairs along the step
-    before it is taken."""
-    here = path[-1]
+    pairs on the path, and the share of the step, 0 to 1, without collision. `search_ahead` searches the pairs along the
+    step before it is taken."""
+    last = path[-1]
     pairs = [place.pair for place in path if place.pair is not None]
-    direction = -_apply(solver, pairs, here.gradient.ravel()).reshape(-1, 3)
-    slope = float((here.gradient * direction).sum())
+    direction = -_apply(solver, pairs, last.gradient.ravel()).reshape(-1, 3)
+    slope = float((last.gradient * direction).sum())
     if not np.isfinite(direction).all() or slope >= 0:
         return None, energy, 1.0
     share = min(1.0, max_step / max(float(largest_length(direction)), 1e-300))
-    if wary and energy.scene.self_contact is not None:
-        energy = replace(energy, near=None).watch(here.nodes, here.nodes + share * direction).hold(here.nodes)
-    energy, free = energy.free_share(here.nodes, share * direction)
-    return _search_line(energy, here, direction, slope, share * free), energy, free
+    if search_ahead and energy.scene.self_contact is not None:
+        energy = replace(energy, near=None).watch(last.nodes, last.nodes + share * direction).freeze(last.nodes)
+    energy, free = energy.free_share(last.nodes, share * direction)
+    return _search_line(energy, last, direction, slope, share * free), energy, free
 
 
 def _apply(solver: Solver, pairs: list[_CorrectionPair], gradient: np.ndarray) -> np.ndarray:
@@ -178,15 +178,15 @@ def _apply(solver: Solver, pairs: list[_CorrectionPair], gradient: np.ndarray) -
     return result
 
 
-def _search_line(energy: Energy, here: _Iterate, direction: np.ndarray, slope: float, share: float) -> _Iterate | None:
+def _search_line(energy: Energy, last: _Iterate, direction: np.ndarray, slope: float, share: float) -> _Iterate | None:
     """Return the place at a share of the direction, shortened until the energy falls; None where it does not."""
-    noise = 1e-13 * abs(here.energy)
+    noise = 1e-13 * abs(last.energy)
     for _ in range(_MAX_LINE_SEARCH_TRIALS):
-        trial = here.nodes + share * direction
+        trial = last.nodes + share * direction
         reached, gradient = energy.gradient(trial)
-        if np.isfinite(reached) and reached <= here.energy + ARMIJO_DECREASE_SHARE * share * slope + noise:
-            return _Iterate(trial, reached, gradient).reached_from(here)
+        if np.isfinite(reached) and reached <= last.energy + ARMIJO_DECREASE_SHARE * share * slope + noise:
+            return _Iterate(trial, reached, gradient).reached_from(last)
         # minimum of the parabola through both energies and the slope, clamped to a tenth to a half of the step
-        parabola = -0.5 * slope * share**2 / (reached - here.energy - slope * share) if np.isfinite(reached) else 0.0
+        parabola = -0.5 * slope * share**2 / (reached - last.energy - slope * share) if np.isfinite(reached) else 0.0
         share = min(max(parabola, 0.1 * share), 0.5 * share)
     return None

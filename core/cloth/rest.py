@@ -83,27 +83,27 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, settings: RestS
     Raises:
         NotAtRest: where the force left stays above the tolerance.
     """
-    here, done = _Point.at(energy, nodes), 0
+    point, done = _Point.at(energy, nodes), 0
     while True:
-        here, arrived, factors = _take_newton_steps(energy, here, solver, settings, settings.max_factors - done)
+        point, arrived, factors = _take_newton_steps(energy, point, solver, settings, settings.max_factors - done)
         done += factors
         if arrived:
-            return here.nodes
+            return point.nodes
         # at a saddle, where the residual is small and Newton does not help, a run must not stop at once
-        stop, near = (settings.calm if here.residual > settings.calm else 0.0), False
-        while not near:
-            start, gradient, blocks = energy.hessian(here.nodes, False)
-            if done >= settings.max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
-                raise _make_rest_error(here)
-            leg = descend(energy, solver, here.nodes, start, gradient, steps=settings.steps_per_factor, residual=stop)
+        stop, is_close = (settings.calm if point.residual > settings.calm else 0.0), False
+        while not is_close:
+            start, gradient, blocks = energy.hessian(point.nodes, False)
+            if done >= settings.max_factors or factor_regularised(energy, solver, point.nodes, blocks, 0.0) < 0:
+                raise _make_rest_error(point)
+            leg = descend(energy, solver, point.nodes, start, gradient, steps=settings.steps_per_factor, residual=stop)
             if leg.steps == 0:
-                raise _make_rest_error(here)
+                raise _make_rest_error(point)
             energy = leg.energy
-            here, near, done = _Point.at(energy, leg.nodes), leg.residual <= settings.retry, done + 1
+            point, is_close, done = _Point.at(energy, leg.nodes), leg.residual <= settings.retry, done + 1
 
 
 def _take_newton_steps(
-    energy: Energy, here: _Point, solver: Solver, settings: RestSettings, max_factors: int
+    energy: Energy, point: _Point, solver: Solver, settings: RestSettings, max_factors: int
 ) -> tuple[_Point, bool, int]:
     """Take Newton steps with the exact Hessian; return the best point, whether it is at rest, and the number of
     factors. A straight step along a fold stretches the cloth by the square of its length: the energy rises and the next
@@ -111,55 +111,55 @@ def _take_newton_steps(
     of that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points").
     Where the Hessian is indefinite, or two steps together have not lowered the energy, the best point is returned."""
     topology, fixed = energy.scene.topology, energy.scene.fixed
-    best, stress, tolerance = here, None, settings.tolerance
+    best, stress, tolerance = point, None, settings.tolerance
     for factors in range(max_factors + 1):
-        if here.residual <= tolerance:
-            return here, True, factors
+        if point.residual <= tolerance:
+            return point, True, factors
         if factors == max_factors:
             break
-        blocks = energy.hessian(here.nodes, stress=stress)[2]
+        blocks = energy.hessian(point.nodes, stress=stress)[2]
         if not (solver.factor(topology.assemble(blocks, fixed)) and solver.is_positive_definite()):
             return best, False, factors + 1
-        step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
+        step = -np.asarray(solver.solve(point.gradient.ravel())).reshape(-1, 3)
         step *= min(1.0, SolveSettings.max_step / max(float(np.sqrt((step**2).sum(1).max())), 1e-300))
-        energy, free = energy.free_share(here.nodes, step)
+        energy, free = energy.free_share(point.nodes, step)
         step *= free
-        slope = float((here.gradient * step).sum())
-        there = _Point.at(energy, here.nodes + step)
+        slope = float((point.gradient * step).sum())
+        there = _Point.at(energy, point.nodes + step)
         if -slope < settings.least_decrease * abs(best.value):
-            fell, bearable = there.residual < here.residual, False
-            if not fell and here.residual <= max(tolerance, settings.round_off):
+            is_lower, bearable = there.residual < point.residual, False
+            if not is_lower and point.residual <= max(tolerance, settings.round_off):
                 # round-off in the stiff directions hides the residual of the soft ones, which the step has removed
-                here = there if there.residual <= settings.scatter * here.residual else here
-                return here, True, factors + 1
+                point = there if there.residual <= settings.scatter * point.residual else point
+                return point, True, factors + 1
         else:
-            fell = there.value <= best.value + ARMIJO_DECREASE_SHARE * slope
-            bearable = here is best and there.value <= best.value - settings.energy_rise * slope
-        if not (fell or bearable):
+            is_lower = there.value <= best.value + ARMIJO_DECREASE_SHARE * slope
+            bearable = point is best and there.value <= best.value - settings.energy_rise * slope
+        if not (is_lower or bearable):
             return best, False, factors + 1
-        calm = fell and there.residual < settings.calm
-        stress = None if calm else energy.foresee_stress(here.nodes, step)
-        here = _take_chord_steps(energy, there, solver, settings) if calm else there
-        best = here if fell else best
+        is_settled = is_lower and there.residual < settings.calm
+        stress = None if is_settled else energy.predict_stress(point.nodes, step)
+        point = _take_chord_steps(energy, there, solver, settings) if is_settled else there
+        best = point if is_lower else best
     raise _make_rest_error(best)
 
 
-def _take_chord_steps(energy: Energy, here: _Point, solver: Solver, settings: RestSettings) -> _Point:
+def _take_chord_steps(energy: Energy, point: _Point, solver: Solver, settings: RestSettings) -> _Point:
     """Take further steps with the present factor as long as each removes most of the residual."""
     for _ in range(settings.chord_steps):
-        if here.residual <= settings.tolerance:
+        if point.residual <= settings.tolerance:
             break
-        step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
-        energy, free = energy.free_share(here.nodes, step)
-        there = _Point.at(energy, here.nodes + free * step)
-        if not there.residual < here.residual:
+        step = -np.asarray(solver.solve(point.gradient.ravel())).reshape(-1, 3)
+        energy, free = energy.free_share(point.nodes, step)
+        there = _Point.at(energy, point.nodes + free * step)
+        if not there.residual < point.residual:
             break
-        slow, here = there.residual > settings.chord_share * here.residual, there
+        slow, point = there.residual > settings.chord_share * point.residual, there
         if slow:
             break
-    return here
+    return point
 
 
-def _make_rest_error(here: _Point) -> NotAtRest:
+def _make_rest_error(point: _Point) -> NotAtRest:
     """Return the error with the force that is left."""
-    return NotAtRest(f"the cloth does not come to rest: a force of {here.residual:.1e} of a node's weight is left.")
+    return NotAtRest(f"the cloth does not come to rest: a force of {point.residual:.1e} of a node's weight is left.")

@@ -160,8 +160,8 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     count = len(topology.hinges.nodes)
     apart = np.ascontiguousarray(nodes[topology.hinges.nodes].reshape(-1, 3))
     gradient = np.zeros_like(apart)
-    own = np.arange(4 * count).reshape(count, 4)
-    elements = topology.hinge_elements._replace(nodes=own, scale=np.ones(count))
+    rows = np.arange(4 * count).reshape(count, 4)
+    elements = topology.hinge_elements._replace(nodes=rows, scale=np.ones(count))
     bending(apart, elements, 1.0, FoldFriction.of(topology), 1, True, Derivatives(gradient, NO_BLOCKS))
     return gradient.reshape(count, 4, 3)
 

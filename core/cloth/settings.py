@@ -13,10 +13,10 @@ STANDARD_GRAVITY = (0.0, -9.81, 0.0)
 
 MAX_REST_RESIDUAL = 1.0
 """Largest force on a node of cloth at rest [mean weight of a node]. The search stops at a thousandth of it
-(`SolveSettings.tolerance`), or where nothing moves by `SolveSettings.still` any more. The second comes first where
-friction and cloth in a crease of the body keep each other in motion (`statics._FRICTION_FREEZE_RUNS`); the forces left
-are then below the cloth's own weight. A node with a larger force that does not move is stuck. docs/lab/simulate.md has
-the residuals of 45 searches."""
+(`SolveSettings.tolerance`), or where nothing moves by `SolveSettings.rest_motion` any more. The second comes first
+where friction and cloth in a crease of the body keep each other in motion (`statics._FRICTION_FREEZE_RUNS`); the forces
+left are then below the cloth's own weight. A node with a larger force that does not move is stuck. docs/lab/simulate.md
+has the residuals of 45 searches."""
 
 
 class SettingsBad(BadInput):
@@ -93,8 +93,8 @@ class SolveSettings:
         tolerance: Largest force left on a node [mean weight of a node]. 1e-3: accelerations of 1 cm/s2.
         steps_per_factor: Number of quasi-Newton steps per factored matrix in the search for equilibrium. At 4000 nodes
             a factor costs as much as five steps; five garments took 29 s of CPU with 5, 24 s with 8, 28 s with 12.
-        still: Motion of the fastest node per iteration below which the drape counts as at rest [m]: 0.1 mm is an eighth
-            of what registration resolves. 0: only `tolerance` counts.
+        rest_motion: Motion of the fastest node per iteration below which the drape counts as at rest [m]: 0.1 mm is an
+            eighth of what registration resolves. 0: only `tolerance` counts.
         max_iterations: Largest number of factorisations of `equilibrium`; 120 take about 16 s at 4000 nodes, and twelve
             garments needed 26 to 69 (3.5 to 9 s).
         max_cpu_seconds: CPU time [s] after which equilibrium stops with its present state, or None, the default,
@@ -106,7 +106,7 @@ class SolveSettings:
     max_step: float = 0.05
     tolerance: float = 1e-3
     steps_per_factor: int = 8
-    still: float = 1e-4
+    rest_motion: float = 1e-4
     max_iterations: int = 120
     max_cpu_seconds: float | None = None
 

@@ -11,9 +11,9 @@ import numpy as np
 from ..geometry.linear import Solver
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
-from .collision.advance import MIN_PAIR_REACH_SHARE
+from .collision.cloth_friction import ClothFriction
+from .collision.collision_free_step import MIN_PAIR_REACH_SHARE
 from .collision.coupling import extend_sparsity
-from .collision.rubbing import ClothFriction
 from .collision.untangle import is_resolving
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
@@ -117,7 +117,7 @@ class _Progress:
     Attributes:
         legs: Runs after which it continued.
         follows: Whether friction's normal forces are still updated.
-        calm: Consecutive runs in which nothing moved.
+        rest_count: Consecutive runs in which nothing moved.
         least: Smallest motion of a run so far [m].
         since: Runs since that fell by a tenth.
         started: CPU time at the start [s].
@@ -127,7 +127,7 @@ class _Progress:
     stop: StopCallback | None
     legs: int = 0
     follows: bool = True
-    calm: int = 0
+    rest_count: int = 0
     least: float = np.inf
     since: int = 0
     started: float = field(default_factory=time.process_time)
@@ -136,10 +136,10 @@ class _Progress:
         """Return the outcome if the search ends with this run, else None; `arrived`: all pins are at their points."""
         self.least, self.since = (leg.motion, 0) if leg.motion < 0.9 * self.least else (self.least, self.since + 1)
         self.follows = self.follows and leg.motion > _FRICTION_FREEZE_MOTION and self.since < _FRICTION_FREEZE_RUNS
-        self.calm = self.calm + 1 if leg.motion < self.settings.still and arrived else 0
+        self.rest_count = self.rest_count + 1 if leg.motion < self.settings.rest_motion and arrived else 0
         if leg.steps == 0 and arrived:
             return Outcome.STUCK
-        if self.calm >= 3:
+        if self.rest_count >= 3:
             return Outcome.STILL
         if self.stop is not None and self.stop(self.legs + 1, leg.nodes):
             return Outcome.STOPPED
@@ -199,10 +199,10 @@ def equilibrium(
             nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         cloth = energy.scene.self_contact
         if cloth is not None and cloth.crossed.any():
-            energy = replace(energy.pull_apart(nodes), push=None)
+            energy = replace(energy.contract_crossings(nodes), push=None)
         energy, solver = extend_sparsity(energy, solver, nodes)
         if progress.follows:
-            energy = energy.lag_rubbing(nodes, energy.rubbing)
+            energy = energy.lag_friction(nodes, energy.rubbing)
             energy = replace(energy, friction=lag_friction(energy.scene, nodes, anchors))
         start, gradient, blocks = energy.hessian(nodes, False)
         if scene.relative_residual(gradient) <= settings.tolerance and arrived:
@@ -230,15 +230,15 @@ def _untangle(
     contour of fixed nodes that cross cannot come apart: those nodes are unpinned."""
     counts: list[int] = []
     while True:
-        energy = energy.pull_apart(nodes)
+        energy = energy.contract_crossings(nodes)
         cloth = energy.scene.self_contact
         assert cloth is not None
         counts.append(int(cloth.crossed.sum()))
         if not is_resolving(counts, _UNTANGLE_PATIENCE_ITERATIONS):
-            held = np.intersect1d(cloth.faces[cloth.crossed], np.flatnonzero(energy.scene.fixed))
-            if energy.scene.pins is None or not len(held):
+            crossed = np.intersect1d(cloth.faces[cloth.crossed], np.flatnonzero(energy.scene.fixed))
+            if energy.scene.pins is None or not len(crossed):
                 return replace(energy, inertia=None, push=None), solver, nodes
-            energy, counts = replace(energy, scene=replace(energy.scene, pins=energy.scene.pins.without(held))), []
+            energy, counts = replace(energy, scene=replace(energy.scene, pins=energy.scene.pins.without(crossed))), []
         friction = lag_friction(energy.scene, nodes, anchors)
         energy, solver = extend_sparsity(
             replace(energy, friction=friction, inertia=Inertia(nodes, 1.0 / _UNTANGLE_TIME_STEP**2)), solver, nodes

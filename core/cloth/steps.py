@@ -84,7 +84,7 @@ class ClothTrajectory:
     """
 
     energy: Energy
-    way: TimeSteps
+    method: TimeSteps
     path: np.ndarray
     solver: Solver
 
@@ -96,7 +96,7 @@ class ClothTrajectory:
     def pull(self, upstream: np.ndarray) -> Sensitivity:
         """Return a loss's derivative by everything, from `upstream` [1/m]: by the last positions, shape [node_count,
         3], or by those after every step (a target in motion), shape [steps, node_count, 3]."""
-        way, path, scene = self.way, self.path, self.energy.scene
+        method, path, scene = self.method, self.path, self.energy.scene
         bars = np.zeros_like(path)
         if np.ndim(upstream) == 3:
             bars[2:] = upstream
@@ -104,11 +104,11 @@ class ClothTrajectory:
             bars[-1] = upstream
         pinned = 0 if scene.pins is None else len(scene.pins.nodes)
         rest, fabric, pins = np.zeros_like(scene.topology.rest.corners), np.zeros(6), np.zeros((pinned, 3))
-        tied = (scene.masses / way.dt**2)[:, None]
+        tied = (scene.masses / method.dt**2)[:, None]
         for t in range(len(path) - 1, 1, -1):
-            step = way.energy_of_step(self.energy, path[t - 2], path[t - 1])
-            weights, found = way.pull_step(step, path[t - 1], path[t], bars[t], self.solver)
+            step = method.energy_of_step(self.energy, path[t - 2], path[t - 1])
+            weights, found = method.pull_step(step, path[t - 1], path[t], bars[t], self.solver)
             rest, fabric, pins = rest + found.rest, fabric + found.fabric, pins + found.pins
-            bars[t - 1] += found.start + (1.0 + way.damping) * tied * weights
-            bars[t - 2] -= way.damping * tied * weights
+            bars[t - 1] += found.start + (1.0 + method.damping) * tied * weights
+            bars[t - 2] -= method.damping * tied * weights
         return Sensitivity(rest, fabric, pins, bars[1] + bars[0])

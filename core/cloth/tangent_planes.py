@@ -61,23 +61,23 @@ class TangentPlanes:
         planes before, one that faces the new one is kept while it is within reach: in a crease, where the nearest side
         changes with every move, the node then stays off both sides. A node without a plane that cannot have come within
         reach is not measured again, since a distance changes by at most the node's displacement."""
-        way = np.sqrt(((nodes - self.places) ** 2).sum(axis=1))
-        asked = np.flatnonzero(
-            (self.distances - way < reach + REMEASURE_MARGIN) | (self.offsets > ABSENT_PLANE_OFFSET).any(axis=0)
+        shift = np.sqrt(((nodes - self.places) ** 2).sum(axis=1))
+        moved = np.flatnonzero(
+            (self.distances - shift < reach + REMEASURE_MARGIN) | (self.offsets > ABSENT_PLANE_OFFSET).any(axis=0)
         )
         distance, normals = self.distances.copy(), np.zeros_like(nodes)
         places = self.places.copy()
-        if len(asked):
-            places[asked] = nodes[asked]
-            distance[asked], normals[asked] = body.measure(nodes[asked])
+        if len(moved):
+            places[moved] = nodes[moved]
+            distance[moved], normals[moved] = body.measure(nodes[moved])
         offsets = np.where(distance < reach, (normals * nodes).sum(axis=1) - distance, ABSENT_PLANE_OFFSET)
-        second, far = np.zeros_like(normals), np.full(len(nodes), ABSENT_PLANE_OFFSET)
+        second, plane_offsets = np.zeros_like(normals), np.full(len(nodes), ABSENT_PLANE_OFFSET)
         for each, offset in zip(self.normals[::-1], self.offsets[::-1], strict=True):
             faces = ((each * normals).sum(axis=1) < OPPOSING_PLANE_COSINE) & (
                 (each * nodes).sum(axis=1) - offset < reach
             )
-            second, far = np.where(faces[:, None], each, second), np.where(faces, offset, far)
-        return TangentPlanes(np.stack([normals, second]), np.stack([offsets, far]), places, distance)
+            second, plane_offsets = np.where(faces[:, None], each, second), np.where(faces, offset, plane_offsets)
+        return TangentPlanes(np.stack([normals, second]), np.stack([offsets, plane_offsets]), places, distance)
 
     @property
     def arrays(self) -> PlaneArrays:

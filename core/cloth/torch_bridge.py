@@ -21,10 +21,10 @@ class _Drape(torch.autograd.Function):
 
     @staticmethod
     def forward(
-        ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, given: Any
+        ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, solution: Any
     ) -> torch.Tensor:
-        """Solve for the positions at which `given`'s derivative is taken."""
-        scene, derivative, frozen = given
+        """Solve for the positions at which `solution`'s derivative is taken."""
+        scene, derivative, frozen = solution
         values = dict(zip(FABRIC_PARAMETERS, _array(fabric).tolist(), strict=True))
         scene = replace(scene, topology=scene.topology.reshape(_array(rest)), fabric=replace(scene.fabric, **values))
         if scene.pins is not None:
@@ -56,8 +56,8 @@ def drape_tensor(
     repeatedly."""
     points = np.zeros((0, 3)) if scene.pins is None else np.asarray(scene.pins.points, dtype=np.float64)
     values = np.array([getattr(scene.fabric, name) for name in FABRIC_PARAMETERS])
-    given = [(rest, scene.topology.rest.corners), (fabric, values), (pins, points)]
-    tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
+    inputs = [(rest, scene.topology.rest.corners), (fabric, values), (pins, points)]
+    tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in inputs]
     return _Drape.apply(*tensors, start, (scene, derivative, friction))  # type: ignore[no-any-return, no-untyped-call]
 
 

@@ -91,9 +91,9 @@ def spread_inside(garment: Garment, panel: int, values: np.ndarray) -> None:
         panel: Index of the panel.
         values: At all uv vertices, shape [uv_count, ...]; those of the panel's outline are given.
     """
-    own, drawn = np.flatnonzero(garment.panel_of_uv == panel), garment.pattern.panels[panel]
+    points, drawn = np.flatnonzero(garment.panel_of_uv == panel), garment.pattern.panels[panel]
     rim = np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)][:-1] for i in range(len(drawn.edges))])
-    inner = np.setdiff1d(own, rim)
+    inner = np.setdiff1d(points, rim)
     for part in np.array_split(inner, len(inner) // MEAN_VALUE_CHUNK_SIZE + 1):
         values[part] = np.tensordot(mean_value_coordinates(garment.uv[rim], garment.uv[part]), values[rim], 1)
 

@@ -76,10 +76,10 @@ def find_faults(pattern: Pattern, vertex_count: int = TRIAL_MESH_VERTEX_COUNT) -
     return (*found, *(Finding.of(fault) for fault in _catch(lambda one: mesh_pattern(one, vertex_count), [pattern])))
 
 
-def _catch(check: Callable[[Any], object], given: Iterable[Any]) -> list[PatternFault]:
+def _catch(check: Callable[[Any], object], values: Iterable[Any]) -> list[PatternFault]:
     """Return the faults that a check raises for each of some values."""
     found = []
-    for one in given:
+    for one in values:
         try:
             check(one)
         except PatternFault as fault:
@@ -191,8 +191,8 @@ def _describe_mirrors(pattern: Pattern, numbers: dict[str, Numbering]) -> list[d
     found = []
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]
-        ours, theirs = (numbers[panel.name].vertices for panel in (source, target))
-        pairs = [[ours[int(i)], theirs[j]] for j, i in enumerate(mirror.order)]
+        numbers_of_source, numbers_of_target = (numbers[panel.name].vertices for panel in (source, target))
+        pairs = [[numbers_of_source[int(i)], numbers_of_target[j]] for j, i in enumerate(mirror.order)]
         sides = [np.diag([-1.0 if panel.mirrored else 1.0, 1.0]) for panel in (source, target)]
         matrix = sides[1] @ mirror.rotation @ sides[0]
         found.append({"source": source.name, "target": target.name, "vertices": pairs, "matrix": matrix.tolist()})

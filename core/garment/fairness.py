@@ -105,7 +105,7 @@ def interior_angles(panel: Panel) -> np.ndarray:
 def fair_curves(
     pattern: Pattern,
     base: Pattern,
-    held: Collection[Corner] = (),
+    fixed: Collection[Corner] = (),
     proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS,
 ) -> Pattern:
     """Turn the ends of a pattern's curves until each corner that is smooth in its base pattern has that pattern's
@@ -119,7 +119,7 @@ def fair_curves(
     Args:
         pattern: The graded or fitted pattern.
         base: The pattern that it was graded from, with the same panels and edges.
-        held: Control points that stay fixed; an edge between two of them does not change.
+        fixed: Control points that stay fixed; an edge between two of them does not change.
         proved: Corners that the scan proves, by the boundary's turn there [rad], within `PROVED_CORNER_TOLERANCE_ANGLE`
             of which they are kept in place of the base pattern's.
     """
@@ -129,14 +129,14 @@ def fair_curves(
             corner = _corner_excess(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
             if abs(corner) < MIN_CORRECTED_CORNER_ANGLE:
                 continue
-            ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], held)]
+            ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], fixed)]
             for edge, is_end in ends:
                 # the boundary turns left by the corner: the arriving edge turns left, the departing one right
                 share = corner / len(ends)
                 turns.setdefault(edge, np.zeros(2))[int(is_end)] += share if is_end else -share
         if not turns:
             break
-        pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, held), held, like=base)
+        pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, fixed), fixed, base=base)
     return pattern
 
 
@@ -224,10 +224,10 @@ def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
     return np.asarray(steps[int(np.argmax(lengths > 1e-9))])
 
 
-def _can_bend(pattern: Pattern, edge: EdgeRef, held: Collection[Corner]) -> bool:
+def _can_bend(pattern: Pattern, edge: EdgeRef, fixed: Collection[Corner]) -> bool:
     """Return whether an edge may change and is well approximated by a cubic curve."""
     panel = pattern.panel(edge.panel)
-    if (edge.panel, edge.edge) in held and (edge.panel, (edge.edge + 1) % len(panel.points)) in held:
+    if (edge.panel, edge.edge) in fixed and (edge.panel, (edge.edge + 1) % len(panel.points)) in fixed:
         return False
     curve = panel.edges[edge.edge]
     return curve.kind != "arc" or is_flat_arc(curve) or abs(unit_circle(curve)[3]) <= MAX_BENT_ARC_ANGLE
@@ -270,7 +270,7 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
     return np.stack([start + reach * _unit_tangent(edge, False), end - reach * _unit_tangent(edge, True)])
 
 
-def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Pattern:
+def _keep_area(bent: Pattern, before: Pattern, fixed: Collection[Corner]) -> Pattern:
     """Return a pattern whose control points have moved until each bent edge encloses the same area as before. An edge
     whose curve has gained the area dA moves by -dA / chord across itself. A control point moves by the least-norm
     solution for both of its edges, by their mean where they are parallel."""
@@ -283,7 +283,7 @@ def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Patt
         move = -np.array(gained) * length
         moved = panel.points.copy()
         for i in range(len(moved)):
-            if (panel.name, i) not in held:
+            if (panel.name, i) not in fixed:
                 sides = [i - 1, i]
                 moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=PARALLEL_EDGE_RCOND)[0]
         points[panel.name] = moved

@@ -121,7 +121,7 @@ def read_numbered(
     if sum(len(edges) for edges in edge_lists if isinstance(edges, list)) > MAX_EDGES:
         raise PatternTooLarge(f"the pattern has more than {MAX_EDGES} edges.")
     relative = properties.get("curvature_coords", "relative") != "absolute"
-    own = properties.get(EXTENSION_KEY, {}) if isinstance(properties.get(EXTENSION_KEY, {}), dict) else {}
+    extension = properties.get(EXTENSION_KEY, {}) if isinstance(properties.get(EXTENSION_KEY, {}), dict) else {}
     panels, unknown = [], {}
     found: dict[str, Numbering] = {}
     numbers: dict[str, dict[int, int]] = {}
@@ -142,12 +142,12 @@ def read_numbered(
         "pattern": {key: value for key, value in body.items() if key not in ("panels", "stitches")},
         "panels": unknown,
     }
-    category = own.get("category", "")
+    category = extension.get("category", "")
     category = get_text(category, "the category", MAX_CATEGORY_LENGTH) if isinstance(category, str) else ""
     pattern = Pattern(name, tuple(panels), seams, category, extra)
-    read = _restore_extensions(pattern, own)
-    if own and all(seam.reversed for seam in seams):
-        return _mark_gathers(read, own), found  # written by `write_pattern`, with consistent panels
+    read = _restore_extensions(pattern, extension)
+    if extension and all(seam.reversed for seam in seams):
+        return _mark_gathers(read, extension), found  # written by `write_pattern`, with consistent panels
     try:
         agreed = agree_orientation(read)
     except NotOrientable as error:
@@ -157,7 +157,7 @@ def read_numbered(
         if panel.mirrored != now.mirrored:  # turned over: its loop is reversed, from the same point
             before = found[panel.name]
             found[panel.name] = Numbering(before.edges[::-1], (before.vertices[0], *before.vertices[:0:-1]))
-    return _mark_gathers(agreed, own), found
+    return _mark_gathers(agreed, extension), found
 
 
 def parse_document(source: str | bytes) -> Any:
@@ -344,9 +344,9 @@ def _read_seams(stitches: list[Any], numbers: dict[str, dict[int, int]]) -> tupl
     return tuple(seams)
 
 
-def _restore_extensions(pattern: Pattern, own: dict[str, Any]) -> Pattern:
+def _restore_extensions(pattern: Pattern, extension: dict[str, Any]) -> Pattern:
     """Restore grainlines, notches and contour names that `write_pattern` kept; invalid ones are ignored."""
-    notes = own.get("panels", {}) if isinstance(own.get("panels", {}), dict) else {}
+    notes = extension.get("panels", {}) if isinstance(extension.get("panels", {}), dict) else {}
     panels = []
     for panel in pattern.panels:
         note = notes.get(panel.name, {})
@@ -371,9 +371,9 @@ def _restore_extensions(pattern: Pattern, own: dict[str, Any]) -> Pattern:
     return replace(pattern, panels=tuple(panels))
 
 
-def _mark_gathers(pattern: Pattern, own: dict[str, Any]) -> Pattern:
+def _mark_gathers(pattern: Pattern, extension: dict[str, Any]) -> Pattern:
     """Mark gathered seams: as the file says if this program wrote it, else by their ratio of lengths."""
-    said = own.get("gathered")
+    said = extension.get("gathered")
     seams = []
     for index, seam in enumerate(pattern.seams):
         a, b = (edge_length(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b))

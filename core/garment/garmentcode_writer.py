@@ -41,7 +41,7 @@ def write_pattern(pattern: Pattern) -> dict[str, Any]:
         + ([] if seam.reversed else ["right_wrong"])
         for seam in pattern.seams
     ]
-    own = {
+    extension = {
         "category": pattern.category,
         "gathered": [index for index, seam in enumerate(pattern.seams) if seam.gathered],
         "panels": {
@@ -59,7 +59,7 @@ def write_pattern(pattern: Pattern) -> dict[str, Any]:
         "normalized_edge_loops": True,
         **extra.get("properties", {}),
         "units_in_meter": extra.get("units_in_meter", 100),
-        EXTENSION_KEY: own,
+        EXTENSION_KEY: extension,
     }
     properties["curvature_coords"] = "relative"
     body = {"panels": panels, "stitches": stitches, **extra.get("pattern", {})}

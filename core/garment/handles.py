@@ -46,7 +46,7 @@ def with_handles(pattern: Pattern, handles: np.ndarray) -> Pattern:
         pattern: The pattern.
         handles: As `handles_of` returns them, shape [handle_count, 2].
     """
-    drawn = {ref: replace(edge, handles=handles[own]) for ref, edge, own in list_curves(pattern)}
+    drawn = {ref: replace(edge, handles=handles[run]) for ref, edge, run in list_curves(pattern)}
     panels = tuple(
         replace(
             panel, edges=tuple(drawn.get(EdgeRef(panel.name, index), edge) for index, edge in enumerate(panel.edges))
@@ -56,26 +56,26 @@ def with_handles(pattern: Pattern, handles: np.ndarray) -> Pattern:
     return replace(pattern, panels=panels)
 
 
-def find_free_handles(pattern: Pattern, held: Collection[EdgeRef] = ()) -> np.ndarray:
+def find_free_handles(pattern: Pattern, fixed: Collection[EdgeRef] = ()) -> np.ndarray:
     """Return an orthonormal basis of the motions that keep mirror images, shape [2 handle_count, free_count].
 
     Args:
         pattern: The pattern, with its symmetry.
-        held: Curves that stay fixed.
+        fixed: Curves that stay fixed.
     """
     places = {ref: own for ref, _, own in list_curves(pattern)}
     count = len(handles_of(pattern))
     ties = [
-        row for ref, own in places.items() if ref in held for row in np.eye(2 * count)[2 * own.start : 2 * own.stop]
+        row for ref, own in places.items() if ref in fixed for row in np.eye(2 * count)[2 * own.start : 2 * own.stop]
     ]
     for mirror in find_symmetry(pattern).mirrors:
         source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]
         for index in range(len(mirror.order)):
-            own = places.get(EdgeRef(target.name, index))
+            run = places.get(EdgeRef(target.name, index))
             image = places.get(EdgeRef(source.name, int(mirror.order[index] - 1) % len(mirror.order)))
-            if own is None or image is None:
+            if run is None or image is None:
                 continue
-            for one, other in zip(range(own.start, own.stop), range(image.stop - 1, image.start - 1, -1), strict=True):
+            for one, other in zip(range(run.start, run.stop), range(image.stop - 1, image.start - 1, -1), strict=True):
                 # a mirrored curve is reversed: (along, across) becomes (1 - along, across)
                 for axis, sign in ((0, 1.0), (1, -1.0)):
                     tie = np.zeros((count, 2))
@@ -124,11 +124,11 @@ def area_rates(pattern: Pattern, by: Mapping[EdgeRef, float]) -> np.ndarray:
 def _edge_rates(pattern: Pattern, by: Mapping[EdgeRef, float], measure: Measure, power: int) -> np.ndarray:
     """Return the derivative of a weighted sum of measures that grow with a power of each edge's chord."""
     rates = np.zeros((len(handles_of(pattern)), 2))
-    for ref, edge, own in list_curves(pattern):
+    for ref, edge, run in list_curves(pattern):
         if ref in by:
             start, end = chord(pattern.panel(ref.panel), ref.edge)
             found = by[ref] * float(np.linalg.norm(end - start)) ** power * differentiate(edge, measure)
-            rates[own] = found.reshape(-1, 2)
+            rates[run] = found.reshape(-1, 2)
     return rates.ravel()
 
 
@@ -137,12 +137,12 @@ def follow_handles(garment: Garment) -> np.ndarray:
     Outline vertices stay uniform in arc length; inner ones move by mean value coordinates, as in `update_flat_mesh`."""
     pattern = garment.pattern
     moved = np.zeros((len(garment.uv), 2, 2 * len(handles_of(pattern))))
-    for ref, edge, own in list_curves(pattern):
+    for ref, edge, run in list_curves(pattern):
         along = garment.edge_uv[ref]
         start, end = chord(pattern.panel(ref.panel), ref.edge)
         rates = differentiate(edge, partial(unit_points, segments=len(along) - 1))
         placed = place_on_chord(np.moveaxis(rates, -1, 0).reshape(-1, 2), np.zeros(2), end - start)
-        columns = slice(2 * own.start, 2 * own.stop)
+        columns = slice(2 * run.start, 2 * run.stop)
         moved[along[:-1], :, columns] = np.moveaxis(placed.reshape(-1, len(along), 2), 0, -1)[:-1]
     for index in range(len(pattern.panels)):
         spread_inside(garment, index, moved)
@@ -158,7 +158,7 @@ def corner_rates(pattern: Pattern, join: SmoothJoin) -> tuple[np.ndarray, np.nda
         By all control points [rad/m], shape [point_count, 2], and by all handles [rad chord], shape [handle_count, 2].
     """
     by_points, by_handles = np.zeros((len(pattern.points), 2)), np.zeros((len(handles_of(pattern)), 2))
-    places = {ref: own for ref, _, own in list_curves(pattern)}
+    places = {ref: run for ref, _, run in list_curves(pattern)}
     for name, index in join.corners:
         panel = pattern.panel(name)
         for number, is_end, sign in (((index - 1) % len(panel.points), True, -1.0), (index, False, 1.0)):

@@ -88,10 +88,10 @@ def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
     return counts
 
 
-def refine_counts(pattern: Pattern, counts: dict[EdgeRef, int], lost: set[EdgeRef]) -> dict[EdgeRef, int]:
+def refine_counts(pattern: Pattern, counts: dict[EdgeRef, int], coarse: set[EdgeRef]) -> dict[EdgeRef, int]:
     """Return the counts with 1.5 times the segments for lost edges and the edges sewn to them."""
     partner = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
-    grown = lost | {partner[ref] for ref in lost if ref in partner}
+    grown = coarse | {partner[ref] for ref in coarse if ref in partner}
     return {ref: int(np.ceil(1.5 * count)) if ref in grown else count for ref, count in counts.items()}
 
 
@@ -178,7 +178,7 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
     local = ClosedCurve(boundary).lengths
     local = (local + np.roll(local, 1)) / 2.0
     points = np.concatenate([boundary, inside])
-    wanted = np.concatenate([local, np.full(len(inside), size)])
+    targets = np.concatenate([local, np.full(len(inside), size)])
     for _ in range(settings.sweeps):
         faces = _triangles(points, boundary)
         ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
@@ -186,7 +186,7 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
         bars = np.stack([codes // len(points), codes % len(points)], axis=1)
         vector = points[bars[:, 0]] - points[bars[:, 1]]
         length = np.linalg.norm(vector, axis=1)
-        rest = wanted[bars].mean(axis=1)
+        rest = targets[bars].mean(axis=1)
         rest *= settings.push * np.sqrt((length**2).sum() / (rest**2).sum())
         force = (np.maximum(rest - length, 0.0) / np.maximum(length, 1e-12))[:, None] * vector
         total = np.stack(
@@ -200,8 +200,8 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
         # A step is far shorter than an edge, so only points near the outline can have left it.
         distance = _distance(boundary, moved, size)
         good = distance > 0.33 * size
-        near = good & (distance < size)
-        good[near] = points_in_polygon(boundary, moved[near])
+        is_near = good & (distance < size)
+        good[is_near] = points_in_polygon(boundary, moved[is_near])
         points[fixed:] = np.where(good[:, None], moved, points[fixed:])
     return points[fixed:]
 
@@ -229,10 +229,10 @@ def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:
     codes = edges[:, 0] * count + edges[:, 1]
     first = np.arange(boundary_count)
     second = (first + 1) % boundary_count
-    wanted = first * count + second
-    missing = ~np.isin(wanted, codes)
+    keys = first * count + second
+    missing = ~np.isin(keys, codes)
     back = edges[:, 1] * count + edges[:, 0]
-    loose = edges[~np.isin(codes, back) & ~np.isin(codes, wanted)]
+    loose = edges[~np.isin(codes, back) & ~np.isin(codes, keys)]
     ends = np.unique(loose)
     return np.flatnonzero(missing | np.isin(first, ends[ends < boundary_count]))
 
@@ -250,8 +250,8 @@ def _flip_ear_edges(vertices: np.ndarray, faces: np.ndarray, boundary_count: int
             other = owner.get((b, a)) if on else None
             if other is None:
                 continue
-            far = next(int(v) for v in faces[other] if v not in (a, b))
-            new = np.array([[corner, a, far], [corner, far, b]])
+            opposite = next(int(v) for v in faces[other] if v not in (a, b))
+            new = np.array([[corner, a, opposite], [corner, opposite, b]])
             if _angles(vertices, new).min() < np.radians(20.0):
                 continue
             for j in range(2):

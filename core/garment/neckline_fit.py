@@ -77,7 +77,7 @@ class NecklineFit:
     """Describe the fit of one neckline, of a contour's depth and bow: the contour's half width [m], and the root mean
     square distance of the two lines [half widths]."""
 
-    throat: NecklineCut
+    neckline: NecklineCut
     half_width: float
     misfit: float
 
@@ -151,8 +151,8 @@ class _Rim:
             return None
         apart = np.abs(at[:, None] - at)
         summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / settings.turn_std) ** 2) @ turns
-        near, far = (share * length for share in settings.square_corners)
-        sides = [(near < way) & (way < far) for way in (at, whole - at)]
+        inner, outer = (share * length for share in settings.square_corners)
+        sides = [(inner < distance) & (distance < outer) for distance in (at, whole - at)]
         seen = not any(bridged[side].any() for side in sides)
         corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else np.nan
         return _Turns(float(summed[0]), corner)
@@ -162,8 +162,8 @@ def _curvature_beside(target: Target, loop: np.ndarray, width: float) -> np.ndar
     """Sum the curvature of a contour's strip of some width [m] at each of its vertices [rad], shape [n]. By the theorem
     of Gauss and Bonnet a line along the strip's inner side turns by this much more than the contour: dents and rounding
     of a scan's edge turn the contour one way and the strip the other."""
-    away, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=width)
-    inside = np.isfinite(away)
+    distance, nearest = cKDTree(target.vertices[loop]).query(target.vertices, distance_upper_bound=width)
+    inside = np.isfinite(distance)
     curvature = angle_defects(target.vertices, target.faces)
     return np.bincount(nearest[inside], curvature[inside], minlength=len(loop))
 
@@ -185,9 +185,9 @@ def _rank(
     pointed = min(
         (_fit(line, NecklineCut(Neckline.V, depth, bow)) for bow in settings.v_bows), key=lambda fit: fit.misfit
     )
-    corner = corner_turn(pointed.throat, half_width)
-    told = _classify_by_turns(turns, rounded, square, pointed, settings)
-    if told is pointed or (
+    corner = corner_turn(pointed.neckline, half_width)
+    by_turns = _classify_by_turns(turns, rounded, square, pointed, settings)
+    if by_turns is pointed or (
         corner > settings.v_turn
         and (turns is None or turns.middle > max(settings.v_turn, settings.v_turn_share * corner))
     ):
@@ -198,7 +198,7 @@ def _rank(
         unclear = fit is square and (
             depth <= settings.square_depth or (turns is not None and turns.corner < settings.square_turn)
         )
-        return fit is not told, fit is not rounded and (fit.misfit >= clear or unclear), fit.misfit
+        return fit is not by_turns, fit is not rounded and (fit.misfit >= clear or unclear), fit.misfit
 
     return tuple(sorted(fits, key=rank))
 
@@ -211,7 +211,7 @@ def _classify_by_turns(
         return None
     cornered = (
         turns.corner > max(settings.square_turn, settings.turn_ratio * turns.middle)
-        and square.throat.depth > settings.square_depth
+        and square.neckline.depth > settings.square_depth
     )
     if cornered and square.misfit < settings.square_misfit * rounded.misfit:
         return square
@@ -223,9 +223,9 @@ def _classify_by_turns(
     return None
 
 
-def _fit(line: np.ndarray, throat: NecklineCut) -> NecklineFit:
+def _fit(line: np.ndarray, neckline: NecklineCut) -> NecklineFit:
     """Return the fit of a drafted neckline of a line's width and depth, by distances in both directions."""
     half_width = float(line[0, 0])
-    drawn, seen = neckline_points(throat, half_width), line * (1.0, -1.0)
+    drawn, seen = neckline_points(neckline, half_width), line * (1.0, -1.0)
     gaps = np.concatenate([cKDTree(drawn).query(seen)[0], cKDTree(seen).query(drawn)[0]])
-    return NecklineFit(throat, half_width, float(np.sqrt((gaps**2).mean())) / half_width)
+    return NecklineFit(neckline, half_width, float(np.sqrt((gaps**2).mean())) / half_width)

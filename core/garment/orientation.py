@@ -124,11 +124,11 @@ def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | int:
         while queue:
             name = queue.popleft()
             for other, index in links[name]:
-                wanted = colours[name] != differ[index]
+                colour = colours[name] != differ[index]
                 if other not in colours:
-                    colours[other] = wanted
+                    colours[other] = colour
                     queue.append(other)
-                elif colours[other] != wanted:
+                elif colours[other] != colour:
                     return index
     return colours
 

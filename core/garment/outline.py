@@ -194,11 +194,11 @@ def stroke_points(start: Point, stroke: Stroke, segments: int) -> np.ndarray:
 
 def labelled_length(outline: Outline, label: str) -> float:
     """Return the length of the strokes whose label begins with a text [m]."""
-    total, here = 0.0, outline.start
+    total, start = 0.0, outline.start
     for stroke in outline.strokes:
         if stroke.label.startswith(label):
-            total += math.dist(here, stroke.end) * unit_length(_edge(here, stroke))
-        here = stroke.end
+            total += math.dist(start, stroke.end) * unit_length(_edge(start, stroke))
+        start = stroke.end
     return total
 
 

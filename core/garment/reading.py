@@ -52,11 +52,11 @@ def load_reading(path: Path) -> Reading:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = read_record(_StoredReading, path)
-    if kept.reading.pattern is None:
-        return kept.reading
+    stored = read_record(_StoredReading, path)
+    if stored.reading.pattern is None:
+        return stored.reading
     try:
-        return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
+        return replace(stored.reading, pattern=replace(stored.reading.pattern, extra=json.loads(stored.extra)))
     except (ValueError, RecursionError) as error:
         raise ReaderCrashed() from error
 

@@ -30,8 +30,8 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
     Raises:
         PatternMismatch: where the panels differ.
     """
-    ours = [(panel.name, len(panel.points)) for panel in source.pattern.panels]
-    if ours != [(panel.name, len(panel.points)) for panel in target.pattern.panels]:
+    panels = [(panel.name, len(panel.points)) for panel in source.pattern.panels]
+    if panels != [(panel.name, len(panel.points)) for panel in target.pattern.panels]:
         raise PatternMismatch
     flat = map_controls(source).apply(target.pattern.points)
     found = np.zeros((len(target.uv), 3))
@@ -43,11 +43,11 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
             found[along] = _resample_polyline(nodes[source.uv_node[source.edge_uv[ref]]], len(along))
             on_outline[along] = True
     for index in range(len(target.pattern.panels)):
-        own = np.flatnonzero((target.panel_of_uv == index) & ~on_outline)
-        if len(own):
+        points = np.flatnonzero((target.panel_of_uv == index) & ~on_outline)
+        if len(points):
             faces = source.panel_of_face == index
-            corner, weight = locate(flat, source.uv_faces[faces], target.uv[own])
-            found[own] = np.einsum("nk,nkd->nd", weight, nodes[source.uv_node[corner]])
+            corner, weight = locate(flat, source.uv_faces[faces], target.uv[points])
+            found[points] = np.einsum("nk,nkd->nd", weight, nodes[source.uv_node[corner]])
     count = len(target.nodes)
     weight = np.bincount(target.uv_node, minlength=count)
     return np.stack([np.bincount(target.uv_node, found[:, k], count) / weight for k in range(3)], axis=1)
@@ -66,12 +66,12 @@ def locate(
     point outside all triangles gets the one it is least outside of; its weights are clamped to zero, or without
     `is_within` kept, which extrapolates the triangle."""
     a, b, c = (uv[faces[:, k]] for k in range(3))
-    near = (
+    candidates = (
         cKDTree((a + b + c) / 3.0)
         .query(points, k=min(TRIANGLE_CANDIDATE_COUNT, len(faces)))[1]
         .reshape(len(points), -1)
     )
-    u, v, w = (b - a)[near], (c - a)[near], points[:, None] - a[near]
+    u, v, w = (b - a)[candidates], (c - a)[candidates], points[:, None] - a[candidates]
     area = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     area = np.where(np.abs(area) < 1e-18, np.inf, area)
     second = (w[..., 0] * v[..., 1] - w[..., 1] * v[..., 0]) / area
@@ -80,4 +80,4 @@ def locate(
     best = weight.min(axis=-1).argmax(axis=1)
     row = np.arange(len(points))
     chosen = np.maximum(weight[row, best], 0.0) if is_within else weight[row, best]
-    return faces[near[row, best]], chosen / chosen.sum(axis=1, keepdims=True)
+    return faces[candidates[row, best]], chosen / chosen.sum(axis=1, keepdims=True)

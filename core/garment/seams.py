@@ -50,7 +50,7 @@ def seam_mismatch(pattern: Pattern) -> float:
 def equalise_seams(
     pattern: Pattern,
     fixed: Iterable[tuple[str, int]] = (),
-    like: Pattern | None = None,
+    base: Pattern | None = None,
     symmetry: Symmetry | None = None,
 ) -> Pattern:
     """Move control points as little as possible until the sides of every seam match.
@@ -60,23 +60,23 @@ def equalise_seams(
         l_a - q_s l_b = 0,    l = f |c1 - c0|
 
     f: an edge's length over its chord, constant as handles are relative. q is 1, or for a gathered seam its ratio in
-    `like`. A step is halved until it reduces the mismatch, and is the last one where it does not. A pattern with the
-    symmetry of `like` keeps it, except for seams that cannot be closed so, as their sides differ by a file's rounding.
+    `base`. A step is halved until it reduces the mismatch, and is the last one where it does not. A pattern with the
+    symmetry of `base` keeps it, except for seams that cannot be closed so, as their sides differ by a file's rounding.
 
     Args:
         pattern: What to change.
         fixed: (panel name, control point) that must not move.
-        like: The pattern with the ratios of gathered seams and the symmetry, such as the template; default: pattern.
-        symmetry: The symmetry to keep, where it is not that of `like`.
+        base: The pattern with the ratios of gathered seams and the symmetry, such as the template; default: pattern.
+        symmetry: The symmetry to keep, where it is not that of `base`.
 
     Returns:
         The changed pattern; `seam_mismatch` gives the rest where fixed points contradict the seams.
     """
     if not pattern.seams:
         return pattern
-    like = like or pattern
-    symmetry = symmetry or find_symmetry(like)
-    ratio = seam_ratios(like)
+    base = base or pattern
+    symmetry = symmetry or find_symmetry(base)
+    ratio = seam_ratios(base)
     sides = seam_sides(pattern)
     points = _close(pattern.points, _free_coordinates(pattern, symmetry, fixed), sides, ratio)
     if np.abs(_mismatch(points, sides, ratio)[0]).max() > SEAM_CLOSURE_TOLERANCE:
@@ -104,7 +104,7 @@ def _close(points: np.ndarray, free: np.ndarray, sides: Sides, ratio: np.ndarray
 
 
 def seam_constraints(
-    pattern: Pattern, points: np.ndarray | None = None, like: Pattern | None = None
+    pattern: Pattern, points: np.ndarray | None = None, base: Pattern | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute the mismatch of every seam [m], shape [seam_count], and its derivative by all coordinates x0, y0, x1, ...
     An edge follows its chord by a similarity, so the mismatch is l_a - q_s l_b = f_a |c_a| - q_s f_b |c_b|, and its
@@ -113,12 +113,12 @@ def seam_constraints(
     Args:
         pattern: Whose seams.
         points: Control points at which both are computed [m], shape [point_count, 2]; None for the pattern's own.
-        like: The pattern with the ratios of gathered seams, as in `equalise_seams`; None for the pattern itself.
+        base: The pattern with the ratios of gathered seams, as in `equalise_seams`; None for the pattern itself.
 
     Returns:
         Mismatches, and derivatives of shape [seam_count, 2 point_count].
     """
-    return _mismatch(pattern.points if points is None else points, seam_sides(pattern), seam_ratios(like or pattern))
+    return _mismatch(pattern.points if points is None else points, seam_sides(pattern), seam_ratios(base or pattern))
 
 
 def seam_ratios(pattern: Pattern) -> np.ndarray:
@@ -151,9 +151,9 @@ def _free_coordinates(pattern: Pattern, symmetry: Symmetry | None, fixed: Iterab
         and np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < PATTERN_SYMMETRY_TOLERANCE
     ):
         allowed = symmetry.matrix.toarray()
-    still = [2 * (pattern.first_points[name] + index) + axis for name, index in fixed for axis in (0, 1)]
-    if still:
-        _, values, right = np.linalg.svd(allowed[still])
+    fixed_coordinates = [2 * (pattern.first_points[name] + index) + axis for name, index in fixed for axis in (0, 1)]
+    if fixed_coordinates:
+        _, values, right = np.linalg.svd(allowed[fixed_coordinates])
         rank = int((values > 1e-9).sum())
         allowed = allowed @ right[rank:].T
     left, values, _ = np.linalg.svd(allowed, full_matrices=False)

@@ -73,12 +73,12 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
         edges = _inner_edges(table)
         lengths = edge_lengths(points, edges)
         order = _shortest(lengths, max(1, int(MAX_COLLAPSED_EDGE_SHARE * len(edges))))
-        alive, gone = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
+        alive, removed = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
         table = table[alive]
-        left -= gone
-        if left <= most or (gone < MIN_REMOVED_FACE_SHARE * left and turn <= -1.0):
+        left -= removed
+        if left <= most or (removed < MIN_REMOVED_FACE_SHARE * left and turn <= -1.0):
             break
-        turn = turn - 0.5 if gone < MIN_REMOVED_FACE_SHARE * left else turn
+        turn = turn - 0.5 if removed < MIN_REMOVED_FACE_SHARE * left else turn
     origin = np.unique(table)
     place = np.full(count, -1)
     place[origin] = np.arange(len(origin))
@@ -134,10 +134,10 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
     moved = np.zeros(count, np.bool_)
     seen = np.full(count, -1)
     goal = np.zeros(3)
-    gone = 0
+    removed = 0
     fans = faces, alive, first, following
     for e in range(len(edges)):
-        if gone >= most:
+        if removed >= most:
             break
         u, v = edges[e, 0], edges[e, 1]
         if moved[u] or moved[v] or (fixed[u] and fixed[v]):
@@ -161,7 +161,7 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
             if alive[face]:
                 if faces[face, 0] == v or faces[face, 1] == v or faces[face, 2] == v:
                     alive[face] = False
-                    gone += 1
+                    removed += 1
                 else:
                     faces[face, corner % 3] = v
             last = corner
@@ -173,7 +173,7 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
         weights[v] = total
         stands[u] = v
         moved[u] = moved[v] = True
-    return alive, gone
+    return alive, removed
 
 
 @kernel()

@@ -74,23 +74,23 @@ def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
 def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
     """Check whether an edge passes through a face; write where, t, the weights, the normal and N . E."""
     a, b, c = face[0], face[1], face[2]
-    u, v, edge, way = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    u, v, edge, direction = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     for d in range(3):
         u[d], v[d] = x[b, d] - x[a, d], x[c, d] - x[a, d]
-        edge[d], way[d] = x[q, d] - x[p, d], x[a, d] - x[p, d]
+        edge[d], direction[d] = x[q, d] - x[p, d], x[a, d] - x[p, d]
     normal = np.cross(u, v)
     square = (normal * normal).sum()
     slope = (normal * edge).sum()
     if square == 0.0 or slope == 0.0:
         return False
-    t = (normal * way).sum() / slope
+    t = (normal * direction).sum() / slope
     if t <= 0.0 or t >= 1.0:
         return False
     for d in range(3):
         end[d] = x[p, d] + t * edge[d]
-        way[d] = end[d] - x[a, d]
-    one = (np.cross(way, v) * normal).sum() / square
-    two = (np.cross(u, way) * normal).sum() / square
+        direction[d] = end[d] - x[a, d]
+    one = (np.cross(direction, v) * normal).sum() / square
+    two = (np.cross(u, direction) * normal).sum() / square
     if one <= 0.0 or two <= 0.0 or one + two >= 1.0:
         return False
     least = MIN_EDGE_FACE_SINE * np.sqrt(square * (edge * edge).sum())

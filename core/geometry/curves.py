@@ -79,8 +79,8 @@ class ClosedCurve:
         foot = self.points[segment] * (1 - along)[:, None] + self.ends[segment] * along[:, None]
         return CurvePoints(segment, along, foot)
 
-    def _at(self, wanted: np.ndarray, known: np.ndarray) -> np.ndarray:
-        return interpolate_polyline(wanted, known, np.concatenate([self.points, self.points[:1]]))
+    def _at(self, queries: np.ndarray, known: np.ndarray) -> np.ndarray:
+        return interpolate_polyline(queries, known, np.concatenate([self.points, self.points[:1]]))
 
 
 def polyline_length(line: np.ndarray) -> float:
@@ -94,6 +94,6 @@ def resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
     return interpolate_polyline(np.linspace(0.0, arc[-1], count), arc, line)
 
 
-def interpolate_polyline(wanted: np.ndarray, known: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """Interpolate corners, shape [n, d], given at ascending parameters `known`, linearly at `wanted`."""
-    return np.stack([np.interp(wanted, known, line[:, k]) for k in range(line.shape[1])], axis=-1)
+def interpolate_polyline(queries: np.ndarray, known: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Interpolate corners, shape [n, d], given at ascending parameters `known`, linearly at `queries`."""
+    return np.stack([np.interp(queries, known, line[:, k]) for k in range(line.shape[1])], axis=-1)

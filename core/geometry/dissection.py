@@ -50,12 +50,12 @@ def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = MAX_LEAF_NODE_C
         pieces = [nodes] if len(nodes) <= leaf else _bisect(indptr, indices, nodes, mark, token, level)
         groups.append(pieces[0])
         parents.append(above)
-        here = len(groups) - 1
+        number = len(groups) - 1
         if not len(pieces[0]):  # several components without a separator: attach to the parent above
             groups.pop()
             parents.pop()
-            here = above
-        stack.extend((piece, here) for piece in pieces[1:] if len(piece))
+            number = above
+        stack.extend((piece, number) for piece in pieces[1:] if len(piece))
     return _build_supernodes(
         indptr, indices, groups[::-1], [len(groups) - 1 - p if p >= 0 else -1 for p in parents[::-1]]
     )
@@ -122,15 +122,15 @@ def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # typ
             rising, falling = np.zeros(size + 1, np.int64), np.zeros(size + 1, np.int64)
             below = np.zeros(size, np.int64)
             for n in range(len(nodes)):
-                here = field[n]
-                top, bottom = here, here
+                node_level = field[n]
+                top, bottom = node_level, node_level
                 for at in range(first[n], first[n + 1]):
                     top, bottom = max(top, field[beside[at]]), min(bottom, field[beside[at]])
-                rising[here - lowest] += 1
+                rising[node_level - lowest] += 1
                 rising[top - lowest] -= 1
-                falling[highest - here] += 1
+                falling[highest - node_level] += 1
                 falling[highest - bottom] -= 1
-                below[here - lowest] += 1
+                below[node_level - lowest] += 1
             costs[one, other], level = _cheapest_level(rising, below, len(nodes))
             levels[one, other] = lowest + level
             costs[other, one], level = _cheapest_level(falling, below[::-1], len(nodes))
@@ -160,11 +160,11 @@ def _links_within(indptr, indices, nodes, mark, token, place):  # type: ignore[n
 @kernel()
 def _cheapest_level(starts, below, count):  # type: ignore[no-untyped-def]
     """Return the least cost of a cut between two levels, and the lower one; infinite where no cut has two sides."""
-    best, found, separator, here = np.inf, 0, 0, 0
+    best, found, separator, size = np.inf, 0, 0, 0
     for m in range(len(below)):
         separator += starts[m]
-        here += below[m]
-        sides = (here - separator) * (count - here)
+        size += below[m]
+        sides = (size - separator) * (count - size)
         if sides > 0 and separator / sides < best:
             best, found = separator / sides, m
     return best, found
@@ -197,8 +197,8 @@ def _build_supernodes(
     passed: list[list[np.ndarray]] = [[] for _ in groups]
     parts = []
     for g, nodes in enumerate(groups):
-        near = np.concatenate([indices[indptr[n] : indptr[n + 1]] for n in nodes] + [nodes[:0]])
-        reach = np.unique(np.concatenate([new[near], *passed[g]]))
+        neighbours = np.concatenate([indices[indptr[n] : indptr[n + 1]] for n in nodes] + [nodes[:0]])
+        reach = np.unique(np.concatenate([new[neighbours], *passed[g]]))
         boundary = reach[reach >= firsts[g] + sizes[g]]
         # the update goes to the part that eliminates its first row: the parent or one further up
         parent = int(owner[boundary[0]]) if len(boundary) else -1

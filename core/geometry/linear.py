@@ -76,10 +76,10 @@ def analyse_pattern(edges: HalfEdges, rings: int = 1) -> Cholesky:
     ring is the pattern of a Laplacian, two that of its square; a face's and an edge's rows are within one."""
     from .multifrontal import Cholesky
 
-    near = edges.adjacency + sparse.identity(edges.vertex_count)
-    matrix = sparse.csr_matrix(near)
+    adjacency = edges.adjacency + sparse.identity(edges.vertex_count)
+    matrix = sparse.csr_matrix(adjacency)
     for _ in range(rings - 1):
-        matrix = sparse.csr_matrix(matrix @ near)
+        matrix = sparse.csr_matrix(matrix @ adjacency)
     matrix.sum_duplicates()
     return Cholesky(matrix.indptr, matrix.indices)
 

@@ -41,11 +41,11 @@ class Cholesky:
         self._parts = dissect(graph, _neighbours(indptr, indices, block), max(1, MAX_LEAF_ROW_COUNT // block))
         order = np.concatenate([part.nodes for part in self._parts])
         self._order = (block * order[:, None] + np.arange(block)).ravel()
-        own = np.array([block * len(part.nodes) for part in self._parts])
+        sizes = np.array([block * len(part.nodes) for part in self._parts])
         rest = np.array([block * len(part.boundary) for part in self._parts])
-        starts = np.concatenate([[0], np.cumsum(own * (own + rest))])
+        starts = np.concatenate([[0], np.cumsum(sizes * (sizes + rest))])
         self._fronts = [
-            (int(starts[p]), int(own[p]), int(rest[p]), block * part.first) for p, part in enumerate(self._parts)
+            (int(starts[p]), int(sizes[p]), int(rest[p]), block * part.first) for p, part in enumerate(self._parts)
         ]
         self._store = np.zeros(int(starts[-1]), number)
         self._rows = [(block * part.boundary[:, None] + np.arange(block)).ravel() for part in self._parts]
@@ -80,13 +80,13 @@ class Cholesky:
         order = np.argsort(part, kind="stable")
         cuts = np.searchsorted(part[order], np.arange(len(firsts) + 1))
         for p, (start, n1, n2, first) in enumerate(self._fronts):
-            mine = order[cuts[p] : cuts[p + 1]]
-            r, c = row[mine] - first, column[mine] - first
+            members = order[cuts[p] : cuts[p + 1]]
+            r, c = row[members] - first, column[members] - first
             low = r >= n1
-            below = np.searchsorted(self._rows[p], row[mine][low])
+            below = np.searchsorted(self._rows[p], row[members][low])
             place = start + c * n1 + r
             place[low] = start + n1 * n1 + c[low] * n2 + below
-            target[mine] = place
+            target[members] = place
         self._source, self._target = source, target
 
     def factor(self, data: np.ndarray) -> bool:
@@ -97,15 +97,15 @@ class Cholesky:
         updates: list[list[tuple[np.ndarray, np.ndarray]]] = [[] for _ in self._parts]
         self._definite = False
         for p, (start, n1, n2, _) in enumerate(self._fronts):
-            own = store[start : start + n1 * n1].reshape((n1, n1), order="F")
+            pivot = store[start : start + n1 * n1].reshape((n1, n1), order="F")
             below = store[start + n1 * n1 : start + n1 * (n1 + n2)].reshape((n2, n1), order="F")
             for update, link in updates[p]:
-                _add_own(update, link, own, below)
-            _, info = potrf(own, lower=1, clean=0, overwrite_a=1)
-            if info != 0 or not np.isfinite(own[-1, -1]):
+                _add_own(update, link, pivot, below)
+            _, info = potrf(pivot, lower=1, clean=0, overwrite_a=1)
+            if info != 0 or not np.isfinite(pivot[-1, -1]):
                 return False
             if n2:
-                trsm(1.0, own, below, side=1, lower=1, trans_a=1, overwrite_b=1)
+                trsm(1.0, pivot, below, side=1, lower=1, trans_a=1, overwrite_b=1)
                 place = self._places[p]
                 rest = self._passed[place : place + n2 * n2].reshape((n2, n2), order="F")
                 syrk(-1.0, below, c=rest, lower=1, overwrite_c=1)
@@ -175,14 +175,14 @@ def _scatter_entries(indptr, indices, values, pattern_indptr, pattern_indices, d
 
 
 @kernel()
-def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
+def _add_own(update, link, columns, below):  # type: ignore[no-untyped-def]
     """Add a child's update to the columns that its parent eliminates; `link` ascends."""
-    n1, count = own.shape[0], len(link)
+    n1, count = columns.shape[0], len(link)
     inner = np.searchsorted(link, n1)
     for c in range(inner):
         column = link[c]
         for r in range(c, inner):
-            own[link[r], column] += update[r, c]
+            columns[link[r], column] += update[r, c]
         for r in range(inner, count):
             below[link[r] - n1, column] += update[r, c]
 

@@ -33,12 +33,12 @@ def estimate_normals(
         drawn: Indices of the points in question, shape [m], or None: all.
         count: Neighbours, itself included.
     """
-    tree, asked = _make_tree(points), points if drawn is None else points[drawn]
+    tree, queries = _make_tree(points), points if drawn is None else points[drawn]
     found = []
-    for start in range(0, len(asked), NORMAL_BATCH_POINT_COUNT):
-        near = points[tree.query(asked[start : start + NORMAL_BATCH_POINT_COUNT], min(count, len(points)))[1]]
-        near = near - near.mean(axis=1, keepdims=True)
-        found.append(np.linalg.eigh(np.einsum("nka,nkb->nab", near, near))[1][:, :, 0])
+    for start in range(0, len(queries), NORMAL_BATCH_POINT_COUNT):
+        neighbours = points[tree.query(queries[start : start + NORMAL_BATCH_POINT_COUNT], min(count, len(points)))[1]]
+        neighbours = neighbours - neighbours.mean(axis=1, keepdims=True)
+        found.append(np.linalg.eigh(np.einsum("nka,nkb->nab", neighbours, neighbours))[1][:, :, 0])
     return np.concatenate(found) if found else np.zeros((0, 3))
 
 
@@ -88,21 +88,21 @@ def orient_normals(
         inner_normals: Their outward unit normals, shape [k, 3].
         rounds: Number of iterations over the neighbours; a fold's flank is within a few of them.
     """
-    _, near = _make_tree(inner_points).query(positions)
-    trust = np.einsum("na,na->n", normals, inner_normals[near])
+    _, nearest = _make_tree(inner_points).query(positions)
+    trust = np.einsum("na,na->n", normals, inner_normals[nearest])
     _, index = _make_tree(positions).query(positions, k=min(10, len(positions)))
     alike = np.einsum("nka,na->nk", normals[index], normals)
-    belief = trust.copy()
+    confidence = trust.copy()
     for _ in range(rounds):
-        belief = np.tanh(2.0 * (trust + (alike * belief[index]).mean(axis=1)))
-    return np.asarray(normals * np.where(belief < 0, -1.0, 1.0)[:, None])
+        confidence = np.tanh(2.0 * (trust + (alike * confidence[index]).mean(axis=1)))
+    return np.asarray(normals * np.where(confidence < 0, -1.0, 1.0)[:, None])
 
 
 def find_normal_orientation(points: np.ndarray, normals: np.ndarray) -> int:
     """Find whether the normals of a closed surface's points face outward (1), inward (-1), or disagree (0)."""
     rows = thin_points(points, 20_000)
-    near = _make_tree(points[rows]).query(points[rows], min(7, len(rows)))[1][:, 1:]
-    agree = np.einsum("nki,ni->nk", normals[rows][near], normals[rows]) > 0.0
+    neighbours = _make_tree(points[rows]).query(points[rows], min(7, len(rows)))[1][:, 1:]
+    agree = np.einsum("nki,ni->nk", normals[rows][neighbours], normals[rows]) > 0.0
     if agree.mean() < MIN_NORMAL_AGREEMENT_SHARE:
         return 0
     flux = float(((points[rows] - points[rows].mean(axis=0)) * normals[rows]).sum())
@@ -118,8 +118,8 @@ NORMAL_AVERAGING_COUNT = 8
 
 def denoise_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Average unit normals, shape [n, 3], over their neighbours of the same side where they are mostly noise."""
-    _, near = _make_tree(positions).query(positions, k=min(NORMAL_AVERAGING_COUNT, len(positions)))
-    around = normals[near]
+    _, neighbours = _make_tree(positions).query(positions, k=min(NORMAL_AVERAGING_COUNT, len(positions)))
+    around = normals[neighbours]
     if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < MIN_NOISY_NORMAL_SPREAD:
         return normals
     same = np.einsum("nka,na->nk", around, normals) > 0

@@ -48,14 +48,14 @@ class Rim:
         border = half_edges.border
         return cls.of(half_edges, faces, border[marked[half_edges.tail[border]] & marked[half_edges.head[border]]])
 
-    def holds(self, points: ClosestPoints) -> np.ndarray:
+    def contains(self, points: ClosestPoints) -> np.ndarray:
         """Check which closest points are on the rim, bool, shape [point_count]."""
-        near = points.barycentric < 1e-6
-        on_edge = (near & self.edges[points.face]).any(axis=1)
+        at_border = points.barycentric < 1e-6
+        on_edge = (at_border & self.edges[points.face]).any(axis=1)
         corner = self.faces[points.face, np.argmax(points.barycentric, axis=1)]
-        return np.asarray(on_edge | ((near.sum(axis=1) == 2) & self.vertices[corner]))
+        return np.asarray(on_edge | ((at_border.sum(axis=1) == 2) & self.vertices[corner]))
 
-    def lies_ahead(self, surface: TriangleSurface, points: ClosestPoints) -> np.ndarray:
+    def is_ahead(self, surface: TriangleSurface, points: ClosestPoints) -> np.ndarray:
         """Check which points are ahead of the surface's end, bool, shape [point_count].
 
         Their closest point is on the rim; or they are further than `RIM_STRIP_WIDTH` away, and it is within that of the
@@ -67,9 +67,9 @@ class Rim:
         """
         from scipy.spatial import cKDTree
 
-        ahead = self.holds(points)
-        far = np.flatnonzero(~ahead & (points.distance > RIM_STRIP_WIDTH))
-        if len(far) and self.vertices.any():
-            inside = cKDTree(surface.vertices[self.vertices]).query(points.foot[far])[0]
-            ahead[far] = inside < np.maximum(RIM_STRIP_WIDTH, RIM_STRIP_SHARE * points.distance[far])
-        return ahead
+        contained = self.contains(points)
+        outside = np.flatnonzero(~contained & (points.distance > RIM_STRIP_WIDTH))
+        if len(outside) and self.vertices.any():
+            inside = cKDTree(surface.vertices[self.vertices]).query(points.foot[outside])[0]
+            contained[outside] = inside < np.maximum(RIM_STRIP_WIDTH, RIM_STRIP_SHARE * points.distance[outside])
+        return contained

@@ -16,27 +16,27 @@ def substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
     for p in range(len(layout)):
         start, n1, n2, first, at = layout[p]
         part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
-        own, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
+        pivot, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
         tail[:] = zero
-        _substitute_forward(part, tail, own, below)
+        _substitute_forward(part, tail, pivot, below)
         for r in range(n2):
             x[rows[r]] -= tail[r]
     for p in range(len(layout) - 1, -1, -1):
         start, n1, n2, first, at = layout[p]
         part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
-        own, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
+        pivot, below = store[start : start + n1 * n1], store[start + n1 * n1 : start + n1 * (n1 + n2)]
         for r in range(n2):
             tail[r] = x[rows[r]]
-        _substitute_backward(part, tail, own, below, zero)
+        _substitute_backward(part, tail, pivot, below, zero)
 
 
 @kernel(fastmath={"reassoc", "contract"}, error_model="numpy")
-def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
+def _substitute_forward(part, tail, pivot, below):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-1 part, and add L21 times that to `tail`."""
     n1, n2 = len(part), len(tail)
     fours = n1 - n1 % 4
     for c in range(0, fours, 4):
-        a, b, d, e = own[c * n1 :], own[(c + 1) * n1 :], own[(c + 2) * n1 :], own[(c + 3) * n1 :]
+        a, b, d, e = pivot[c * n1 :], pivot[(c + 1) * n1 :], pivot[(c + 2) * n1 :], pivot[(c + 3) * n1 :]
         u = part[c] / a[c]
         v = (part[c + 1] - a[c + 1] * u) / b[c + 1]
         w = (part[c + 2] - a[c + 2] * u - b[c + 2] * v) / d[c + 2]
@@ -48,7 +48,7 @@ def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
         for r in range(n2):
             tail[r] += a[r] * u + b[r] * v + d[r] * w + e[r] * z
     for c in range(fours, n1):
-        a, b = own[c * n1 :], below[c * n2 :]
+        a, b = pivot[c * n1 :], below[c * n2 :]
         u = part[c] / a[c]
         part[c] = u
         for r in range(c + 1, n1):
@@ -58,12 +58,12 @@ def _substitute_forward(part, tail, own, below):  # type: ignore[no-untyped-def]
 
 
 @kernel(fastmath={"reassoc", "contract"}, error_model="numpy")
-def _substitute_backward(part, tail, own, below, zero):  # type: ignore[no-untyped-def]
+def _substitute_backward(part, tail, pivot, below, zero):  # type: ignore[no-untyped-def]
     """Replace `part` by L11^-T (part - L21^T tail)."""
     n1, n2 = len(part), len(tail)
     fours = n1 - n1 % 4
     for c in range(n1 - 1, fours - 1, -1):
-        a, b, u = own[c * n1 :], below[c * n2 :], zero
+        a, b, u = pivot[c * n1 :], below[c * n2 :], zero
         for r in range(c + 1, n1):
             u += a[r] * part[r]
         for r in range(n2):
@@ -77,7 +77,7 @@ def _substitute_backward(part, tail, own, below, zero):  # type: ignore[no-untyp
             v += b[r] * tail[r]
             w += d[r] * tail[r]
             z += e[r] * tail[r]
-        a, b, d, e = own[c * n1 :], own[(c + 1) * n1 :], own[(c + 2) * n1 :], own[(c + 3) * n1 :]
+        a, b, d, e = pivot[c * n1 :], pivot[(c + 1) * n1 :], pivot[(c + 2) * n1 :], pivot[(c + 3) * n1 :]
         for r in range(c + 4, n1):
             u += a[r] * part[r]
             v += b[r] * part[r]

@@ -73,9 +73,9 @@ def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_S
         if crossed == 0 or since > UNTANGLING_PATIENCE_ITERATIONS:
             break
         smooth = smooth or _factor(vertices, faces)
-        way = smooth.solve(step * contract_contours(moved, faces, pairs))
-        longest = float(np.linalg.norm(way, axis=1).max())
-        moved = moved + way * min(1.0, 2.0 * step / longest)
+        displacement = smooth.solve(step * contract_contours(moved, faces, pairs))
+        longest = float(np.linalg.norm(displacement, axis=1).max())
+        moved = moved + displacement * min(1.0, 2.0 * step / longest)
     return best if not fewest else _smooth(best, faces)
 
 

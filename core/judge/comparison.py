@@ -18,7 +18,7 @@ from ..run.units import MM_PER_M
 from .matching import match_panels, mirror_outline
 from .outlines import fit_outline
 from .true_pattern import TruePanel, TruePattern
-from .turning import turning_distance
+from .turning_distance import turning_distance
 
 COMPARED_CURVE_SEGMENT_COUNT = 24
 """Number of segments of each compared curve: the chord error on a 50 cm curve is 0.1 mm."""
@@ -81,51 +81,51 @@ class Comparison:
 
 
 def compare_patterns(
-    first: Pattern, second: Pattern, given: Mapping[str, str] | None = None, only_given: bool = False
+    first: Pattern, second: Pattern, named_pairs: Mapping[str, str] | None = None, only_given: bool = False
 ) -> Comparison:
     """Compare two patterns.
 
     Args:
         first: One pattern.
         second: The other.
-        given: Names of the second's panels by the first's, for panels that are paired in any case. The others are
+        named_pairs: Names of the second's panels by the first's, for panels that are paired in any case. The others are
             paired by name, then by shape (`match_panels`).
         only_given: Pair no others.
 
     Raises:
         PairsBad: where a given pair names a panel that is not there, or one twice.
     """
-    given = given or {}
-    _check_pairs(first, second, given)
-    pairs = [(a, b, Pairing.GIVEN) for a, b in given.items()]
-    ours = replace(first, panels=tuple(panel for panel in first.panels if panel.name not in given), seams=())
-    theirs = _to_true_pattern(panel for panel in second.panels if panel.name not in given.values())
-    for pair in () if only_given else match_panels(ours, theirs):
+    named_pairs = named_pairs or {}
+    _check_pairs(first, second, named_pairs)
+    pairs = [(a, b, Pairing.GIVEN) for a, b in named_pairs.items()]
+    rest = replace(first, panels=tuple(panel for panel in first.panels if panel.name not in named_pairs), seams=())
+    other_rest = _to_true_pattern(panel for panel in second.panels if panel.name not in named_pairs.values())
+    for pair in () if only_given else match_panels(rest, other_rest):
         pairs.append((pair.ours.name, pair.truth.name, Pairing.NAME if pair.by_name else Pairing.SHAPE))
     places = {panel.name: place for place, panel in enumerate(second.panels)}
     pairs.sort(key=lambda pair: places[pair[1]])
     return Comparison(
-        tuple(_describe(first.panel(a), second.panel(b), why) for a, b, why in pairs),
+        tuple(_describe(first.panel(a), second.panel(b), pairing) for a, b, pairing in pairs),
         tuple(panel.name for panel in first.panels if panel.name not in {a for a, _, _ in pairs}),
         tuple(panel.name for panel in second.panels if panel.name not in {b for _, b, _ in pairs}),
     )
 
 
 def compare_files(
-    first: str, second: str, given: Mapping[str, str], only_given: bool = False, outlines: bool = False
+    first: str, second: str, pairs: Mapping[str, str], only_given: bool = False, outlines: bool = False
 ) -> dict[str, Any]:
     """Read two pattern files in a limited process, and compare them.
 
     Args:
         first, second: The files.
-        given, only_given: As in `compare_patterns`.
+        pairs, only_given: As in `compare_patterns`.
         outlines: Add each pattern's outlines, as `first_outlines` and `second_outlines`.
 
     Raises:
         BadInput: where one is not a pattern, or a given pair is bad.
     """
     patterns = [load_pattern(Path(first)), load_pattern(Path(second))]
-    found = asdict(compare_patterns(patterns[0], patterns[1], given, only_given))
+    found = asdict(compare_patterns(patterns[0], patterns[1], pairs, only_given))
     if outlines:
         for name, pattern in zip(("first_outlines", "second_outlines"), patterns, strict=True):
             found[name] = {panel.name: draw_outline(panel) for panel in pattern.panels}
@@ -137,8 +137,8 @@ def draw_outline(panel: Panel) -> list[list[float]]:
     return [[round(x, 6), round(y, 6)] for x, y in panel_outline(panel, DRAWN_SEGMENTS).tolist()]
 
 
-def _check_pairs(first: Pattern, second: Pattern, given: Mapping[str, str]) -> None:
-    for names, pattern in ((list(given), first), (list(given.values()), second)):
+def _check_pairs(first: Pattern, second: Pattern, pairs: Mapping[str, str]) -> None:
+    for names, pattern in ((list(pairs), first), (list(pairs.values()), second)):
         known = [panel.name for panel in pattern.panels]
         unknown = next((name for name in names if name not in known), None)
         if unknown is not None:
@@ -156,19 +156,19 @@ def _to_true_pattern(panels: Iterable[Panel]) -> TruePattern:
     )
 
 
-def _describe(first: Panel, second: Panel, why: Pairing) -> PanelDifference:
+def _describe(first: Panel, second: Panel, pairing: Pairing) -> PanelDifference:
     """Compare two panels by their outlines, the first turned over where its turning function then fits better."""
-    ours, theirs = (
+    one, other = (
         panel_outline(first, COMPARED_CURVE_SEGMENT_COUNT),
         panel_outline(second, COMPARED_CURVE_SEGMENT_COUNT),
     )
-    turning, over = turning_distance(ours, theirs), turning_distance(mirror_outline(ours), theirs)
+    turning, over = turning_distance(one, other), turning_distance(mirror_outline(one), other)
     is_over = over < turning - TURNING_DISTANCE_TOLERANCE
     if is_over:
-        turning, ours = over, mirror_outline(ours)
+        turning, one = over, mirror_outline(one)
     area = 100.0 * (panel_area(first) / panel_area(second) - 1.0)
-    fit = fit_outline(ours, theirs)
+    fit = fit_outline(one, other)
     rotation, shift = fit.motion.rotation, fit.motion.translation
     angle = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
     names, place = (first.name, second.name), (float(shift[0]), float(shift[1]))
-    return PanelDifference(*names, why, turning, area, MM_PER_M * fit.rms, is_over, angle, place)
+    return PanelDifference(*names, pairing, turning, area, MM_PER_M * fit.rms, is_over, angle, place)

@@ -65,25 +65,25 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
     """
     found: dict[str, float | None] = {}
     missed: list[float] = []
-    ours = {contour.name: nodes[contour.vertices] for contour in garment.contours}
+    loops = {contour.name: nodes[contour.vertices] for contour in garment.contours}
     for contour in target.contours:
-        if not contour.trusted or contour.name not in ours:
+        if not contour.trusted or contour.name not in loops:
             continue
-        mine, theirs = ours[contour.name], target.vertices[contour.vertices]
+        loop, true_loop = loops[contour.name], target.vertices[contour.vertices]
         if contour.name == "neck":
-            found |= _compare_necks(mine, theirs, body)
+            found |= _compare_necks(loop, true_loop, body)
             found |= _compare_corners(garment, nodes, target, body)
         else:
-            found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_edges(mine, theirs, _axis(contour, body))
+            found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_edges(loop, true_loop, _axis(contour, body))
             missed += _missed_corners(garment, nodes, target, contour)
     if missed:
         found["shape.edge_corner_deg"] = float(np.degrees(max(missed)))
     return found
 
 
-def _compare_necks(mine: np.ndarray, theirs: np.ndarray, body: Body) -> dict[str, float | None]:
+def _compare_necks(loop: np.ndarray, true_loop: np.ndarray, body: Body) -> dict[str, float | None]:
     """Return the largest distance of two neck contours, each unrolled in front and behind."""
-    lines, others = unroll_neck(mine, body), unroll_neck(theirs, body)
+    lines, others = unroll_neck(loop, body), unroll_neck(true_loop, body)
     if lines is None or others is None:
         return {}
     pairs = ((lines.front, others.front), (lines.back, others.back))
@@ -103,17 +103,17 @@ def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: 
     off = np.abs(off - (off.max() + off.min()) / 2) / np.linalg.norm(lateral)
     apart = []
     for side, fit in ((ahead > ahead.mean(), fits.front[0]), (ahead <= ahead.mean(), fits.back[0])):
-        near = np.flatnonzero(side & (off <= max(MAX_CORNER_LATERAL_OFFSET, off[side].min())))
-        turn = max(flat_turn(garment, loop, int(node)) for node in near)
+        candidates = np.flatnonzero(side & (off <= max(MAX_CORNER_LATERAL_OFFSET, off[side].min())))
+        turn = max(flat_turn(garment, loop, int(node)) for node in candidates)
         apart.append(abs(turn - _corner_angle(fit)))
     return {"shape.neck_corner_deg": float(np.degrees(max(apart)))}
 
 
 def _corner_angle(fit: NecklineFit) -> float:
     """Return the corner in the middle of the neckline that is nearest to a contour [rad]."""
-    if fit.throat.kind is not Neckline.V:
+    if fit.neckline.kind is not Neckline.V:
         return 0.0
-    return corner_turn(replace(fit.throat, bow=0.0), fit.half_width)
+    return corner_turn(replace(fit.neckline, bow=0.0), fit.half_width)
 
 
 def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
@@ -145,11 +145,11 @@ def _missed_corners(garment: Garment, nodes: np.ndarray, target: Target, contour
     corners = seen.corners()
     if not seen.is_clear(corners):
         return []
-    loop = next(own.vertices for own in garment.contours if own.name == contour.name)
-    ours, missed = EdgeTurn.of(nodes[loop], _flat_turns(garment, loop)), [0.0]
+    loop = next(each.vertices for each in garment.contours if each.name == contour.name)
+    edge_turn, missed = EdgeTurn.of(nodes[loop], _flat_turns(garment, loop)), [0.0]
     for place in corners:
-        turn, away = float(seen.turn[place]), np.linalg.norm(ours.points - seen.points[place], axis=1)
-        alike = np.sign(turn) * ours.turn[away <= max(CORNER_SEARCH_RADIUS, away.min())]
+        turn, distance = float(seen.turn[place]), np.linalg.norm(edge_turn.points - seen.points[place], axis=1)
+        alike = np.sign(turn) * edge_turn.turn[distance <= max(CORNER_SEARCH_RADIUS, distance.min())]
         missed.append(abs(turn) - max(0.0, float(alike.max())))
     return missed
 
@@ -167,14 +167,14 @@ def _axis(contour: Contour, body: Body) -> np.ndarray:
     if not bones:
         return np.array([0.0, 1.0, 0.0])
     index = JOINTS.index(bones[-1])
-    way = body.joints[JOINT_PARENTS[index]] - body.joints[index]
-    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9))
+    direction = body.joints[JOINT_PARENTS[index]] - body.joints[index]
+    return np.asarray(direction / max(float(np.linalg.norm(direction)), 1e-9))
 
 
-def _compare_edges(mine: np.ndarray, theirs: np.ndarray, axis: np.ndarray) -> float:
+def _compare_edges(mesh_loop: np.ndarray, true_loop: np.ndarray, axis: np.ndarray) -> float:
     """Return the largest distance of two closed edges along an axis, with folds averaged [m]."""
-    seen = smooth_loop(theirs)
-    places = [_axial_positions(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mine), seen)]
+    seen = smooth_loop(true_loop)
+    places = [_axial_positions(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mesh_loop), seen)]
     return float(np.abs(places[0] - places[1]).max())
 
 
@@ -184,7 +184,7 @@ def _axial_positions(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> 
     across = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     across /= np.linalg.norm(across)
     angle = np.arctan2(off @ np.cross(axis, across), off @ across)
-    wanted = np.arange(LIMB_DIRECTION_COUNT) * (2 * np.pi / LIMB_DIRECTION_COUNT)
-    apart = np.abs((angle[None] - wanted[:, None] + np.pi) % (2 * np.pi) - np.pi)
+    directions = np.arange(LIMB_DIRECTION_COUNT) * (2 * np.pi / LIMB_DIRECTION_COUNT)
+    apart = np.abs((angle[None] - directions[:, None] + np.pi) % (2 * np.pi) - np.pi)
     weight = np.maximum(0.0, 1.0 - apart / EDGE_AVERAGING_ANGLE) + 1e-9
     return np.asarray(weight @ (off @ axis) / weight.sum(axis=1))

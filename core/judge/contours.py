@@ -25,9 +25,9 @@ def contour_rms(
     nodes: np.ndarray, contours: Sequence[Contour], truth_vertices: np.ndarray, truth_contours: Sequence[Contour]
 ) -> dict[str, float]:
     """Measure the RMS distance [m] of every trusted contour of the truth that ours has too, by name."""
-    ours = {contour.name: nodes[contour.vertices] for contour in contours}
+    loops = {contour.name: nodes[contour.vertices] for contour in contours}
     return {
-        contour.name: loop_rms(ours[contour.name], truth_vertices[contour.vertices])
+        contour.name: loop_rms(loops[contour.name], truth_vertices[contour.vertices])
         for contour in truth_contours
-        if contour.trusted and contour.name in ours
+        if contour.trusted and contour.name in loops
     }

@@ -25,9 +25,9 @@ def count_crossings(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface |
     """
     crossed = self_intersections(nodes, faces)
     pinched = 0
-    swallowed = None if skin is None else skin.swallowed
-    if len(crossed) and swallowed is not None:
-        pinched = int((swallowed.distance(nodes[faces[crossed]].mean(axis=1)) < MAX_PINCH_DISTANCE).sum())
+    hidden_skin = None if skin is None else skin.hidden_skin
+    if len(crossed) and hidden_skin is not None:
+        pinched = int((hidden_skin.distance(nodes[faces[crossed]].mean(axis=1)) < MAX_PINCH_DISTANCE).sum())
     return {
         "self_intersecting_faces": float(len(crossed)),
         "crossing_faces": float(len(crossed) - pinched),

@@ -38,10 +38,10 @@ def measure_fairness(
     """
     corners = np.degrees(np.abs(unplanned_corners(pattern, base, proved)))
     pairs = tuple(zip(pattern.panels, base.panels, strict=True))
-    waves = sum(max(0, count_waves(ours) - count_waves(theirs)) for ours, theirs in pairs)
-    angles = [(interior_angles(ours), interior_angles(theirs)) for ours, theirs in pairs]
+    waves = sum(max(0, count_waves(edge) - count_waves(truth)) for edge, truth in pairs)
+    angles = [(interior_angles(edge), interior_angles(truth)) for edge, truth in pairs]
     pointed = max(
-        float(np.max(0.5 * np.pi - ours[theirs - ours > MIN_NARROWING_ANGLE], initial=0.0)) for ours, theirs in angles
+        float(np.max(0.5 * np.pi - edge[truth - edge > MIN_NARROWING_ANGLE], initial=0.0)) for edge, truth in angles
     )
     return {
         "pattern.corner_deg": float(corners.max()) if len(corners) else None,
@@ -62,5 +62,5 @@ def count_waves(panel: Panel) -> int:
     turn, sign = np.roll(turn, -first), np.roll(sign, -first)
     stretch = np.cumsum(np.r_[True, sign[1:] != sign[:-1]]) - 1
     total = np.bincount(stretch, turn)
-    felt = np.sign(total[np.abs(total) > MIN_BEND_ANGLE])
-    return int(np.sum(felt != np.roll(felt, 1)))
+    signs = np.sign(total[np.abs(total) > MIN_BEND_ANGLE])
+    return int(np.sum(signs != np.roll(signs, 1)))

@@ -64,7 +64,7 @@ class Reference:
         """Find the points that can be measured against the truth, given its points closest to them, shape [n]."""
         if self.rim is None:
             return np.ones(len(points.face), bool)
-        return ~self.rim.lies_ahead(self.surface, points)
+        return ~self.rim.is_ahead(self.surface, points)
 
     @cached_property
     def middles(self) -> np.ndarray:
@@ -77,11 +77,11 @@ class Reference:
         radii)."""
         if not len(points):
             return np.zeros(0)
-        away = cKDTree(points).query(self.middles, distance_upper_bound=2.0 * reach)[0]
-        near = np.flatnonzero(away <= 2.0 * reach)
-        away, middles, faces = away[near], self.middles[near], self.surface.faces[near]
+        distance = cKDTree(points).query(self.middles, distance_upper_bound=2.0 * reach)[0]
+        candidates = np.flatnonzero(distance <= 2.0 * reach)
+        distance, middles, faces = distance[candidates], self.middles[candidates], self.surface.faces[candidates]
         radius = np.linalg.norm(self.surface.vertices[faces] - middles[:, None], axis=2).max(axis=1, initial=0.0)
-        may_cross = away <= reach + radius + radius[away <= reach].max(initial=0.0)
+        may_cross = distance <= reach + radius + radius[distance <= reach].max(initial=0.0)
         crossing = self_intersections(self.surface.vertices, faces[may_cross])
         if not len(crossing):
             return np.full(len(points), np.inf)
@@ -140,33 +140,33 @@ def measure_distance(
     return _measure_distance(TriangleSurface(vertices, faces), truth)
 
 
-def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, float | None]:
+def _measure_distance(found_surface: TriangleSurface, truth: Reference) -> dict[str, float | None]:
     generator = np.random.default_rng(truth.seed)
-    mine, theirs = (surface.sample(truth.samples, generator)[0] for surface in (ours, truth.surface))
-    near = truth.surface.closest(mine)
-    there = truth.has_counterpart(near)
+    samples, true_samples = (surface.sample(truth.samples, generator)[0] for surface in (found_surface, truth.surface))
+    closest = truth.surface.closest(samples)
+    there = truth.has_counterpart(closest)
     if not there.any():  # no point of ours is where the truth is known
         there[:] = True
-    distances = {"s2t": near.distance[there], "t2s": ours.distance(theirs)}
+    distances = {"s2t": closest.distance[there], "t2s": found_surface.distance(true_samples)}
     found: dict[str, float | None] = {}
-    for way, distance in distances.items():
-        found[f"surface_rms_mm.{way}"] = MM_PER_M * float(np.sqrt(np.mean(distance**2)))
-        found[f"surface_p95_mm.{way}"] = MM_PER_M * float(np.quantile(distance, 0.95))
+    for direction, distance in distances.items():
+        found[f"surface_rms_mm.{direction}"] = MM_PER_M * float(np.sqrt(np.mean(distance**2)))
+        found[f"surface_p95_mm.{direction}"] = MM_PER_M * float(np.quantile(distance, 0.95))
     found["hausdorff_mm"] = MM_PER_M * float(max(distance.max() for distance in distances.values()))
     if truth.rim is not None:
-        found["hidden_percent"] = 100.0 * (1.0 - float(np.mean(truth.has_counterpart(near))))
+        found["hidden_percent"] = 100.0 * (1.0 - float(np.mean(truth.has_counterpart(closest))))
     return found
 
 
 def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return every metric of one mesh with the garment's topology."""
     faces = garment.faces
-    ours = TriangleSurface(nodes, faces)
-    used = _used_vertices(ours)
+    surface = TriangleSurface(nodes, faces)
+    used = _used_vertices(surface)
     if truth.rim is not None:
         there = truth.has_counterpart(truth.surface.closest(nodes[used]))
         used = used[there] if there.any() else used
-    chamfer, cosine = chamfer_and_normals(VertexCloud(nodes[used], ours.vertex_normals[used]), truth.cloud)
+    chamfer, cosine = chamfer_and_normals(VertexCloud(nodes[used], surface.vertex_normals[used]), truth.cloud)
     found: dict[str, float | None] = {"chamfer_vertex_m2e3": 1e3 * chamfer, "normal_cosine": cosine}
     found |= _measure_place(garment, nodes, truth)
     stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
@@ -180,8 +180,8 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
 
 def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return the distances of surface and contours from the truth's."""
-    ours = TriangleSurface(nodes, garment.faces)
-    found = _measure_distance(ours, truth)
+    surface = TriangleSurface(nodes, garment.faces)
+    found = _measure_distance(surface, truth)
     contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
     return found | {f"contour_rms_mm.{name}": MM_PER_M * value for name, value in contours.items()}
 
@@ -190,9 +190,9 @@ def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> 
     """Count faces whose normal is opposite to the truth's at the point closest to their centre. The truth's orientation
     as a whole is decided by vote first. Faces within an edge of where the truth crosses itself, as scans of cloth
     between the thighs do, are left out: there a mesh without crossings must be on the other side of a layer."""
-    ours, centres = TriangleSurface(vertices, faces), vertices[faces].mean(axis=1)
+    surface, centres = TriangleSurface(vertices, faces), vertices[faces].mean(axis=1)
     closest = truth.surface.closest(centres)
-    cosines = np.einsum("ij,ij->i", ours.face_normals, truth.surface.face_normals[closest.face])
+    cosines = np.einsum("ij,ij->i", surface.face_normals, truth.surface.face_normals[closest.face])
     there = truth.has_counterpart(closest)
     against = centres[there][orientation(cosines[there]) * cosines[there] < 0.0]
     edge = float(np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean())

@@ -77,7 +77,7 @@ def _read_larger_distance(name: str) -> Callable[[Metrics], float | None]:
     """Read a distance that is measured both ways: the larger one."""
 
     def value(metrics: Metrics) -> float | None:
-        ways = [way for way in (metrics.get(f"{name}.s2t"), metrics.get(f"{name}.t2s")) if way is not None]
+        ways = [one for one in (metrics.get(f"{name}.s2t"), metrics.get(f"{name}.t2s")) if one is not None]
         return max(ways) if ways else None
 
     return value
@@ -94,14 +94,14 @@ def _read_largest(prefix: str, suffix: str) -> Callable[[Metrics], float | None]
     return value
 
 
-def _percent_of_faces(name: str, beyond: str = "") -> Callable[[Metrics], float | None]:
+def _percent_of_faces(name: str, excluded: str = "") -> Callable[[Metrics], float | None]:
     """Read a count as per cent of all faces, what another count had already left out."""
 
     def value(metrics: Metrics) -> float | None:
         count, faces = metrics.get(name), metrics.get("faces")
         if count is None or not faces:
             return None
-        return 100.0 * max(0.0, count - ((metrics.get(beyond) or 0.0) if beyond else 0.0)) / faces
+        return 100.0 * max(0.0, count - ((metrics.get(excluded) or 0.0) if excluded else 0.0)) / faces
 
     return value
 
@@ -220,7 +220,7 @@ GATE_RULES = (
     ),
     GateRule(
         "self_intersections",
-        _percent_of_faces("self_intersecting_faces", beyond="graded.self_intersecting_faces"), 0.5, 3.0,
+        _percent_of_faces("self_intersecting_faces", excluded="graded.self_intersecting_faces"), 0.5, 3.0,
         "{value:.2f} % of the faces pass through others and did not before deforming",
         "repair the scan where it intersects itself, or simulate on the simulation mesh instead of the detail mesh.",
         "A scan's own contacts leave a few faces; from 3 % on a simulator will not start from this mesh.",

@@ -12,7 +12,7 @@ from ..garment.pattern import Panel, Pattern
 from ..garment.polygon import polygon_area
 from ..geometry.curves import ClosedCurve
 from .true_pattern import TruePanel, TruePattern
-from .turning import turning_distance
+from .turning_distance import turning_distance
 
 MAX_PANEL_AREA_RATIO = 2.0
 """Ratio of areas from which two panels do not match, whatever their shape: base patterns of the same cut start up to 47
@@ -46,16 +46,16 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
     Returns:
         The pairs in the order of the true panels.
     """
-    ours = {panel.name: panel for panel in pattern.panels}
+    by_name = {panel.name: panel for panel in pattern.panels}
     true_names = {panel.name for panel in truth.panels}
-    pairs = {panel.name: PanelPair(ours[panel.name], panel, True) for panel in truth.panels if panel.name in ours}
+    pairs = {panel.name: PanelPair(by_name[panel.name], panel, True) for panel in truth.panels if panel.name in by_name}
     left = [panel for panel in pattern.panels if panel.name not in true_names]
-    wanted = [panel for panel in truth.panels if panel.name not in ours]
-    if left and wanted:
-        cost = np.array([[_dissimilarity(panel, other) for other in wanted] for panel in left])
+    unnamed = [panel for panel in truth.panels if panel.name not in by_name]
+    if left and unnamed:
+        cost = np.array([[_dissimilarity(panel, other) for other in unnamed] for panel in left])
         for row, column in zip(*linear_sum_assignment(np.minimum(cost, 1e6)), strict=True):
             if np.isfinite(cost[row, column]):
-                pairs[wanted[column].name] = PanelPair(left[row], wanted[column], False)
+                pairs[unnamed[column].name] = PanelPair(left[row], unnamed[column], False)
     return tuple(pairs[panel.name] for panel in truth.panels if panel.name in pairs)
 
 
@@ -69,9 +69,9 @@ def mirror_outline(outline: np.ndarray) -> np.ndarray:
     return np.asarray((outline * PANEL_MIRROR_SIGNS)[::-1])
 
 
-def _dissimilarity(ours: Panel, truth: TruePanel) -> float:
+def _dissimilarity(panel: Panel, truth: TruePanel) -> float:
     """Return the cost of matching two panels; inf where they cannot match."""
-    outline, true_outline = orient_counter_clockwise(panel_outline(ours)), orient_counter_clockwise(truth.outline)
+    outline, true_outline = orient_counter_clockwise(panel_outline(panel)), orient_counter_clockwise(truth.outline)
     grown = abs(float(np.log(polygon_area(outline) / polygon_area(true_outline))))
     if grown >= np.log(MAX_PANEL_AREA_RATIO):
         return np.inf

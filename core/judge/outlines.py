@@ -39,17 +39,17 @@ class OutlineFit:
     motion: RigidMotion
 
 
-def fit_outline(ours: np.ndarray, truth: np.ndarray, settings: OutlineSettings = OutlineSettings()) -> OutlineFit:
+def fit_outline(outline: np.ndarray, truth: np.ndarray, settings: OutlineSettings = OutlineSettings()) -> OutlineFit:
     """Fit a closed outline [m], shape [n, 2], to another by a rigid motion."""
-    own, other = ClosedCurve(ours), ClosedCurve(truth)
-    rough, rough_target = own.resample(settings.start_points), other.resample(settings.start_points)
+    curve, true_curve = ClosedCurve(outline), ClosedCurve(truth)
+    rough, rough_target = curve.resample(settings.start_points), true_curve.resample(settings.start_points)
     starts = []
     for heading in np.arange(settings.starts) * 2.0 * np.pi / settings.starts:
         moved = (rough - rough.mean(axis=0)) @ plane_rotation(heading).T + rough_target.mean(axis=0)
         moved = _iterate_closest_points(moved, rough_target, settings.start_sweeps, settings.tolerance)
         starts.append((_symmetric_rms(moved, rough_target), moved))
     best = min(starts, key=lambda start: start[0])[1]
-    source, target = own.resample(settings.points), other.resample(settings.points)
+    source, target = curve.resample(settings.points), true_curve.resample(settings.points)
     moved = _iterate_closest_points(fit_rigid(rough, best).apply(source), target, settings.sweeps, settings.tolerance)
     return OutlineFit(_symmetric_rms(moved, target), fit_rigid(source, moved))
 

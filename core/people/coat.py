@@ -150,7 +150,7 @@ def tell_cloths(sides: _Sides, lab: np.ndarray, cloth: np.ndarray, links: Links)
         ours, theirs = (histogram(lab, mine.astype(float)) for mine in (own, other))
         ratio = np.clip(np.log((ours[cells] + RARE) / (theirs[cells] + RARE)), -RATIO, RATIO)
         chance = 1.0 / (1.0 + np.exp(-prior - ratio))
-        over = diffuse(np.stack([chance, 1.0 - chance], axis=1), links.alike or links)[:, 0]
+        over = diffuse(np.stack([chance, 1.0 - chance], axis=1), links.by_colour or links)[:, 0]
         own, other = along & (over > SURE), along & (over < 1.0 - SURE)
     return over
 

@@ -135,13 +135,13 @@ def use_colours(
         models = fit_colours(lab, belief, sources if tone is None else sources & ~find_strays(belief, tone))
         logit = geometry + models.ask(lab)
         both = np.exp(logit - logit.max(axis=1, keepdims=True))
-        belief = diffuse(both / both.sum(axis=1, keepdims=True), links.alike or links)
+        belief = diffuse(both / both.sum(axis=1, keepdims=True), links.by_colour or links)
     return belief
 
 
 def link_alike(links: Links, lab: np.ndarray) -> Links:
     """Return the links with the same beside them, weakened where colours in L*a*b*, shape [n, 3], change."""
-    return replace(links, alike=links.weakened(lab * CONTRAST, EDGE))
+    return replace(links, by_colour=links.weakened(lab * CONTRAST, EDGE))
 
 
 def find_doubt(place: BodyPlace) -> np.ndarray:

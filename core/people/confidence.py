@@ -83,14 +83,14 @@ def contour_confidence(step: np.ndarray, contrast: np.ndarray) -> float:
 
 
 def check_confidence(
-    garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], told: bool
+    garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], is_given: bool
 ) -> tuple[tuple[str, ...], BadInput | None]:
     """Return the warnings to the user, and the reason why nothing should be recovered, or None.
 
     Args:
         garments: What was found.
         outfits: Readings, the best first.
-        told: Whether the user gave what is worn: then nothing is refused as unsure.
+        is_given: Whether the user gave what is worn: then nothing is refused as unsure.
     """
     warnings = []
     if not garments:
@@ -104,7 +104,7 @@ def check_confidence(
         hidden = [contour.name for contour in garment.contours if contour.is_inferred]
         if hidden:
             warnings.append(f"Nothing shows where the {garment.part.word} ends at {', '.join(hidden)}: inferred.")
-    return tuple(warnings), None if told else _find_problem(garments, outfits)
+    return tuple(warnings), None if is_given else _find_problem(garments, outfits)
 
 
 def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> BadInput | None:

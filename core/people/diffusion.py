@@ -33,13 +33,13 @@ class Links:
         pairs: Indices of two points, each pair once, int64, shape [link_count, 2].
         weight: In 0..1, shape [link_count].
         count: Number of points.
-        alike: The same, weakened where colours change; None without colours.
+        by_colour: The same, weakened where colours change; None without colours.
     """
 
     pairs: np.ndarray
     weight: np.ndarray
     count: int
-    alike: Links | None = None
+    by_colour: Links | None = None
 
     @cached_property
     def factor(self) -> Factor:
@@ -71,10 +71,10 @@ def link_points(
         neighbours: How many.
         reach: Longest link [m].
     """
-    distance, near = cKDTree(points).query(points, neighbours + 1, distance_upper_bound=reach)
-    own = np.repeat(np.arange(len(points)), neighbours)
-    other, found = near[:, 1:].ravel(), np.isfinite(distance[:, 1:]).ravel()
-    pairs = np.sort(np.stack([own[found], other[found]], axis=1), axis=1)
+    distance, neighbour = cKDTree(points).query(points, neighbours + 1, distance_upper_bound=reach)
+    origin = np.repeat(np.arange(len(points)), neighbours)
+    other, found = neighbour[:, 1:].ravel(), np.isfinite(distance[:, 1:]).ravel()
+    pairs = np.sort(np.stack([origin[found], other[found]], axis=1), axis=1)
     pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
     facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1)
     pairs = pairs[facing > MIN_LINK_NORMAL_COSINE]

@@ -391,4 +391,4 @@ def measure_tube(spans: np.ndarray) -> float:
 def spread_over(rings: PersonRings, limb: Limb, ring: Ring, count: int) -> np.ndarray:
     """Compute the probability that each sample lies beyond a ring of a limb, 0 where it is not on it, shape [count]."""
     grid = rings.grids[limb]
-    return grid.at_samples(ring.beyond(len(grid.seen)), count, 0.0)
+    return grid.at_samples(ring.probability_beyond(len(grid.counts)), count, 0.0)

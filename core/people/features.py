@@ -129,16 +129,16 @@ def _slice_features(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
     for pair in pairs:
         both = _slice_table(place, offset, pair)
         for limb in pair:
-            mine = np.flatnonzero(place.limb == limb)
-            if not len(mine):
+            rows = np.flatnonzero(place.limb == limb)
+            if not len(rows):
                 continue
             first, table = tables[limb]
-            row = np.floor(place.station[mine] / STATION_BIN).astype(np.int64)
+            row = np.floor(place.station[rows] / STATION_BIN).astype(np.int64)
             middle, last = table[:, 1], len(table) - 1
-            out[mine, : len(SLICE_SHARES)] = table[row - first]
-            out[mine, -3] = offset[mine] - out[mine, 1]
-            out[mine, -2] = middle[np.clip(row - first + half, 0, last)] - middle[np.clip(row - first - half, 0, last)]
-            out[mine, -1] = both[1][row - both[0], 1]
+            out[rows, : len(SLICE_SHARES)] = table[row - first]
+            out[rows, -3] = offset[rows] - out[rows, 1]
+            out[rows, -2] = middle[np.clip(row - first + half, 0, last)] - middle[np.clip(row - first - half, 0, last)]
+            out[rows, -1] = both[1][row - both[0], 1]
     return out
 
 
@@ -147,18 +147,18 @@ def _typical_offsets(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
 
     It is the same for all samples: whether the shins are bare shows what hangs on the hips.
     """
-    mine = place.parts > 0.5
-    return np.array([np.median(offset[column]) if column.any() else 0.0 for column in mine.T])
+    members = place.parts > 0.5
+    return np.array([np.median(offset[column]) if column.any() else 0.0 for column in members.T])
 
 
 def _slice_table(place: BodyPlace, offset: np.ndarray, limbs: tuple[Limb, ...]) -> tuple[int, np.ndarray]:
     """Return the number of the first slice of limbs, and a row of quantiles of offsets for each slice."""
-    mine = np.flatnonzero(np.isin(place.limb, limbs))
-    if not len(mine):
+    rows = np.flatnonzero(np.isin(place.limb, limbs))
+    if not len(rows):
         return 0, np.zeros((1, len(SLICE_SHARES)))
-    row = np.floor(place.station[mine] / STATION_BIN).astype(np.int64)
+    row = np.floor(place.station[rows] / STATION_BIN).astype(np.int64)
     order = np.argsort(row, kind="stable")
-    row, sorted_offset = row[order], offset[mine][order]
+    row, sorted_offset = row[order], offset[rows][order]
     first = int(row[0])
     centre = np.arange(first, int(row[-1]) + 1)
     begin, end = np.searchsorted(row, centre - SLICE_REACH), np.searchsorted(row, centre + SLICE_REACH + 1)

@@ -20,8 +20,8 @@ from ..scan.raw import RawScan
 from ..scan.reconstruct import reconstruct
 from ..scan.scan import Scan
 from ..scan.thin import thin_raw_scan
-from .capped import cut_part
 from .confidence import garment_confidence
+from .hem_cap import cut_part
 from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
 from .part import GARMENTS, Part
@@ -70,10 +70,10 @@ def extract_garment(
     if not found or not (label == part).any():
         raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
     hooks.check()
-    own = label == part
-    inner = find_inner_side(whole, own, separation.body, label == Part.OTHER)
+    of_part = label == part
+    inner = find_inner_side(whole, of_part, separation.body, label == Part.OTHER)
     cut = found[0].cut if person is separation.surface and not inner.any() else None
-    garment, contours, holes = cut or cut_part(whole, own & ~inner, separation.body)
+    garment, contours, holes = cut or cut_part(whole, of_part & ~inner, separation.body)
     hidden = _mark_inferred_contours(garment, contours, found[0].contours)
     hidden |= mark_covered_borders(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)
@@ -92,19 +92,19 @@ def find_garments(
         surface: The person's surface, of all points or fewer.
         body: The wearer.
     """
-    sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
+    confidences = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
     whole, label = surface.scan, label[raw.place[surface.origin]]
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, body)
     found = []
     for part in GARMENTS:
-        own = label == part
-        if part not in sure or area[own].sum() < MIN_GARMENT_AREA:
+        of_part = label == part
+        if part not in confidences or area[of_part].sum() < MIN_GARMENT_AREA:
             continue
-        cut = cut_part(whole, own, body)
+        cut = cut_part(whole, of_part, body)
         category = choose_part_category(part, cut.contours, cut.garment, body)
         openings = find_openings(cut.garment, cut.contours, part, around)
-        found.append(FoundGarment(part, sure[part], category, openings, cut))
+        found.append(FoundGarment(part, confidences[part], category, openings, cut))
     return tuple(found)
 
 

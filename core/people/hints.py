@@ -49,11 +49,11 @@ def parse_wearing(text: str) -> tuple[Part, ...]:
         HintBad: where a word is no garment's.
     """
     words = {part.word: part for part in GARMENTS}
-    given = [word.strip() for word in text.split(",") if word.strip()]
-    unknown = [word for word in given if word not in words]
-    if unknown or not given:
+    listed = [word.strip() for word in text.split(",") if word.strip()]
+    unknown = [word for word in listed if word not in words]
+    if unknown or not listed:
         raise HintBad(f"'{', '.join(unknown) or text}' is no garment; name some of {', '.join(words)}.")
-    return tuple(part for part in GARMENTS if part.word in given)
+    return tuple(part for part in GARMENTS if part.word in listed)
 
 
 def parse_mark(text: str) -> Mark:

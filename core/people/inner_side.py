@@ -29,7 +29,7 @@ MIN_INNER_SIDE_COSINE = 0.3
 degrees. This finds 86 % of a person's insides that have a label of their own, and 0.3 % of the outer side."""
 
 
-def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray | None = None) -> np.ndarray:
+def find_inner_side(whole: Scan, is_garment: np.ndarray, body: Body, other: np.ndarray | None = None) -> np.ndarray:
     """Find the inner side of a garment's cloth, as far as it is seen through an opening, bool, shape [vertex_count].
 
     A piece that faces the skin is an inner side where it goes around the wearer, and the outer side of the same cloth
@@ -39,7 +39,7 @@ def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray 
 
     Args:
         whole: The person's surface.
-        own: The garment's vertices, bool, shape [vertex_count].
+        is_garment: The garment's vertices, bool, shape [vertex_count].
         body: The wearer.
         other: Vertices labelled OTHER, bool, shape [vertex_count], or None.
     """
@@ -47,26 +47,26 @@ def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray 
     edges = HalfEdges.of(whole.faces, len(whole.vertices))
     smooth = edges.adjacency @ normals + normals
     normals = smooth / np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-12)
-    mine = np.flatnonzero(own if other is None else own | other)
-    feet = TriangleSurface(body.vertices, body.faces).closest(whole.vertices[mine])
-    away = whole.vertices[mine] - feet.foot
-    height = np.linalg.norm(away, axis=1)
-    facing = (normals[mine] * away).sum(axis=1) < -MIN_INNER_SIDE_COSINE * height
-    tree = cKDTree(whole.vertices[mine])
-    asked = np.flatnonzero(facing)
-    asked = asked[:: max(1, len(asked) // INNER_SIDE_QUERY_COUNT)]
-    backed = np.zeros(len(asked), bool)
-    for number, row in enumerate(asked):
-        near = np.array(tree.query_ball_point(whole.vertices[mine[row]], MAX_SCANNED_CLOTH_THICKNESS))
-        opposite = normals[mine[near]] @ normals[mine[row]] < -MIN_INNER_SIDE_COSINE
-        backed[number] = bool((opposite & own[mine[near]] & (height[near] > height[row])).any())
+    rows = np.flatnonzero(is_garment if other is None else is_garment | other)
+    feet = TriangleSurface(body.vertices, body.faces).closest(whole.vertices[rows])
+    offset = whole.vertices[rows] - feet.foot
+    height = np.linalg.norm(offset, axis=1)
+    facing = (normals[rows] * offset).sum(axis=1) < -MIN_INNER_SIDE_COSINE * height
+    tree = cKDTree(whole.vertices[rows])
+    queried = np.flatnonzero(facing)
+    queried = queried[:: max(1, len(queried) // INNER_SIDE_QUERY_COUNT)]
+    backed = np.zeros(len(queried), bool)
+    for number, row in enumerate(queried):
+        candidates = np.array(tree.query_ball_point(whole.vertices[rows[row]], MAX_SCANNED_CLOTH_THICKNESS))
+        opposite = normals[rows[candidates]] @ normals[rows[row]] < -MIN_INNER_SIDE_COSINE
+        backed[number] = bool((opposite & is_garment[rows[candidates]] & (height[candidates] > height[row])).any())
     turned = np.zeros(len(whole.vertices), bool)
-    turned[mine[facing]] = True
+    turned[rows[facing]] = True
     linked = turned[edges.tail] & turned[edges.head]
     count, piece = find_components(len(whole.vertices), edges.tail[linked], edges.head[linked])
-    of_asked = piece[mine[asked]]
-    shown = np.bincount(of_asked, backed, count) > MIN_BACKED_SHARE * np.bincount(of_asked, minlength=count)
+    piece_of_query = piece[rows[queried]]
+    shown = np.bincount(piece_of_query, backed, count) > MIN_BACKED_SHARE * np.bincount(piece_of_query, minlength=count)
     mean = np.stack([np.bincount(piece, turned * normals[:, axis], count) for axis in range(3)], axis=1)
     size = np.bincount(piece, turned, count)
     around = np.linalg.norm(mean, axis=1) <= MAX_MEAN_NORMAL_LENGTH * size
-    return np.asarray(own & turned & (shown & around)[piece])
+    return np.asarray(is_garment & turned & (shown & around)[piece])

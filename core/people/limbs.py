@@ -85,12 +85,12 @@ def place_on_body(points: PersonPoints, body: Body) -> BodyPlace:
     normals = vertex_normals(posed, faces)
     corners = posed[faces]
     keys = np.hstack([corners.mean(axis=1), BODY_MATCH_NORMAL_LENGTH * unit(normals[faces].sum(axis=1))])
-    ours = np.hstack([points.positions, BODY_MATCH_NORMAL_LENGTH * points.normals])
-    _, tried = cKDTree(keys).query(ours, k=CANDIDATE_TRIANGLE_COUNT)
+    matched = np.hstack([points.positions, BODY_MATCH_NORMAL_LENGTH * points.normals])
+    _, tried = cKDTree(keys).query(matched, k=CANDIDATE_TRIANGLE_COUNT)
     share = closest_in_triangles(points.positions[:, None], corners[tried])
     feet = np.einsum("ntk,ntka->nta", share, corners[tried])
     miss = ((points.positions[:, None] - feet) ** 2).sum(axis=2)
-    turned = ((keys[tried, 3:] - ours[:, None, 3:]) ** 2).sum(axis=2)
+    turned = ((keys[tried, 3:] - matched[:, None, 3:]) ** 2).sum(axis=2)
     best = (miss + turned).argmin(axis=1)
     row = np.arange(len(best))
     share, corner = share[row, best], faces[tried[row, best]]
@@ -152,11 +152,11 @@ def _limb_frame(
     along[neck], station[neck] = -down, -station[neck]
     sides = (("left", 1, Limb.LEFT_ARM, Limb.LEFT_LEG), ("right", -1, Limb.RIGHT_ARM, Limb.RIGHT_LEG))
     for side, sign, arm, leg in sides:
-        mine = limb == arm
-        along[mine] = (sign, 0.0, 0.0)
-        station[mine] = sign * (rest[mine, 0] - joint(f"{side}_shoulder")[0])
-        mine = limb == leg
-        station[mine] = joint(f"{side}_hip")[1] - rest[mine, 1]
+        members = limb == arm
+        along[members] = (sign, 0.0, 0.0)
+        station[members] = sign * (rest[members, 0] - joint(f"{side}_shoulder")[0])
+        members = limb == leg
+        station[members] = joint(f"{side}_hip")[1] - rest[members, 1]
     return limb, along, np.tile([0.0, 0.0, 1.0], (len(rest), 1)), station
 
 
@@ -182,9 +182,9 @@ def closest_in_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
         miss = ((points - start - t[..., None] * edge) ** 2).sum(axis=-1)
         closer = np.asarray(miss < best)
         best = np.where(closer, miss, best)
-        here = np.zeros_like(inside)
-        here[..., k], here[..., (k + 1) % 3] = 1.0 - t, t
-        edges = np.where(closer[..., None], here, edges)
+        is_closest = np.zeros_like(inside)
+        is_closest[..., k], is_closest[..., (k + 1) % 3] = 1.0 - t, t
+        edges = np.where(closer[..., None], is_closest, edges)
     return np.asarray(np.where(within[..., None], inside, edges))
 
 

@@ -45,14 +45,14 @@ def read_corrected_labels(path: Path) -> np.ndarray:
     return label
 
 
-def apply_corrected_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
+def apply_corrected_labels(stored: Path, labels: np.ndarray, path: Path) -> Path:
     """Write a labels file as it was stored, with corrected labels where the cleaned scan has points.
 
     Copies of a split vertex are one point of the file; a label that is changed at any of them is its label.
 
     Args:
         stored: The `labels.npz` of a person's result.
-        mended: A `Part` for each point of its `segmented.ply`, uint8, shape [point_count].
+        labels: A `Part` for each point of its `segmented.ply`, uint8, shape [point_count].
         path: Destination.
 
     Raises:
@@ -67,13 +67,13 @@ def apply_corrected_labels(stored: Path, mended: np.ndarray, path: Path) -> Path
         raise LabelsOld() from error
     kept = place >= 0
     count = int(place.max(initial=-1)) + 1 if origin is None else len(origin)
-    if origin is None and len(mended) > count:
+    if origin is None and len(labels) > count:
         raise LabelsOld()  # It may have copies of split vertices, which the file does not count.
-    if len(mended) != count:
-        raise LabelsMismatch(f"there are {len(mended)} labels for the {count} points of segmented.ply; give each one.")
+    if len(labels) != count:
+        raise LabelsMismatch(f"there are {len(labels)} labels for the {count} points of segmented.ply; give each one.")
     if origin is not None:
-        changed = np.flatnonzero(mended != label[origin])
-        mended = mended.copy()
-        mended[place[origin[changed]]] = mended[changed]
-    label[kept] = mended[place[kept]]
+        changed = np.flatnonzero(labels != label[origin])
+        labels = labels.copy()
+        labels[place[origin[changed]]] = labels[changed]
+    label[kept] = labels[place[kept]]
     return write_labels(label, np.ones(len(label)), path, place, origin)

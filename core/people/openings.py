@@ -77,13 +77,13 @@ class _BorderSides:
     Attributes:
         step: Height of the garment over it [m], shape [n].
         contrast: Difference of the two sides' colours, shape [n].
-        beyond: A `Part`, shape [n]; -1 where the garment's edge is free, -2 where nothing was seen.
+        next_part: A `Part`, shape [n]; -1 where the garment's edge is free, -2 where nothing was seen.
         level: Height of the border over the hip joints [m].
     """
 
     step: np.ndarray
     contrast: np.ndarray
-    beyond: np.ndarray
+    next_part: np.ndarray
     level: float
 
 
@@ -109,22 +109,22 @@ def find_openings(
         points, loop = garment.vertices[contour.vertices], contour.vertices
         tangent = np.roll(points, -TANGENT_VERTEX_COUNT, axis=0) - np.roll(points, TANGENT_VERTEX_COUNT, axis=0)
         left = BORDER_SIDE_DISTANCE * unit(np.cross(normals[loop], unit(tangent)))  # into the garment
-        own = [inside[near] for near in trees[0].query_ball_point(points + left, BORDER_AVERAGING_RADIUS)]
-        other = [outside[near] for near in trees[1].query_ball_point(points - left, BORDER_AVERAGING_RADIUS)]
+        inner = [inside[rows] for rows in trees[0].query_ball_point(points + left, BORDER_AVERAGING_RADIUS)]
+        other = [outside[rows] for rows in trees[1].query_ball_point(points - left, BORDER_AVERAGING_RADIUS)]
         is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=MAX_FREE_EDGE_DISTANCE)[0])
-        sides = _compare_sides(around, own, other, is_free, float(np.median(points[:, 1]) - around.hips))
+        sides = _compare_sides(around, inner, other, is_free, float(np.median(points[:, 1]) - around.hips))
         found.append(_classify_opening(contour.name, part, sides))
     return tuple(found)
 
 
 def _compare_sides(
-    around: Surroundings, own: list[np.ndarray], other: list[np.ndarray], is_free: np.ndarray, level: float
+    around: Surroundings, inside: list[np.ndarray], other: list[np.ndarray], is_free: np.ndarray, level: float
 ) -> _BorderSides:
     """Compare the two sides of a border, each given by the points near each of its places."""
-    step, contrast = np.zeros(len(own)), np.zeros(len(own))
+    step, contrast = np.zeros(len(inside)), np.zeros(len(inside))
     beyond = np.where(is_free, -1, -2)
     step[is_free] = MAX_FREE_EDGE_DISTANCE
-    for i, (a, b) in enumerate(zip(own, other, strict=True)):
+    for i, (a, b) in enumerate(zip(inside, other, strict=True)):
         if not len(b):
             continue
         beyond[i] = np.bincount(around.label[b]).argmax()
@@ -135,22 +135,22 @@ def _compare_sides(
 
 
 def _classify_opening(name: str, part: Part, sides: _BorderSides) -> FoundContour:
-    worn = np.isin(sides.beyond, GARMENTS)
-    covered = worn.mean() > 0.5 and _lies_below(part, sides.beyond[worn], sides.step[worn], sides.level)
+    worn = np.isin(sides.next_part, GARMENTS)
+    covered = worn.mean() > 0.5 and _lies_below(part, sides.next_part[worn], sides.step[worn], sides.level)
     # hair is over clothes; OTHER below the garment may be its own inside
-    over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < MIN_LAYER_STEP))
+    over = (sides.next_part == Part.HAIR) | ((sides.next_part == Part.OTHER) & (sides.step < MIN_LAYER_STEP))
     covered |= bool(over.mean() > 0.5)
     step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
     shown = not covered and is_shown(step, sides.contrast)
     return FoundContour(name, contour_confidence(step, sides.contrast), not shown)
 
 
-def _lies_below(part: Part, beyond: np.ndarray, step: np.ndarray, height: float) -> bool:
+def _lies_below(part: Part, next_part: np.ndarray, step: np.ndarray, height: float) -> bool:
     """Check whether the garment beyond a border is over this one.
 
     The step decides, and if it is small the border's height: below the waist the upper garment hangs over the lower.
     """
-    other = Part(int(np.bincount(beyond).argmax()))
+    other = Part(int(np.bincount(next_part).argmax()))
     below = -float(np.median(step)) / MIN_LAYER_STEP
     if Part.OUTER in (part, other):
         return below + (2.0 if other is Part.OUTER else -2.0) > 0.0

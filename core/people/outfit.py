@@ -56,7 +56,7 @@ PART_COLUMN = {part: k for k, part in enumerate(PARTS)}
 
 
 def condition_on_outfit(
-    posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray, over: np.ndarray | None = None
+    posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray, outer: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the posterior if just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
 
@@ -67,11 +67,11 @@ def condition_on_outfit(
         posterior: Shape [n, part_count].
         outfit: The garments.
         above: Probability that a point is above the waist line, shape [n].
-        over: Probability of each point's cloth to be the outer layer's where one is worn, shape [n], or None.
+        outer: Probability of each point's cloth to be the outer layer's where one is worn, shape [n], or None.
     """
     upper, lower, whole = (PART_COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
-    if over is not None and Part.OUTER in outfit:
-        posterior = _assign_outer_layer(posterior, over)
+    if outer is not None and Part.OUTER in outfit:
+        posterior = _assign_outer_layer(posterior, outer)
     read = posterior.copy()
     if Part.ONE_PIECE in outfit:
         read[:, whole] = posterior[:, [upper, lower, whole]].sum(axis=1)
@@ -84,11 +84,11 @@ def condition_on_outfit(
     return read
 
 
-def _assign_outer_layer(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """Return the posterior, shape [n, part_count], with the share `over` of each garment given to the outer layer."""
+def _assign_outer_layer(posterior: np.ndarray, outer: np.ndarray) -> np.ndarray:
+    """Return the posterior, shape [n, part_count], with the share `outer` of each garment given to the outer layer."""
     laid, inner = posterior.copy(), [PART_COLUMN[part] for part in GARMENTS if part is not Part.OUTER]
-    laid[:, PART_COLUMN[Part.OUTER]] += over * posterior[:, inner].sum(axis=1)
-    laid[:, inner] *= (1.0 - over)[:, None]
+    laid[:, PART_COLUMN[Part.OUTER]] += outer * posterior[:, inner].sum(axis=1)
+    laid[:, inner] *= (1.0 - outer)[:, None]
     return laid
 
 
@@ -169,7 +169,7 @@ def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
 
 
 def marginalise_outfits(
-    posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray, over: np.ndarray | None = None
+    posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray, p_outer: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the posterior over all readings, sum_H p(H) p(k | i, H), rows sum to 1, shape [n, part_count].
 
@@ -180,8 +180,8 @@ def marginalise_outfits(
     upper, whole, outer = (PART_COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
     total = np.zeros_like(posterior)
     for outfit, likely in zip(outfits, outfit_probabilities(outfits), strict=True):
-        read = condition_on_outfit(posterior, outfit.parts, above, over)
-        if over is None and Part.OUTER in outfit.parts and len(outfits) > 1:
+        read = condition_on_outfit(posterior, outfit.parts, above, p_outer)
+        if p_outer is None and Part.OUTER in outfit.parts and len(outfits) > 1:
             hidden = OUTER_LAYER_SHARE * np.stack([read[:, upper], read[:, whole] * above], axis=1)
             read[:, [upper, whole]] -= hidden
             read[:, outer] += hidden.sum(axis=1)

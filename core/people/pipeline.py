@@ -17,8 +17,8 @@ from ..scan.raw import RawScan
 from ..scan.refusal import BodyApart
 from ..scan.scan import Scan
 from .garments import build_person_surface, extract_garment
-from .given import PersonInput
 from .hints import Hints, parse_mark, parse_wearing
+from .person_input import PersonInput
 from .separate import label_person
 from .separation import LabelledPerson
 
@@ -58,24 +58,24 @@ class SegmentedPerson:
     report: ResultReport = field(default_factory=ResultReport)
 
 
-def segment_person(given: PersonInput, wanted: UnparsedHints, hooks: Hooks = SILENT_HOOKS) -> SegmentedPerson:
+def segment_person(content: PersonInput, unparsed: UnparsedHints, hooks: Hooks = SILENT_HOOKS) -> SegmentedPerson:
     """Find the wearer, label the parts, and cut out each garment.
 
     Args:
-        given: The content of the files.
-        wanted: What the user gave beside them.
+        content: The content of the files.
+        unparsed: What the user gave beside them.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
         BadInput: where the scan is no person, or shows no clothes.
     """
-    clock, raw = Clock(hooks), given.raw
+    clock, raw = Clock(hooks), content.raw
     with clock.stage("body", "finding the wearer") as stage:
-        body = register_given_body(given, wanted.body, stage)
+        body = register_given_body(content, unparsed.body, stage)
     hints = Hints(
-        label=given.label,
-        wearing=None if wanted.wearing is None else parse_wearing(wanted.wearing),
-        marks=tuple(parse_mark(text) for text in wanted.marks),
+        label=content.label,
+        wearing=None if unparsed.wearing is None else parse_wearing(unparsed.wearing),
+        marks=tuple(parse_mark(text) for text in unparsed.marks),
         body=body,
     )
     with clock.stage("separate", "labelling skin, hair, shoes and garments") as stage:
@@ -99,18 +99,18 @@ def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dic
     return readings
 
 
-def register_given_body(given: PersonInput, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
+def register_given_body(content: PersonInput, builtin: BuiltinWearer | None, hooks: Hooks) -> Body | None:
     """Return the wearer that the user gave, in the scan's place; None where it has to be fitted under the clothes.
 
     Raises:
         BodyApart: where the scan is not on it.
     """
-    body = given.body
+    body = content.body
     if builtin is not None:
         body = builtin_body(builtin)
-    elif given.wearer is not None:
-        wearer = given.wearer
+    elif content.wearer is not None:
+        wearer = content.wearer
         body = register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
-    if body is not None and not lies_on(given.raw.points, Scan(body.vertices, body.faces)):
+    if body is not None and not lies_on(content.raw.points, Scan(body.vertices, body.faces)):
         raise BodyApart("the person does not stand where the body is; export both from the same scene.")
     return body

@@ -196,12 +196,12 @@ def _throw_darts(positions, normals, place, shape, square):  # type: ignore[no-u
 
 def _interpolation_weights(centres: np.ndarray, normals: np.ndarray, raw: RawScan) -> tuple[np.ndarray, np.ndarray]:
     """Find the samples nearest to each raw point, on its own side where that is known, and their weights."""
-    ours, theirs = centres, raw.points
+    targets, sources = centres, raw.points
     if not raw.is_cloud or (raw.normals is not None and raw.is_oriented):
         at = raw.normals if raw.normals is not None else vertex_normals(raw.points, raw.faces)
-        ours = np.hstack([ours, SAMPLE_MATCH_NORMAL_LENGTH * normals])
-        theirs = np.hstack([theirs, SAMPLE_MATCH_NORMAL_LENGTH * at])
-    distance, nearest = cKDTree(ours).query(theirs, k=INTERPOLATION_SAMPLE_COUNT)
+        targets = np.hstack([targets, SAMPLE_MATCH_NORMAL_LENGTH * normals])
+        sources = np.hstack([sources, SAMPLE_MATCH_NORMAL_LENGTH * at])
+    distance, nearest = cKDTree(targets).query(sources, k=INTERPOLATION_SAMPLE_COUNT)
     weights = 1.0 / (distance**2 + 1e-8)  # (0.1 mm)^2: a point at a sample takes its value
     weights /= weights.sum(axis=1, keepdims=True)
     return nearest.astype(np.int32), weights.astype(np.float32)

@@ -61,7 +61,7 @@ class Ring:
         margin = max(self.score - max(self.second, 0.0), 0.0)
         return margin / (margin + HALF_CONFIDENCE_MARGIN)
 
-    def beyond(self, rows: int) -> np.ndarray:
+    def probability_beyond(self, rows: int) -> np.ndarray:
         """Compute the probability that each cell is beyond the ring, shape [rows, LIMB_COLUMN_COUNT]."""
         count = np.zeros((rows + 1, LIMB_COLUMN_COUNT))
         for weight, path in zip(self.weights, self.paths, strict=True):
@@ -93,8 +93,8 @@ def find_ring(
     gain = np.ascontiguousarray(gain)
     scores, paths = _closed_paths(gain, bend_cost / CORRELATED_COLUMN_COUNT, MAX_RING_SLOPE)
     best = int(scores.argmax())
-    away = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > MIN_RING_DISTANCE
-    second = float(scores[away].max()) if away.any() else -np.inf
+    is_distinct = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > MIN_RING_DISTANCE
+    second = float(scores[is_distinct].max()) if is_distinct.any() else -np.inf
     weights = np.exp((scores - scores[best]) / warmth)
     return Ring(paths[best], float(scores[best]), second, weights / weights.sum(), paths)
 
@@ -128,9 +128,9 @@ def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
             for r in range(max(start - reach, 0), min(start + reach + 1, rows)):
                 best, at = -np.inf, r
                 for q in range(max(r - steepest, 0), min(r + steepest + 1, rows)):
-                    here = value[q] - cost * abs(q - r)
-                    if here > best:
-                        best, at = here, q
+                    cost_here = value[q] - cost * abs(q - r)
+                    if cost_here > best:
+                        best, at = cost_here, q
                 if a < columns:
                     fresh[r] = best + gain[r, a]
                     back[a, r] = at

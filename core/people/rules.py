@@ -154,7 +154,7 @@ def find_cloth(rings: PersonRings, features: Features, tone: np.ndarray | None =
     for limb, ring in zip(_ARMS + _LEGS, rings.sleeves + rings.hems, strict=True):
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]
-    cloth *= grid.at_samples(rings.neckline.beyond(len(grid.seen)), count, 1.0)
+    cloth *= grid.at_samples(rings.neckline.probability_beyond(len(grid.counts)), count, 1.0)
     bare = bare_chest_probability(features, tone, (cloth > 0.5) & (below < 0.5))
     return Cloth(np.asarray(cloth * (1.0 - bare * (1.0 - below))), below)
 

@@ -16,20 +16,20 @@ from ..scan.thin import thin_raw_scan
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import check_confidence
-from .crumbs import relabel_small_pieces
 from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
 from .garments import build_person_surface, find_garments
 from .hints import Hints
-from .learnt import NetworkEnsemble, load_ensemble, predict_by_networks
 from .limbs import BodyPlace
 from .marks import apply_marks, list_marked_garments
+from .networks import NetworkEnsemble, load_ensemble, predict_by_networks
 from .outfit import above_waist_probability, condition_on_outfit, marginalise_outfits, rank_outfits
 from .part import CLOTH, PARTS, Part
 from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import LabelledPerson
+from .small_pieces import relabel_small_pieces
 from .tone import skin_evidence
 
 STAGE = "separate"
@@ -89,39 +89,41 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
     links = link_points(points.positions, points.normals)
     if points.lab is not None:
         links = link_alike(links, points.lab)
-    told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
+    known = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
     if not isinstance(fit, _GivenBody):
-        fit = fit_below_clothes(fit, points, links, told, hooks)
+        fit = fit_below_clothes(fit, points, links, known, hooks)
     posterior, features = (
-        (told, describe_points(points, fit)) if told is not None else predict_parts(points, fit, links, load_ensemble())
+        (known, describe_points(points, fit))
+        if known is not None
+        else predict_parts(points, fit, links, load_ensemble())
     )
     hooks.progress(STAGE, 0.8, "choosing the outfit")
     above = above_waist_probability(features.place, fit.body)
-    coat = Coat() if told is not None else find_coat(points, features, posterior, links, fit.body)
+    coat = Coat() if known is not None else find_coat(points, features, posterior, links, fit.body)
     outfits = rank_outfits(posterior, above, _hinted_garments(hints), list_marked_garments(hints.marks), coat)
-    believed = marginalise_outfits(posterior, outfits, above, coat.over)
+    marginal = marginalise_outfits(posterior, outfits, above, coat.over)
     posterior = condition_on_outfit(posterior, outfits[0].parts, above, coat.over)
     posterior /= posterior.sum(axis=1, keepdims=True)
     area = np.full(len(posterior), points.spacing**2)
     column = posterior.argmax(axis=1)
-    if told is None:
+    if known is None:
         column = relabel_small_pieces(column, points.positions, area, links)
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
-    believed, posterior = (_swap_probabilities(one, first, column) for one in (believed, posterior))
+    marginal, posterior = (_swap_probabilities(one, first, column) for one in (marginal, posterior))
     if not isinstance(fit, _GivenBody):
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior, features.place), hooks)
     best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
-    at, sure = PART_NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
+    at, certainty = PART_NUMBERS[best], points.carry(marginal.astype(np.float32))[np.arange(len(best)), best]
     if hints.label is not None:
-        at, sure = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
+        at, certainty = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
     hooks.progress(STAGE, 0.9, "finding the garments' openings")
     body = fit.body if isinstance(fit, _GivenBody) else replace(fit.body, source=f"scan:{raw.name}")
     thinned = thin_raw_scan(raw)
     surface = build_person_surface(thinned, body)
-    garments = find_garments(raw, at, sure, surface, body)
+    garments = find_garments(raw, at, certainty, surface, body)
     warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
-    label, confidence = expand_to_file(raw, at, sure)
+    label, confidence = expand_to_file(raw, at, certainty)
     if hints.label is not None:
         label = hints.label.astype(np.uint8)
     whole = surface if thinned is raw else None
@@ -139,7 +141,7 @@ def check_single_person(raw: RawScan) -> None:
 
 
 def fit_below_clothes(
-    fit: PersonFit, points: PersonPoints, links: Links, told: np.ndarray | None = None, hooks: Hooks = SILENT_HOOKS
+    fit: PersonFit, points: PersonPoints, links: Links, known: np.ndarray | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> PersonFit:
     """Fit the body again, `BODY_REFIT_ITERATIONS` times, each below the cloth predicted on the previous fit.
 
@@ -147,12 +149,12 @@ def fit_below_clothes(
         fit: As if bare.
         points: The samples.
         links: Their neighbours.
-        told: The posterior where it is known, shape [n, part_count]; else it is predicted.
+        known: The posterior where it is known, shape [n, part_count]; else it is predicted.
         hooks: Progress and cancellation.
     """
     for turn in range(BODY_REFIT_ITERATIONS):
         hooks.progress(STAGE, turn / (BODY_REFIT_ITERATIONS + 1), "labelling the parts")
-        posterior = told if told is not None else predict_parts(points, fit, links)[0]
+        posterior = known if known is not None else predict_parts(points, fit, links)[0]
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior), hooks)
     return fit
 
@@ -177,9 +179,9 @@ def expand_to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> t
     """Return label and confidence of each point of the file, shape [file_count]; dropped points are OTHER with 1."""
     kept = raw.place >= 0
     labels = np.full(len(raw.place), int(Part.OTHER), np.uint8)
-    sure = np.ones(len(raw.place), np.float32)
-    labels[kept], sure[kept] = label[raw.place[kept]], confidence[raw.place[kept]]
-    return labels, sure
+    certainty = np.ones(len(raw.place), np.float32)
+    labels[kept], certainty[kept] = label[raw.place[kept]], confidence[raw.place[kept]]
+    return labels, certainty
 
 
 def predict_parts(
@@ -227,9 +229,9 @@ def _hinted_garments(hints: Hints) -> tuple[Part, ...] | None:
 
 def _sample_labels(raw: RawScan, points: PersonPoints, label: np.ndarray) -> np.ndarray:
     """Return given labels of the raw points as a posterior of the samples, shape [n, part_count]."""
-    near = label[cKDTree(raw.points).query(points.positions)[1]]
-    posterior = np.full((len(near), len(PARTS)), (1.0 - USER_LABEL_PROBABILITY) / (len(PARTS) - 1))
-    posterior[np.arange(len(near)), np.searchsorted(PART_NUMBERS, near)] = USER_LABEL_PROBABILITY
+    nearest = label[cKDTree(raw.points).query(points.positions)[1]]
+    posterior = np.full((len(nearest), len(PARTS)), (1.0 - USER_LABEL_PROBABILITY) / (len(PARTS) - 1))
+    posterior[np.arange(len(nearest)), np.searchsorted(PART_NUMBERS, nearest)] = USER_LABEL_PROBABILITY
     return posterior
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..body.body import Body
 from ..run.errors import GarmentqError
 from ..scan.scan import Scan
-from .capped import CutPart
+from .hem_cap import CutPart
 from .part import Part
 
 

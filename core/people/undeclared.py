@@ -56,18 +56,18 @@ class UndeclaredGarment:
         """Return a sentence for the user, with the next step."""
         names = ", ".join(self.labels)
         what = f"Label {names}" if self.labels else "What is not of the garment's colour"
-        lies = (
+        position = (
             f"{what} was taken for skin, but holds what looks like a garment ({self.part}) and lies "
             f"{1e3 * self.offset:.0f} mm (RMS) off the body below it"
         )
         if self.labels and self.is_whole:
-            return f"{lies}; give --cloth {','.join(self.labels)} if it is cloth."
-        return f"{lies}; give that garment a label of its own, and name it with --cloth."
+            return f"{position}; give --cloth {','.join(self.labels)} if it is cloth."
+        return f"{position}; give that garment a label of its own, and name it with --cloth."
 
 
 def find_undeclared_garments(
     points: PersonPoints,
-    told: np.ndarray,
+    unmarked: np.ndarray,
     marked: np.ndarray,
     labels: np.ndarray | None,
     fit_below: Callable[[np.ndarray], Body],
@@ -79,22 +79,22 @@ def find_undeclared_garments(
 
     Args:
         points: The samples.
-        told: Their posterior without the marks, shape [n, part_count].
+        unmarked: Their posterior without the marks, shape [n, part_count].
         marked: Which of them are cloth by the marks, bool, shape [n].
         labels: Label of each sample, numbers or texts, shape [n], or None.
         fit_below: Fits the body below what is cloth, bool, shape [n].
     """
-    found, likeliest = [], told.argmax(axis=1)
+    found, likeliest = [], unmarked.argmax(axis=1)
     for part in GARMENTS:
-        own = likeliest == PARTS.index(part)
-        left = own & ~marked
-        if left.sum() < MIN_UNDECLARED_SHARE * len(own) or left.sum() <= MAX_UNMARKED_SHARE * own.sum():
+        of_part = likeliest == PARTS.index(part)
+        left = of_part & ~marked
+        if left.sum() < MIN_UNDECLARED_SHARE * len(of_part) or left.sum() <= MAX_UNMARKED_SHARE * of_part.sum():
             continue
         body = fit_below(marked | left)
-        _, near = cKDTree(body.vertices).query(points.positions[left])
-        outward = (vertex_normals(body.vertices, body.faces)[near] * points.normals[left]).sum(axis=1) > 0.0
-        away = TriangleSurface(body.vertices, body.faces).distance(points.positions[left])[outward]
-        offset = float(np.sqrt((away**2).mean())) if len(away) else 0.0
+        _, nearest = cKDTree(body.vertices).query(points.positions[left])
+        outward = (vertex_normals(body.vertices, body.faces)[nearest] * points.normals[left]).sum(axis=1) > 0.0
+        distance = TriangleSurface(body.vertices, body.faces).distance(points.positions[left])[outward]
+        offset = float(np.sqrt((distance**2).mean())) if len(distance) else 0.0
         found.append(UndeclaredGarment(part.word, *_name_labels(labels, left, marked), offset))
     return tuple(found)
 

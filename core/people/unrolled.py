@@ -47,31 +47,31 @@ class UnrolledGrid:
         first: Station of the first row's middle [m].
         row: Row of each member, shape [m].
         column: Column of each member, shape [m].
-        seen: Number of samples in each cell, shape [rows, LIMB_COLUMN_COUNT].
+        counts: Number of samples in each cell, shape [rows, LIMB_COLUMN_COUNT].
     """
 
     chart: Chart
     first: float
     row: np.ndarray
     column: np.ndarray
-    seen: np.ndarray
+    counts: np.ndarray
 
     @property
     def stations(self) -> np.ndarray:
         """Return the station of each row's middle [m], shape [rows]."""
-        return np.asarray(self.first + STATION_STEP * np.arange(len(self.seen)))
+        return np.asarray(self.first + STATION_STEP * np.arange(len(self.counts)))
 
     @property
     def is_near(self) -> np.ndarray:
         """Mark cells with samples in them or beside them, shape [rows, LIMB_COLUMN_COUNT]; others are unknown."""
-        return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
+        return np.asarray(_sum_around(_sum_around(self.counts)) + self.counts > 0)
 
     def without(self, hidden: np.ndarray) -> UnrolledGrid:
         """Return the grid of the same cells without some samples, bool of shape [n]."""
         kept = ~hidden[self.chart.members]
         chart = Chart(self.chart.limb, self.chart.members[kept], self.chart.station[kept], self.chart.angle[kept])
         row, column = self.row[kept], self.column[kept]
-        seen = np.bincount(row * LIMB_COLUMN_COUNT + column, minlength=self.seen.size).reshape(self.seen.shape)
+        seen = np.bincount(row * LIMB_COLUMN_COUNT + column, minlength=self.counts.size).reshape(self.counts.shape)
         return UnrolledGrid(chart, self.first, row, column, seen)
 
     def at_samples(self, cells: np.ndarray, count: int, default: float) -> np.ndarray:
@@ -85,10 +85,10 @@ class UnrolledGrid:
 
         Cells without samples take the mean of their neighbours, iteration by iteration; those never reached are 0.
         """
-        mine = np.asarray(values, dtype=np.float64)[self.chart.members]
+        of_members = np.asarray(values, dtype=np.float64)[self.chart.members]
         flat = self.row * LIMB_COLUMN_COUNT + self.column
-        total = np.bincount(flat, mine, self.seen.size).reshape(self.seen.shape)
-        count = self.seen.astype(np.float64)
+        total = np.bincount(flat, of_members, self.counts.size).reshape(self.counts.shape)
+        count = self.counts.astype(np.float64)
         for _ in range(FILL_ITERATIONS):
             empty = count == 0
             if not empty.any():
@@ -147,25 +147,25 @@ def _chart(place: BodyPlace, body: Body, limb: Limb) -> Chart:
         shoulder = joint(f"{side}_shoulder")
         arm = rest - shoulder
         station = sign * arm[:, 0]
-        mine = (station > -0.08) & (arm[:, 1] > -0.2) & (share("head", "neck") < 0.5)
-        return _make_chart(limb, mine, station, np.arctan2(arm[:, 1], arm[:, 2]))
+        is_member = (station > -0.08) & (arm[:, 1] > -0.2) & (share("head", "neck") < 0.5)
+        return _make_chart(limb, is_member, station, np.arctan2(arm[:, 1], arm[:, 2]))
     if limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG):
         side, sign = ("left", 1.0) if limb == Limb.LEFT_LEG else ("right", -1.0)
         chain = np.stack([joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
         axis = np.stack([np.interp(rest[:, 1], chain[:, 1], chain[:, a]) for a in (0, 2)], axis=1)
-        mine = share(*(f"{side}_{name}" for name in ("hip", "knee", "ankle", "foot"))) > 0.5
+        is_member = share(*(f"{side}_{name}" for name in ("hip", "knee", "ankle", "foot"))) > 0.5
         angle = np.arctan2(sign * (rest[:, 0] - axis[:, 0]), rest[:, 2] - axis[:, 1])
-        return _make_chart(limb, mine, chain[2, 1] - rest[:, 1], angle)
+        return _make_chart(limb, is_member, chain[2, 1] - rest[:, 1], angle)
     neck = joint("neck")
     if limb == Limb.NECK:
         radius = np.hypot(rest[:, 0], rest[:, 2] - neck[2])
         station = radius - NECK_RADIUS + neck[1] - rest[:, 1]
-        mine = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5) & (share("head") < 0.5)
-        return _make_chart(limb, mine, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
-    mine = (arms < 0.5) & (share("head", "neck") < 0.5)
-    return _make_chart(limb, mine, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))
+        is_member = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5) & (share("head") < 0.5)
+        return _make_chart(limb, is_member, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
+    is_member = (arms < 0.5) & (share("head", "neck") < 0.5)
+    return _make_chart(limb, is_member, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))
 
 
-def _make_chart(limb: Limb, mine: np.ndarray, station: np.ndarray, angle: np.ndarray) -> Chart:
-    members = np.flatnonzero(mine)
+def _make_chart(limb: Limb, is_member: np.ndarray, station: np.ndarray, angle: np.ndarray) -> Chart:
+    members = np.flatnonzero(is_member)
     return Chart(limb, members, station[members], np.mod(angle[members], 2 * np.pi))

@@ -69,10 +69,10 @@ def fit_wearer(
     raw = RawScan(scan.vertices, scan.faces, normals, True, None, None, every, every, scan.name)
     bare = fit_person(raw.points, raw.normals, True, hooks, PersonSettings(refuses=False))
     points = sample_person(raw, bare)
-    near = cKDTree(raw.points).query(points.positions)[1]
-    marked = cloth[near]
-    told, _ = predict_parts(points, bare, link_points(points.positions, points.normals))
-    posterior = _restrict_to_marks(marked, told)
+    rows = cKDTree(raw.points).query(points.positions)[1]
+    marked = cloth[rows]
+    known, _ = predict_parts(points, bare, link_points(points.positions, points.normals))
+    posterior = _restrict_to_marks(marked, known)
     fit = refit_person(bare, points.positions, points.normals, to_point_weights(posterior), hooks)
     weights = to_point_weights(posterior, place_on_body(points, fit.body))
     fit = refit_person(fit, points.positions, points.normals, weights, hooks)
@@ -81,14 +81,14 @@ def fit_wearer(
     def fit_below(chosen: np.ndarray) -> Body:
         """Fit the body below what is cloth, bool, shape [n]."""
         return refit_person(
-            bare, points.positions, points.normals, to_point_weights(_restrict_to_marks(chosen, told)), hooks
+            bare, points.positions, points.normals, to_point_weights(_restrict_to_marks(chosen, known)), hooks
         ).body
 
-    undeclared = find_undeclared_garments(points, told, marked, None if labels is None else labels[near], fit_below)
+    undeclared = find_undeclared_garments(points, known, marked, None if labels is None else labels[rows], fit_below)
     return FoundWearer(replace(fit.body, source=f"scan:{scan.name}"), undeclared)
 
 
-def _restrict_to_marks(marked: np.ndarray, told: np.ndarray) -> np.ndarray:
+def _restrict_to_marks(marked: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """Return a posterior, shape [n, part_count], by which just what is marked, bool, shape [n], is cloth."""
-    posterior = np.where(marked[:, None] == CLOTH_COLUMNS, told + MIN_ALLOWED_PROBABILITY, 0.0)
+    posterior = np.where(marked[:, None] == CLOTH_COLUMNS, predicted + MIN_ALLOWED_PROBABILITY, 0.0)
     return np.asarray(posterior / posterior.sum(axis=1, keepdims=True))

@@ -20,14 +20,14 @@ class Case:
     Attributes:
         request: The files and settings.
         scan: The checked scan.
-        seen: The garment's surface as the scan shows it, with named contours: the reference of all measurements.
+        scan_target: The garment's surface as the scan shows it, with named contours: the reference of all measurements.
         wearer: The body with its distance fields.
         undeclared: Garments that the labels of a dressed person's scan mark as skin; None where there are no labels.
     """
 
     request: Request
     scan: Scan
-    seen: Target
+    scan_target: Target
     wearer: WearerGeometry
     undeclared: tuple[UndeclaredGarment, ...] | None = None
 
@@ -49,7 +49,7 @@ class Case:
     @property
     def has_far_seams(self) -> bool:
         """Return whether seams may start too far from their place to reach it by small steps: library cuts and tops."""
-        return self.has_free_curves or (self.seen.category in TOP_CATEGORIES and not self.has_locked_panels)
+        return self.has_free_curves or (self.scan_target.category in TOP_CATEGORIES and not self.has_locked_panels)
 
     @property
     def has_locked_panels(self) -> bool:

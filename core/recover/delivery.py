@@ -10,17 +10,17 @@ import numpy as np
 
 from ..garment.pieces.numbers import measure_pieces
 from ..judge.contour_shape import measure_contour_shapes
+from ..judge.estimates import summarise_estimates
 from ..judge.fairness import measure_fairness
 from ..judge.fit import Reference, measure_fit
 from ..judge.gates import evaluate_gates
-from ..judge.knowledge import summarise_estimates
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
 from ..judge.wear import measure_upright, measure_wear
 from ..run.clock import Clock
 from ..run.finding import FindingKind
 from ..run.report import Metrics, ResultReport
-from ..scan.contours.misfit import find_misfit_warnings
+from ..scan.contours.body_mismatch import find_misfit_warnings
 from ..scan.contours.target import mark_hidden_border
 from .case import Case
 from .grade.cut_name import describe_cut_change, name_recovered
@@ -44,23 +44,23 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
     """Measure and judge a finished state, and return it as the result."""
     garment, settings = made(state.garment), case.settings
     state = state.with_findings(*(corner.describe() for corner in state.corners))
-    remarks = [one.describe() for one in case.undeclared or () if one.is_off_body]
-    remarks += find_misfit_warnings(case.scan.vertices, case.body)
+    omissions = [one.describe() for one in case.undeclared or () if one.is_off_body]
+    omissions += find_misfit_warnings(case.scan.vertices, case.body)
     with clock.stage("measure", "measuring the result"):
         pieces = measure_pieces(garment.pattern)
         metrics = {**measure(case, state), **pieces.metrics}
         cut = state.template
         if case.request.template is None:
             cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
-    told = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
-    warnings = (*remarks, *case.scan.repairs, *told, *describe_cut_change(cut, state.template))
+    messages = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
+    warnings = (*omissions, *case.scan.repairs, *messages, *describe_cut_change(cut, state.template))
     manifest = describe(case, state) | {"cut": cut}
     for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
     return Recovery(
         scan=case.scan,
         body=state.body,
-        target=case.seen,
+        target=case.scan_target,
         template=state.template,
         pattern=garment.pattern,
         fabric=state.fabric,
@@ -78,7 +78,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
 def measure(case: Case, state: RecoveryState) -> Metrics:
     """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
     scan, garment, meshes, body = case.scan, made(state.garment), made(state.meshes), state.body
-    contours, seed = case.seen.contours_of_scan(), case.settings.seed
+    contours, seed = case.scan_target.contours_of_scan(), case.settings.seed
     hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
     truth = Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
     metrics = summarise_estimates(state.estimates, state.point_std)
@@ -88,8 +88,8 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     metrics |= measure_fit(garment, meshes, truth) | measure_seams(garment.pattern)
     proved = {corner.join: corner.angle for corner in state.corners}
     metrics |= measure_fairness(garment.pattern, state.base, proved) | measure_plausibility(garment.pattern)
-    metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.seen, body)
-    metrics |= measure_wear(state.target, body, meshes.detail, garment.faces, seed) | measure_upright(case.seen)
+    metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.scan_target, body)
+    metrics |= measure_wear(state.target, body, meshes.detail, garment.faces, seed) | measure_upright(case.scan_target)
     cuts = [one.value for one in state.findings if one.kind is FindingKind.CUT]
     metrics |= dict(zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), cuts, strict=False))
     rotation = made(state.drape).rotation

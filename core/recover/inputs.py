@@ -27,9 +27,9 @@ def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
     selection, body, settings = request.selection, request.body, request.settings
     if body is None and selection is None:
         raise BodyMissing()
-    given = body if isinstance(body, Path) else None
+    body_file = body if isinstance(body, Path) else None
     return load_scan_input(
-        request.scan, given, units=settings.units, up=settings.up, selection=selection, limits=limits
+        request.scan, body_file, units=settings.units, up=settings.up, selection=selection, limits=limits
     )
 
 

@@ -34,12 +34,12 @@ def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
 
 def run_steps(steps: tuple[Step, ...], case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Run the steps in order, after the last one whose state an earlier run of the job saved."""
-    begun, inputs = 0, (state.base.points, case.settings.vertex_count)
+    first, inputs = 0, (state.base.points, case.settings.vertex_count)
     for number, step in enumerate(steps):
         kept = load(clock.hooks, STEP_CHECKPOINTS[step], RecoveryState, *inputs) if step in STEP_CHECKPOINTS else None
         if kept is not None:
-            begun, state = number + 1, kept
-    for step in steps[begun:]:
+            first, state = number + 1, kept
+    for step in steps[first:]:
         state = step(case, state, clock)
         state = state.with_findings(*clock.take_findings())
         if step in STEP_CHECKPOINTS:

@@ -115,11 +115,11 @@ class RecoverySettings:
 
         return parse_parts(self.parts or "")
 
-    def overrule_parts(self, own: str | None) -> str | None:
+    def overrule_parts(self, part_choices: str | None) -> str | None:
         """Return the choices of parts, those of one garment (`neckline=v`) before those for all."""
-        if own is None:
+        if part_choices is None:
             return self.parts
-        words = [word.strip() for word in own.split(",")]
+        words = [word.strip() for word in part_choices.split(",")]
         named = {word.partition("=")[0].strip() for word in words}
         common = [word.strip() for word in (self.parts or "").split(",")]
         return ",".join([*(word for word in common if word and word.partition("=")[0].strip() not in named), *words])

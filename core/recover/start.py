@@ -47,10 +47,10 @@ def choose_base(case: Case) -> RecoveryState:
         LockUnknown: where a lock names nothing of the base pattern; checked here, before the costly steps.
     """
     settings = case.settings
-    choice = find_template(case.request, case.seen, case.body)
+    choice = find_template(case.request, case.scan_target, case.body)
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_locked_coordinates(base, base, settings.locks)
-    state = RecoveryState(choice.template, base, case.seen, case.wearer, get_fabric(settings.fabric))
+    state = RecoveryState(choice.template, base, case.scan_target, case.wearer, get_fabric(settings.fabric))
     return state.with_findings(*(one.describe() for one in choice.candidates)).with_notes(*choice.notes)
 
 
@@ -64,21 +64,22 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
         PartsConflict: where parts are chosen for a pattern file, the garment has no place for one, or they cannot be
             sewn to each other.
     """
-    given, settings = read_template(request), request.settings
-    wanted, of_person = settings.chosen_parts, request.reading is not None and request.reading.category is not None
-    if request.template is not None and given is not None:
+    template, settings = read_template(request), request.settings
+    chosen_parts = settings.chosen_parts
+    of_person = request.reading is not None and request.reading.category is not None
+    if request.template is not None and template is not None:
         if settings.parts is not None:
             raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
-        return Choice(request.template.stem, given)
+        return Choice(request.template.stem, template)
     if settings.template is None:
-        choice = choose_cut(target, body, wanted)
+        choice = choose_cut(target, body, chosen_parts)
         if not of_person:
-            find_cut(choice.template).check_places(wanted)
+            find_cut(choice.template).check_places(chosen_parts)
     else:
         named = find_cut(settings.template)
-        cut, notes = named.choose(wanted), describe_absent(named.choose(wanted), wanted)
+        cut, notes = named.choose(chosen_parts), describe_absent(named.choose(chosen_parts), chosen_parts)
         if of_person:
-            cut = named.choose({part: word for part, word in wanted.items() if cut.has_place_for(part)})
+            cut = named.choose({part: word for part, word in chosen_parts.items() if cut.has_place_for(part)})
         name, measures = name_cut(settings.template.partition("+")[0], cut), oversize_measures(body)
         pattern = load_template(name) if measures is None else draft_template(name, measures)
         choice = Choice(name, pattern, notes=notes)

@@ -20,8 +20,8 @@ from ..run.hooks import Hooks
 from .case import Case
 from .deform.deformer import deform
 from .deform.settings import DeformSettings
-from .drape.easing import needs_easing
 from .drape.motion import describe_motion, drape_as_scanned, surface_rms
+from .drape.pattern_easing import needs_easing
 from .drape.stage import DrapeSettings, drape_template, has_hanging_sleeves, redrape
 from .fit.bust_darts import add_bust_darts
 from .fit.choose_start import choose_start
@@ -53,7 +53,7 @@ def complete(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
         target = complete_target(worn, state.target, state.wearer.exposed, hooks)
     if target is state.target:
         return state
-    shown = {contour.name for contour in case.seen.contours if not contour.hidden}
+    shown = {contour.name for contour in case.scan_target.contours if not contour.hidden}
     guessed = [end.name for end in target.contours if end.name not in shown and not end.hidden]
     return replace(state, target=target).with_notes(
         *(f"The contour '{name}' is hidden; beyond what is seen the garment is its base pattern's." for name in guessed)
@@ -97,15 +97,15 @@ def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Drape the graded pattern on the wearer; in rotation where only that explains the scan."""
     slid, target = made(state.garment), state.target
     with clock.stage("drape", "draping the graded pattern") as hooks:
-        settings, count = DrapeSettings(apart=has_hanging_sleeves(target, case.body)), case.settings.vertex_count
+        settings, count = DrapeSettings(self_contact=has_hanging_sleeves(target, case.body)), case.settings.vertex_count
         garment, found = drape_as_scanned(
             slid, state.wearer, state.fabric, target, vertex_count=count, settings=settings, hooks=hooks
         )
         state = replace(state, garment=garment, graded=garment, drape=found)
-        if settings.apart:
+        if settings.self_contact:
             state = choose_start(case, state, hooks)
         garment, found = made(state.garment), made(state.drape)
-        is_laid = case.has_free_curves and not settings.apart
+        is_laid = case.has_free_curves and not settings.self_contact
         state = replace(state, laid=resample(slid, slid.nodes, garment) if is_laid else None)
     motion = () if found.rotation is None else (describe_motion(found.rotation),)
     return state.with_notes(*motion, *(() if found.at_rest else (f"the graded drape is {found.advice}",)))
@@ -125,17 +125,17 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     settings = DeformSettings.of_preset(case.settings.preset)
     with clock.stage("deform", "deforming the garment onto the scan") as hooks:
         found = {
-            name: deform(start, state.target, state.wearer.exposed, settings=settings, hooks=told)
-            for (name, start), told in zip(starts.items(), (hooks, hooks.quiet()), strict=False)
+            name: deform(start, state.target, state.wearer.exposed, settings=settings, hooks=start_hooks)
+            for (name, start), start_hooks in zip(starts.items(), (hooks, hooks.quiet()), strict=False)
         }
         detail = choose_best("registration", found, lambda one: surface_rms(garment.at(one.nodes), state.target), hooks)
     nodes = garment.nodes
     if state.simulated is not None:  # a fit has changed the pattern since grading
         nodes, simulation = resample(graded, graded.nodes, garment), garment.nodes
     reference = fit_reference(case, state)
-    corners = prove_corners(garment, detail.nodes, case.seen, reference)
-    held = find_locked_coordinates(garment.pattern, reference, locks_of(case, state))
-    fair = fair_garment(garment, reference, held, corners).at(detail.nodes)
+    corners = prove_corners(garment, detail.nodes, case.scan_target, reference)
+    locked = find_locked_coordinates(garment.pattern, reference, locks_of(case, state))
+    fair = fair_garment(garment, reference, locked, corners).at(detail.nodes)
     meshes = Meshes(nodes, detail.nodes, simulation)
     return replace(state, garment=fair, meshes=meshes, corners=corners).with_notes(*detail.warnings)
 

@@ -20,9 +20,9 @@ def find_body(request: Request, pieces: ScanInput, hooks: Hooks) -> Body:
 
 def find_wearer(request: Request, pieces: ScanInput, hooks: Hooks) -> FoundWearer:
     """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
-    own, wearer = read_body(request), pieces.wearer
-    if own is not None:
-        return FoundWearer(own)
+    read, wearer = read_body(request), pieces.wearer
+    if read is not None:
+        return FoundWearer(read)
     if isinstance(request.body, BuiltinWearer):
         return FoundWearer(builtin_body(request.body))
     if wearer is None:

@@ -40,5 +40,5 @@ class ResultReport:
         cls, clock: Clock, metrics: Metrics, gates: Iterable[Gate], warnings: Iterable[str], manifest: dict[str, Any]
     ) -> ResultReport:
         """Return the report of a calculation that ends now; repeated warnings are listed once."""
-        told = tuple(dict.fromkeys(warnings))
-        return cls(metrics, tuple(gates), told, clock.seconds, clock.total, peak_mb(), manifest)
+        unique = tuple(dict.fromkeys(warnings))
+        return cls(metrics, tuple(gates), unique, clock.seconds, clock.total, peak_mb(), manifest)

@@ -129,12 +129,12 @@ def call_limited(
         Cancelled: where `is_stopped` returned True.
     """
     bounds = bounds or Bounds()
-    own = {field.name: getattr(bounds, field.name) for field in fields(Bounds)}
+    own_bounds = {field.name: getattr(bounds, field.name) for field in fields(Bounds)}
     paths = json.dumps([path for path in sys.path if os.path.isabs(path)])
     command = [sys.executable, "-I", "-c", _BOOT.format(__name__), paths]
     own_folder = tempfile.TemporaryDirectory(prefix="garmentq-limited-", dir=folder, ignore_cleanup_errors=True)
     with own_folder as home, tempfile.TemporaryFile() as question:
-        question.write(json.dumps({"function": function, "arguments": arguments, "bounds": own}).encode())
+        question.write(json.dumps({"function": function, "arguments": arguments, "bounds": own_bounds}).encode())
         question.seek(0)
         with tempfile.TemporaryFile() as answers, tempfile.TemporaryFile() as said:
             process = subprocess.Popen(
@@ -172,7 +172,7 @@ def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: IsStoppe
                 raise Cancelled() from None
 
 
-def _parse_answer(status: int, content: bytes, said: str, bounds: Bounds) -> Answer:
+def _parse_answer(status: int, content: bytes, answer: str, bounds: Bounds) -> Answer:
     """Parse a process's answer, without trust in it; raise the error that it reported or of which it died."""
     if status in (MEMORY_EXIT_STATUS, -signal.SIGKILL):
         needed = f"{bounds.memory_bytes >> 20} MiB of memory or {bounds.output_bytes >> 20} MiB written"
@@ -192,10 +192,10 @@ def _parse_answer(status: int, content: bytes, said: str, bounds: Bounds) -> Ans
             json.dumps(found, allow_nan=False)  # nan and inf are neither stored nor shown
             return Answer(result, float(found["cpu_seconds"]), float(found["peak_mb"]))
     except (ValueError, TypeError, KeyError, RecursionError):
-        log.error("a limited process ended with status %d:\n%s", status, said)
+        log.error("a limited process ended with status %d:\n%s", status, answer)
         raise ReaderCrashed() from None
     if code == ReaderCrashed.code:
-        log.error("a limited process failed:\n%s", said)
+        log.error("a limited process failed:\n%s", answer)
     raise _make_error(kind, code, keep_printable(message)[:LONGEST_MESSAGE])
 
 
@@ -240,8 +240,8 @@ def answer() -> None:
             traceback.print_exc()
             found = {"error": {"kind": "bad_input", "code": ReaderCrashed.code, "message": ReaderCrashed().message}}
         usage = resource.getrusage(resource.RUSAGE_SELF)
-        spent = {"cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_bytes() / 1e6}
-        json.dump({**found, **spent}, out)
+        used = {"cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_bytes() / 1e6}
+        json.dump({**found, **used}, out)
 
 
 def is_memory_short(error: BaseException) -> bool:

@@ -49,17 +49,17 @@ class CleanedScan:
     """Describe the part of a scan that is kept.
 
     Attributes:
-        kept: True at points of the person, shape [n].
+        is_person: True at points of the person, shape [n].
         samples: Points uniform over the person's surface, in the file's unit and axes, shape [m, 3].
         pieces: Number of separate pieces of a person's size, all of them kept.
-        crumbs: Share of the person's points dropped because their mesh piece is below `MIN_SCAN_PIECE_SHARE`.
+        fragment_share: Share of the person's points dropped because their mesh piece is below `MIN_SCAN_PIECE_SHARE`.
         notes: What was dropped, one sentence each.
     """
 
-    kept: np.ndarray
+    is_person: np.ndarray
     samples: np.ndarray
     pieces: int
-    crumbs: float
+    fragment_share: float
     notes: tuple[str, ...]
 
 
@@ -78,20 +78,20 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
         rows = np.flatnonzero(kept)
         samples, normals = sample_surface(points, faces, kept)
         judged = _classify_samples(samples, normals, profiles, axes)
-        fate = _transfer_classes(points[rows], samples, judged.fate, judged.link)
-        is_last = turn == MAX_CLEANING_ITERATIONS - 1 or judged.own.mean() > MIN_PERSON_SAMPLE_SHARE
+        category = _transfer_classes(points[rows], samples, judged.category, judged.link)
+        is_last = turn == MAX_CLEANING_ITERATIONS - 1 or judged.is_person.mean() > MIN_PERSON_SAMPLE_SHARE
         if not is_last:
-            fate[_is_near(points[rows], samples[judged.fate == 0])] = 0  # decided in the next iteration
+            category[_is_near(points[rows], samples[judged.category == 0])] = 0  # decided in the next iteration
         for number, name in enumerate(SAMPLE_CLASSES[1:], 1):
-            counts[name] = counts.get(name, 0) + int((fate == number).sum())
-        kept[rows[fate > 0]] = False
-        if is_last or not (fate > 0).any() or not kept.any():
+            counts[name] = counts.get(name, 0) + int((category == number).sum())
+        kept[rows[category > 0]] = False
+        if is_last or not (category > 0).any() or not kept.any():
             break
-    crumbs = _find_fragments(points, faces, kept)
-    counts["flyers"] = counts.get("flyers", 0) + int(crumbs.sum())
-    share = float(crumbs.sum() / max(kept.sum(), 1))
-    kept &= ~crumbs
-    return CleanedScan(kept, samples[judged.own], judged.pieces, share, _describe_dropped(counts, judged.pieces))
+    fragments = _find_fragments(points, faces, kept)
+    counts["flyers"] = counts.get("flyers", 0) + int(fragments.sum())
+    share = float(fragments.sum() / max(kept.sum(), 1))
+    kept &= ~fragments
+    return CleanedScan(kept, samples[judged.is_person], judged.pieces, share, _describe_dropped(counts, judged.pieces))
 
 
 SAMPLE_CLASSES = ("kept", "floor or walls", "clutter", "flyers")
@@ -102,8 +102,8 @@ SAMPLE_CLASSES = ("kept", "floor or walls", "clutter", "flyers")
 class _SampleClassification:
     """Describe each sample's class, which are the first person's, the number of people, and a link's length."""
 
-    fate: np.ndarray
-    own: np.ndarray
+    category: np.ndarray
+    is_person: np.ndarray
     pieces: int
     link: float
 
@@ -113,12 +113,12 @@ def _classify_samples(
 ) -> _SampleClassification:
     from scipy.spatial import cKDTree
 
-    fate = np.zeros(len(samples), np.int64)
+    category = np.zeros(len(samples), np.int64)
     for plane in find_planes(samples, normals):
-        fate[plane.dropped] = 1
-    if (fate == 0).mean() < MIN_SCAN_PIECE_SHARE:
-        fate[:] = 0  # With nothing but planes, these are what was scanned.
-    left = np.flatnonzero(fate == 0)
+        category[plane.dropped] = 1
+    if (category == 0).mean() < MIN_SCAN_PIECE_SHARE:
+        category[:] = 0  # With nothing but planes, these are what was scanned.
+    left = np.flatnonzero(category == 0)
     tree = cKDTree(samples[left])
     spacing = float(np.median(tree.query(samples[left], min(7, len(left)))[0][:, -1]) * np.sqrt(np.pi / 6))
     link = max(LINK_SPACING_RATIO * spacing, LINK_DIAGONAL_SHARE * float(np.linalg.norm(np.ptp(samples[left], axis=0))))
@@ -130,23 +130,23 @@ def _classify_samples(
     ]
     found = {k: find_upright(samples[left[piece == k]], profiles, axes) for k in rivals}
     best = min(rivals, key=lambda k: found[k].misfit / np.sqrt(size[k]))
-    own = np.zeros(len(samples), bool)
-    own[left[piece == best]] = True
-    whole = own.copy()
+    is_person = np.zeros(len(samples), bool)
+    is_person[left[piece == best]] = True
+    whole = is_person.copy()
     pieces = 1
     for k in rivals:
-        if k != best and _is_second_person(samples[left[piece == k]], samples[own], found[k], found[best]):
+        if k != best and _is_second_person(samples[left[piece == k]], samples[is_person], found[k], found[best]):
             whole[left[piece == k]] = True
-            pieces += _stands_beside(samples[left[piece == k]], samples[own], found[best].up)
-    height = float(np.ptp(samples[own], axis=0).max())
-    least = max(3, int(MIN_SCAN_PIECE_SHARE * own.sum()))
+            pieces += _stands_beside(samples[left[piece == k]], samples[is_person], found[best].up)
+    height = float(np.ptp(samples[is_person], axis=0).max())
+    least = max(3, int(MIN_SCAN_PIECE_SHARE * is_person.sum()))
     for k in np.flatnonzero(size >= least).tolist():
-        mine = left[piece == k]
-        if not whole[mine[0]] and _is_part(samples[mine], samples[own], MAX_PART_GAP_SHARE * height):
-            whole[mine] = own[mine] = True
-    fate[(fate == 0) & ~whole] = 2
-    fate[left[size[piece] < least]] = 3
-    return _SampleClassification(fate, own, pieces, link)
+        members = left[piece == k]
+        if not whole[members[0]] and _is_part(samples[members], samples[is_person], MAX_PART_GAP_SHARE * height):
+            whole[members] = is_person[members] = True
+    category[(category == 0) & ~whole] = 2
+    category[left[size[piece] < least]] = 3
+    return _SampleClassification(category, is_person, pieces, link)
 
 
 def _is_second_person(piece: np.ndarray, person: np.ndarray, found: UprightAxis, first: UprightAxis) -> bool:
@@ -173,12 +173,12 @@ def _is_part(piece: np.ndarray, person: np.ndarray, reach: float) -> bool:
     return bool(distance.min() < reach and np.median(distance) < 3.0 * reach)
 
 
-def _transfer_classes(points: np.ndarray, samples: np.ndarray, fate: np.ndarray, link: float) -> np.ndarray:
+def _transfer_classes(points: np.ndarray, samples: np.ndarray, category: np.ndarray, link: float) -> np.ndarray:
     """Return the class of each point: the nearest sample's, but flyers for kept ones beyond `link`."""
     from scipy.spatial import cKDTree
 
     distance, nearest = cKDTree(samples).query(points)
-    found: np.ndarray = fate[nearest]
+    found: np.ndarray = category[nearest]
     found[(distance > link) & (found == 0)] = 3
     return found
 
@@ -215,8 +215,8 @@ def sample_surface(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> t
     if len(faces):
         faces = faces[kept[faces].all(axis=1)]
     if not len(faces):
-        own = points[kept]
-        found = own[thin_points(own, CLEANING_SAMPLE_COUNT)]
+        sampled = points[kept]
+        found = sampled[thin_points(sampled, CLEANING_SAMPLE_COUNT)]
         return found, find_normals(found)
     rng = np.random.default_rng(0)
     area = face_areas(points, faces)

@@ -38,8 +38,8 @@ def _read_ascii(header: PcdHeader, text: str) -> dict[str, np.ndarray]:
     width = sum(header.counts)
     table = np.loadtxt(text.splitlines(), dtype=np.float64, comments=None, ndmin=2)
     if table.shape != (header.points, width):
-        held = " x ".join(str(side) for side in table.shape)
-        raise refusal.CountsDiffer(f"{header.points} x {width} numbers are declared, and {held} are held")
+        shape = " x ".join(str(side) for side in table.shape)
+        raise refusal.CountsDiffer(f"{header.points} x {width} numbers are declared, and {shape} are held")
     first = np.cumsum((0, *header.counts))
     return {
         name: table[:, start].astype(kind) if kind[1] == "f" else table[:, start].astype(np.int64).astype(kind)

@@ -96,15 +96,15 @@ def check_pcd(path: Path, size: int) -> int:
         BadInput: where it is not.
     """
     header = read_pcd_header(path)
-    held = size - header.start
+    left = size - header.start
     if header.encoding == "binary":
         needed = header.points * header.row_bytes
     elif header.encoding == "ascii":
         needed = header.points * 2 * sum(header.counts) - 1  # a digit and a separator for each number
     else:
         needed = _compressed_bytes(path, header)
-    if needed > held:
-        raise FileTruncated(f"{path.name} needs at least {needed} bytes of data and holds {held}; copy it again.")
+    if needed > left:
+        raise FileTruncated(f"{path.name} needs at least {needed} bytes of data and holds {left}; copy it again.")
     return header.points
 
 

@@ -49,7 +49,7 @@ class ColouredScan:
         corner_uv: Image coordinates, from the lower left, of faces' corners (0: no image), shape [face_count, 3, 2].
         image: Index of each face's image, -1 for none, shape [face_count].
         images: RGB bytes, shape [height, width, 3] each.
-        told: Reason why a texture that the file names was not read, or an empty text.
+        fault: Reason why a texture that the file names was not read, or an empty text.
         is_cut: Whether the surface was cut out of a person's: near its border it may show another part.
     """
 
@@ -59,7 +59,7 @@ class ColouredScan:
     corner_uv: np.ndarray
     image: np.ndarray
     images: tuple[np.ndarray, ...] = ()
-    told: str = ""
+    fault: str = ""
     is_cut: bool = False
 
     @property
@@ -73,9 +73,9 @@ class ColouredScan:
         if self.colours is not None:
             found = np.einsum("nk,nkd->nd", barycentric, self.colours[self.faces[face]].astype(np.float64))
         for index, image in enumerate(self.images):
-            own = np.flatnonzero(self.image[face] == index)
-            uv = np.einsum("nk,nkd->nd", barycentric[own], self.corner_uv[face[own]])
-            found[own] = sample_image(image, uv)
+            rows = np.flatnonzero(self.image[face] == index)
+            uv = np.einsum("nk,nkd->nd", barycentric[rows], self.corner_uv[face[rows]])
+            found[rows] = sample_image(image, uv)
         return found
 
 
@@ -106,7 +106,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
             found = read_record(ColouredScan, target)
     _check(found)
     if not found.is_coloured.any():
-        raise ColoursMissing(f"{path.name} has no colours: {found.told}." if found.told else None)
+        raise ColoursMissing(f"{path.name} has no colours: {found.fault}." if found.fault else None)
     return ColouredScan(
         UNITS[units] * turn_upright(found.vertices, up),
         found.faces.astype(np.int64),
@@ -114,7 +114,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
         found.corner_uv,
         found.image,
         found.images,
-        found.told,
+        found.fault,
     )
 
 
@@ -153,24 +153,24 @@ def _read_obj(path: Path) -> ColouredScan:
     content = read_obj(path, textures=True)
     corners, polygon = content.fans()
     place, uv, material = content.places[corners], content.uv, content.material[polygon]
-    corner_uv, image, told = np.zeros((len(corners), 3, 2)), np.full(len(corners), -1), ""
+    corner_uv, image, fault = np.zeros((len(corners), 3, 2)), np.full(len(corners), -1), ""
     images: list[np.ndarray] = []
     try:
         if len(uv) and content.libraries and (place >= 0).any():
             if place.max() >= len(uv):
                 raise TextureBad("its texture coordinates are not all there")
             for name, file in list_images(path, content.libraries).items():
-                own = np.isin(material, [n for n, used in enumerate(content.materials) if used == name])
-                own &= (place >= 0).all(axis=1)
-                if own.any():
+                rows = np.isin(material, [n for n, used in enumerate(content.materials) if used == name])
+                rows &= (place >= 0).all(axis=1)
+                if rows.any():
                     images.append(open_image(path, file))
                     _check_pixel_count(images)
-                    image[own] = len(images) - 1
+                    image[rows] = len(images) - 1
             corner_uv = uv[np.maximum(place, 0)]
     except TextureBad as error:
-        image, images, told = np.full(len(corners), -1), [], str(error)
+        image, images, fault = np.full(len(corners), -1), [], str(error)
     faces = content.corners[corners]
-    return ColouredScan(content.vertices, faces, content.colours, corner_uv, image, tuple(images), told)
+    return ColouredScan(content.vertices, faces, content.colours, corner_uv, image, tuple(images), fault)
 
 
 def _read_glb(path: Path) -> ColouredScan:
@@ -185,7 +185,7 @@ def _read_glb(path: Path) -> ColouredScan:
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
     images, place = [], {}
     uv, image, colours = [], [], []
-    has_colours, told = False, ""
+    has_colours, fault = False, ""
     for part in parts:
         material = getattr(part.visual, "material", None)
         picture, flat = getattr(material, "baseColorTexture", None), getattr(part.visual, "uv", None)
@@ -203,7 +203,7 @@ def _read_glb(path: Path) -> ColouredScan:
                     place[id(picture)] = len(images) - 1
                 index, corner_uv = place[id(picture)], np.asarray(flat, np.float64)[part.faces]
             except TextureBad as error:
-                told = str(error)
+                fault = str(error)
         elif isinstance(part.visual, trimesh.visual.ColorVisuals) and part.visual.kind == "vertex":
             colour, has_colours = as_bytes(np.asarray(part.visual.vertex_colors)[:, :3]), True
         uv.append(corner_uv)
@@ -216,7 +216,7 @@ def _read_glb(path: Path) -> ColouredScan:
         np.concatenate(uv),
         np.concatenate(image),
         tuple(images),
-        told,
+        fault,
     )
 
 

@@ -84,8 +84,8 @@ def _cut_level(
     for number in (1, 2):
         # Turn each face until the corner that differs from the two others comes first.
         rows = np.flatnonzero(count == number)
-        lone = np.argmax(inside[faces[rows]] == (number == 1), axis=1)
-        turn = (lone[:, None] + np.arange(3)) % 3
+        single = np.argmax(inside[faces[rows]] == (number == 1), axis=1)
+        turn = (single[:, None] + np.arange(3)) % 3
         corner = np.take_along_axis(faces[rows], turn, axis=1)
         cut = np.take_along_axis(of_face[rows], turn, axis=1)
         first, last = cut[:, 0], cut[:, 2]
@@ -94,6 +94,6 @@ def _cut_level(
         else:
             kept.append(np.stack([first, corner[:, 1], corner[:, 2]], axis=1))
             kept.append(np.stack([first, corner[:, 2], last], axis=1))
-    own = np.arange(len(vertices))
-    ends = np.concatenate([np.stack([own, own], axis=1), edges[crossed]])
+    numbers = np.arange(len(vertices))
+    ends = np.concatenate([np.stack([numbers, numbers], axis=1), edges[crossed]])
     return points, np.concatenate(kept), ends, np.concatenate([np.zeros(len(vertices)), share])

@@ -203,8 +203,8 @@ def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredCo
         raise ContentMismatch(f"{path.name} is no STL file; export the mesh again or rename the file.")
     _check_count(path.name, count, "triangles", limits)
     if size < 84 + 50 * count:
-        held = (size - 84) // 50
-        raise FileTruncated(f"{path.name} declares {count} triangles and holds {held}; export or copy it again.")
+        present = (size - 84) // 50
+        raise FileTruncated(f"{path.name} declares {count} triangles and holds {present}; export or copy it again.")
     return DeclaredContent("stl", None, count)
 
 

@@ -108,19 +108,19 @@ def _find_unit_and_axis(mesh: _Mesh, units: str | None, up: str | None, kind: st
     return units, up
 
 
-def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
+def _place(mesh: _Mesh, body: Scan, frame: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
     """Return the garment in the body's unit and axis, or in its own where only those put it on the body."""
-    sizes = [like[0]] if units_given else possible_units(mesh.vertices, mesh.faces)
-    if like[0] in sizes and lies_on((garment := _to_scan(mesh, *like)).vertices, body):
+    sizes = [frame[0]] if units_given else possible_units(mesh.vertices, mesh.faces)
+    if frame[0] in sizes and lies_on((garment := _to_scan(mesh, *frame)).vertices, body):
         return garment
     if not sizes:
         find_units(mesh.vertices, faces=mesh.faces)  # Says why none fits.
-    axes = [like[1]] if up_given else list(AXES)
+    axes = [frame[1]] if up_given else list(AXES)
     found = [
         candidate
         for unit in sizes
         for axis in axes
-        if (unit, axis) != like and lies_on((candidate := _to_scan(mesh, unit, axis)).vertices, body)
+        if (unit, axis) != frame and lies_on((candidate := _to_scan(mesh, unit, axis)).vertices, body)
     ]
     if len({garment.units for garment in found}) > 1:
         raise refusal.UnitsAmbiguous(f"{mesh.name} lies on its body in several units; say which with --units.")
@@ -128,13 +128,13 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
         up = find_up(mesh.vertices, mesh.edges)
         found = [garment for garment in found if garment.up_axis == up]
     if not found:
-        told = " or ".join(sizes)
+        units = " or ".join(sizes)
         raise refusal.BodyApart(
-            f"{mesh.name} does not lie on the body in {told} with y or z up; export both from the same scene, "
+            f"{mesh.name} does not lie on the body in {units} with y or z up; export both from the same scene, "
             "with the same unit and axes."
         )
     garment = found[0]
-    note = f"Read the garment in {garment.units}, {garment.up_axis} up, and the body in {like[0]}, {like[1]} up."
+    note = f"Read the garment in {garment.units}, {garment.up_axis} up, and the body in {frame[0]}, {frame[1]} up."
     return replace(garment, repairs=(*garment.repairs, note))
 
 

@@ -119,13 +119,13 @@ def _build(file: _File, units: str | None, up: str | None) -> RawScan:
         notes.append(_count(int((~finite).sum()), "point without a position", "points without a position"))
     notes += [str(text) for text in arrays.get("told", ())]
     profiles = build_profiles()
-    given = None if up is None else (up,)
-    axes = given or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
-    mended, cleaned = _find_person(file, finite, profiles, axes)
-    notes += [*mended.notes, *cleaned.notes]
-    turned, scale, units, axis, told = _find_scale_and_axis(cleaned, profiles, units, axes, up is not None)
-    notes += told
-    raw = _gather(file, mended, cleaned, (turned, scale, axis))
+    known_axis = None if up is None else (up,)
+    axes = known_axis or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
+    mesh, cleaned = _find_person(file, finite, profiles, axes)
+    notes += [*mesh.notes, *cleaned.notes]
+    turned, scale, units, axis, axis_notes = _find_scale_and_axis(cleaned, profiles, units, axes, up is not None)
+    notes += axis_notes
+    raw = _gather(file, mesh, cleaned, (turned, scale, axis))
     return replace(raw, units=units, up_axis=axis, notes=tuple(notes))
 
 
@@ -138,22 +138,22 @@ def _find_person(
 ) -> tuple[MendedMesh, CleanedScan]:
     """Repair a file's content and find the person, by points alone if the faces are no surface; `MeshEmpty` if none."""
     points, faces = file.arrays["vertices"], file.arrays["faces"]
-    mended = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
-    if len(faces) and (len(mended.faces) == 0 or len(mended.points) < MIN_PERSON_POINT_COUNT):
-        mended = _drop_faces(points, finite)
-    if len(mended.points) >= MIN_PERSON_POINT_COUNT:
-        cleaned = clean_person(mended.points, mended.faces, profiles, axes)
-        if cleaned.crumbs >= MAX_FRAGMENT_POINT_SHARE:
-            mended = _drop_faces(points, finite)
-            cleaned = clean_person(mended.points, mended.faces, profiles, axes)
-        if cleaned.kept.sum() >= MIN_PERSON_POINT_COUNT:
-            return mended, cleaned
+    mesh = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
+    if len(faces) and (len(mesh.faces) == 0 or len(mesh.points) < MIN_PERSON_POINT_COUNT):
+        mesh = _drop_faces(points, finite)
+    if len(mesh.points) >= MIN_PERSON_POINT_COUNT:
+        cleaned = clean_person(mesh.points, mesh.faces, profiles, axes)
+        if cleaned.fragment_share >= MAX_FRAGMENT_POINT_SHARE:
+            mesh = _drop_faces(points, finite)
+            cleaned = clean_person(mesh.points, mesh.faces, profiles, axes)
+        if cleaned.is_person.sum() >= MIN_PERSON_POINT_COUNT:
+            return mesh, cleaned
     raise refusal.MeshEmpty(f"{file.name} holds too few points of a person; check what was exported.")
 
 
 def _drop_faces(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
-    mended = merge_points(points, finite)
-    return replace(mended, notes=("The faces are no surface, so the points alone were read.", *mended.notes))
+    merged = merge_points(points, finite)
+    return replace(merged, notes=("The faces are no surface, so the points alone were read.", *merged.notes))
 
 
 def _find_scale_and_axis(
@@ -183,31 +183,31 @@ def _find_scale_and_axis(
     return turned, scale, units, found.up, notes
 
 
-def _map_lost_points(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _map_lost_points(place: np.ndarray, file_points: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Map points of the file that are in no face to the nearest kept point within `MAX_LOST_POINT_DISTANCE`."""
     from scipy.spatial import cKDTree
 
-    lost = np.flatnonzero((place < 0) & np.isfinite(given).all(axis=1))
+    lost = np.flatnonzero((place < 0) & np.isfinite(file_points).all(axis=1))
     if not len(lost):
         return place
-    distance, nearest = cKDTree(points).query(given[lost])
+    distance, nearest = cKDTree(points).query(file_points[lost])
     place = place.copy()
     place[lost] = np.where(distance < MAX_LOST_POINT_DISTANCE, nearest, -1)
     return place
 
 
-def _gather(file: _File, mended: MendedMesh, cleaned: CleanedScan, how: tuple[np.ndarray, float, str]) -> RawScan:
+def _gather(file: _File, mesh: MendedMesh, cleaned: CleanedScan, how: tuple[np.ndarray, float, str]) -> RawScan:
     """Return the kept part of the file's arrays as a scan in metres, y up."""
     arrays = file.arrays
     _, scale, axis = how
-    kept = np.flatnonzero(cleaned.kept)
-    index = np.full(len(mended.points), -1)
+    kept = np.flatnonzero(cleaned.is_person)
+    index = np.full(len(mesh.points), -1)
     index[kept] = np.arange(len(kept))
-    faces = index[mended.faces]
+    faces = index[mesh.faces]
     faces = faces[(faces >= 0).all(axis=1)] if len(faces) else faces.reshape(0, 3)
-    origin = mended.origin[kept]
-    place = np.where(mended.place >= 0, index[mended.place], -1)
-    points = turn_upright(mended.points[kept], axis) * scale
+    origin = mesh.origin[kept]
+    place = np.where(mesh.place >= 0, index[mesh.place], -1)
+    points = turn_upright(mesh.points[kept], axis) * scale
     place = _map_lost_points(place, turn_upright(arrays["vertices"], axis) * scale, points) if len(faces) else place
     colours, labels, normals = (arrays.get(name) for name in ("colours", "labels", "normals"))
     is_oriented = True

@@ -75,11 +75,11 @@ def mend_mesh(points: np.ndarray, faces: np.ndarray) -> MendedMesh:
     surface = RepairedMesh(points[rows[first]], index[faces], np.arange(len(first)))
     surface = mend_surface(surface)
     faces, number = _turn_pieces(surface.vertices, surface.faces)
-    mine = np.r_[invert_origin(surface.origin, len(first)), -1]
+    numbers = np.r_[invert_origin(surface.origin, len(first)), -1]
     notes = (f"Merged {merged} duplicate {'vertices' if merged > 1 else 'vertex'}.",) if merged else ()
     turned = (f"Turned {number} piece{'s' if number != 1 else ''} outward.",) if number else ()
     return MendedMesh(
-        surface.vertices, faces, rows[first][surface.origin], mine[index], (*notes, *surface.repairs, *turned)
+        surface.vertices, faces, rows[first][surface.origin], numbers[index], (*notes, *surface.repairs, *turned)
     )
 
 

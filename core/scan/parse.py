@@ -136,9 +136,9 @@ def _parse_glb(path: Path, textures: bool) -> dict[str, np.ndarray]:
         "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
         "faces": np.concatenate([np.asarray(p.faces, np.int64) + o for p, o in zip(parts, offsets[:-1], strict=True)]),
     }
-    looks = [part.visual for part in parts if isinstance(part.visual, trimesh.visual.ColorVisuals)]
-    if len(looks) == len(parts) and all(look.kind == "vertex" for look in looks):
-        arrays["colours"] = as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in looks]))
+    visuals = [part.visual for part in parts if isinstance(part.visual, trimesh.visual.ColorVisuals)]
+    if len(visuals) == len(parts) and all(look.kind == "vertex" for look in visuals):
+        arrays["colours"] = as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in visuals]))
     return add_texture(arrays, path, "glb", parts) if textures else arrays
 
 

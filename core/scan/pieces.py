@@ -63,9 +63,9 @@ def load_scan_input(
     mesh = _read(Path(scan), limits or Limits())
     labels = _labels_of(mesh, selection, limits)
     whole = _to_scan(mesh, *_find_unit_and_axis(mesh, units, up, "body"))
-    own = select_vertices(whole, labels, selection)
-    cloth = own | select_other_cloth(whole, labels, selection)
-    garment = cut_garment(whole, own)
+    selected = select_vertices(whole, labels, selection)
+    cloth = selected | select_other_cloth(whole, labels, selection)
+    garment = cut_garment(whole, selected)
     if labels is not None and selection.colour is None:
         garment = _note_skin_labels(garment, labels[~cloth])
     if body is None:

@@ -65,15 +65,15 @@ def find_planes(points: np.ndarray, normals: np.ndarray) -> list[Plane]:
 
 
 def _find_plane(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng: np.random.Generator) -> Plane | None:
-    own, across = points[alive], normals[alive]
-    diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
+    points_left, across = points[alive], normals[alive]
+    diagonal = float(np.linalg.norm(np.ptp(points_left, axis=0)))
     thick = PLANE_HALF_THICKNESS_SHARE * diagonal
-    some = rng.permutation(len(own))[: min(len(own), 6000)]  # enough to rank the trials by
+    sample = rng.permutation(len(points_left))[: min(len(points_left), 6000)]  # enough to rank the trials by
     ranked = []
-    for row in rng.choice(len(own), PLANE_TRIAL_COUNT, replace=False).tolist():
+    for row in rng.choice(len(points_left), PLANE_TRIAL_COUNT, replace=False).tolist():
         normal = across[row]
-        depth = (own[some] - own[row]) @ normal
-        on = (np.abs(depth) < thick) & (np.abs(across[some] @ normal) > MIN_PLANE_NORMAL_COSINE)
+        depth = (points_left[sample] - points_left[row]) @ normal
+        on = (np.abs(depth) < thick) & (np.abs(across[sample] @ normal) > MIN_PLANE_NORMAL_COSINE)
         if (
             on.mean() > MIN_PLANE_POINT_SHARE
             and min((depth > thick).sum(), (depth < -thick).sum()) < MAX_FAR_SIDE_RATIO * on.sum()
@@ -82,11 +82,11 @@ def _find_plane(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng:
     seen: list[tuple[np.ndarray, float]] = []
     for _, row in sorted(ranked, reverse=True):
         if any(
-            abs(normal @ across[row]) > MIN_PLANE_NORMAL_COSINE and abs(normal @ own[row] - offset) < thick
+            abs(normal @ across[row]) > MIN_PLANE_NORMAL_COSINE and abs(normal @ points_left[row] - offset) < thick
             for normal, offset in seen
         ):
             continue  # the same plane from another of its points
-        plane = _refine(own, across, own[row], across[row], thick)
+        plane = _refine(points_left, across, points_left[row], across[row], thick)
         if plane is None:
             continue
         seen.append(plane)
@@ -142,6 +142,6 @@ def _measure_clearance(
     if not standing.any() or not len(rows):
         return rows, np.full(len(rows), np.inf)
     frame = np.linalg.svd(normal[None])[2][1:]
-    near = cKDTree(points[rows]).query(points[rows], min(7, len(rows)))[0][:, -1]
-    spacing = float(np.median(near) * np.sqrt(np.pi / 6))
+    neighbour_distance = cKDTree(points[rows]).query(points[rows], min(7, len(rows)))[0][:, -1]
+    spacing = float(np.median(neighbour_distance) * np.sqrt(np.pi / 6))
     return rows, cKDTree(points[standing] @ frame.T).query(points[rows] @ frame.T)[0] / spacing

@@ -118,8 +118,8 @@ def measure_spacing(points: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
     count = min(9, len(points))
-    some = points[np.linspace(0, len(points) - 1, min(len(points), 5000)).astype(np.int64)]
-    radius = cKDTree(points).query(some, count)[0][:, -1]
+    sample = points[np.linspace(0, len(points) - 1, min(len(points), 5000)).astype(np.int64)]
+    radius = cKDTree(points).query(sample, count)[0][:, -1]
     return float(np.median(radius) * np.sqrt(np.pi / (count - 1)))
 
 
@@ -165,16 +165,16 @@ def trim(
     """Remove faces that are far from the points or perpendicular to them, and small pieces; repair the rest."""
     from scipy.spatial import cKDTree
 
-    distance, near = cKDTree(points).query(vertices, min(4, len(points)))
-    far = distance[:, 0] > MAX_POISSON_DISTANCE_RATIO * spacing
-    around = unit(normals[near].sum(axis=1) + 1e-12)
+    distance, neighbours = cKDTree(points).query(vertices, min(4, len(points)))
+    is_far = distance[:, 0] > MAX_POISSON_DISTANCE_RATIO * spacing
+    around = unit(normals[neighbours].sum(axis=1) + 1e-12)
     direction = face_normals(vertices, faces)[0]
     agree = np.einsum("fi,fi->f", direction, unit(around[faces].sum(axis=1) + 1e-12)) > MIN_POISSON_NORMAL_COSINE
-    kept = faces[agree & ~far[faces].any(axis=1)]
+    kept = faces[agree & ~is_far[faces].any(axis=1)]
     if not len(kept):
         return vertices, kept
     number, piece = find_components(len(vertices), np.r_[kept[:, 0], kept[:, 1]], np.r_[kept[:, 1], kept[:, 2]])
     size = np.bincount(piece[kept[:, 0]], face_areas(vertices, kept), number)
     kept = kept[(size >= MIN_POISSON_PIECE_SHARE * size.max())[piece[kept[:, 0]]]]
-    mended = mend_mesh(vertices, kept)
-    return mended.points, mended.faces
+    mesh = mend_mesh(vertices, kept)
+    return mesh.points, mesh.faces

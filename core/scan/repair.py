@@ -326,11 +326,11 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     if number > MAX_MESH_PIECE_COUNT:
         raise PiecesTooMany()
     by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece, minlength=number))[:-1])
-    for mine in by_piece:  # its own faces and vertices only: there may be thousands of pieces
-        used, local = np.unique(faces[mine], return_inverse=True)
+    for members in by_piece:  # its own faces and vertices only: there may be thousands of pieces
+        used, local = np.unique(faces[members], return_inverse=True)
         edges = surface.edges if number == 1 else HalfEdges.of(local.reshape(-1, 3))
         if enclosed_volume(surface.vertices if number == 1 else surface.vertices[used], edges) < 0.0:
-            faces[mine] = faces[mine][:, ::-1]
+            faces[members] = faces[members][:, ::-1]
             turned += 1
     if turned == 0:
         return surface

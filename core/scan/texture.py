@@ -108,9 +108,9 @@ def find_referenced_file(path: Path, name: str) -> Path:
     """
     name = name.strip().strip('"').replace("\\", "/")
     folder = path.parent.resolve()
-    for wanted in (name, Path(name).name):
+    for candidate in (name, Path(name).name):
         try:
-            found = (folder / wanted).resolve()
+            found = (folder / candidate).resolve()
             if found.is_relative_to(folder) and found.is_file():
                 return found
         except (OSError, ValueError):
@@ -130,10 +130,10 @@ def _colour_obj(path: Path, content: ObjContent) -> np.ndarray | None:
     material = np.array(content.materials)[np.repeat(content.material, content.sizes)[has_uv]]
     sums, hits = np.zeros((count, 3)), np.zeros(count)
     for name in sorted(set(content.materials) & set(images)):
-        mine = material == name
-        found = sample_image(open_image(path, images[name]), content.uv[places[mine]])
-        hits += np.bincount(corners[mine], minlength=count)
-        sums += np.stack([np.bincount(corners[mine], found[:, k], count) for k in range(3)], axis=1)
+        of_material = material == name
+        found = sample_image(open_image(path, images[name]), content.uv[places[of_material]])
+        hits += np.bincount(corners[of_material], minlength=count)
+        sums += np.stack([np.bincount(corners[of_material], found[:, k], count) for k in range(3)], axis=1)
     return sums / np.maximum(hits, 1.0)[:, None] if hits.any() else None
 
 

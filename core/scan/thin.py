@@ -68,8 +68,8 @@ def thin_raw_scan(raw: RawScan, faces: int = THINNED_PERSON_FACE_COUNT) -> RawSc
 def thin_scan(scan: Scan, faces: int = THINNED_GARMENT_FACE_COUNT) -> tuple[Scan, ThinMesh]:
     """Thin a garment's checked mesh to about so many triangles; labels, `unseen` and `hidden` are those of `origin`."""
     if len(scan.faces) <= MAX_UNTHINNED_FACE_RATIO * faces:
-        own = np.arange(len(scan.vertices))
-        return scan, ThinMesh(scan.vertices, scan.faces, own, own)
+        rows = np.arange(len(scan.vertices))
+        return scan, ThinMesh(scan.vertices, scan.faces, rows, rows)
     small = thin_mesh(scan.vertices, scan.faces, faces)
     thinned = replace(
         scan,

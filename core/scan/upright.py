@@ -168,9 +168,9 @@ def build_profiles() -> list[Profile]:
             found.append(_measure(points, areas, stature))
             for hem, radius in SKIRT_HEM_SHARES if name in SKIRT_POSES else ():
                 low = points[:, 1].min() + hem * stature
-                cone, own = _build_skirt(points[legs, 1].min(), hem, radius, stature)
+                cone, skirt = _build_skirt(points[legs, 1].min(), hem, radius, stature)
                 bare = np.where(legs & (points[:, 1] > low), 0.0, areas)
-                found.append(_measure(np.concatenate([points, cone]), np.r_[bare, own], stature))
+                found.append(_measure(np.concatenate([points, cone]), np.r_[bare, skirt], stature))
     return found
 
 
@@ -209,8 +209,8 @@ def find_upright(
     profiles = build_profiles() if profiles is None else profiles
     found: dict[str, tuple[float, float]] = {}
     for axis in axes:
-        own = measure_profile(turn_upright(points, axis))
-        found[axis] = min((compare_profiles(own, other), other.ratio) for other in profiles)
+        profile = measure_profile(turn_upright(points, axis))
+        found[axis] = min((compare_profiles(profile, other), other.ratio) for other in profiles)
     weighed = {axis: value[0] * (1.0 if axis in ("y", "z") else UNUSUAL_AXIS_PENALTY) for axis, value in found.items()}
     best = min(axes, key=lambda axis: weighed[axis])
     rest = min((value for axis, value in weighed.items() if axis != best), default=np.inf)

@@ -62,19 +62,19 @@ async def get_caller(
 
 async def get_reader(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Require the scope `read`."""
-    caller.must("read")
+    caller.check_scope("read")
     return caller
 
 
 async def get_submitter(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Require the scope `submit`."""
-    caller.must("submit")
+    caller.check_scope("submit")
     return caller
 
 
 async def get_admin(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Require the scope `admin`."""
-    caller.must("admin")
+    caller.check_scope("admin")
     return caller
 
 
@@ -108,13 +108,13 @@ async def refuse_text(request: Request) -> None:
 
 def _find_parameters(route: Dependant) -> set[str]:
     """Return the names of the query parameters of a route and of all that it depends on."""
-    own = {field.alias for field in route.query_params}
-    return own.union(*(_find_parameters(one) for one in route.dependencies))
+    names = {field.alias for field in route.query_params}
+    return names.union(*(_find_parameters(one) for one in route.dependencies))
 
 
 async def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Require the scope `metrics`."""
-    caller.must("metrics")
+    caller.check_scope("metrics")
     return caller
 
 
@@ -137,8 +137,8 @@ def find_own(rooms: AppState, caller: Caller, job: str) -> JobRow:
     if caller.sees_all:
         return find_job(rooms.database, job)
     with rooms.database.read() as session:
-        own = select(JobRow).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
-        rows = session.scalars(own.where(starts_with(JobRow.id, job)).limit(2)).all()
+        statement = select(JobRow).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
+        rows = session.scalars(statement.where(starts_with(JobRow.id, job)).limit(2)).all()
     if len(rows) != 1:
         raise unknown
     return rows[0]

@@ -36,19 +36,19 @@ QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER], "outages": 
 @router.post(
     "/jobs/states", summary="Show the states of jobs.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs, (408,))
 )
-def list_states(wanted: JobsIn, rooms: AppStateDependency, caller: Reader) -> Any:
+def list_states(payload: JobsIn, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the jobs of some ids in their order; with `below`, then all jobs below them.
 
     Unknown jobs and jobs of other keys are left out.
     """
-    ids = wanted.jobs
+    ids = payload.jobs
     if not caller.sees_all:
         with rooms.database.read() as session:
-            own = select(OwnerRow.job).where(OwnerRow.key == caller.key, OwnerRow.job.in_(ids))
-            seen = set(session.scalars(own))
+            statement = select(OwnerRow.job).where(OwnerRow.key == caller.key, OwnerRow.job.in_(ids))
+            seen = set(session.scalars(statement))
         ids = [job for job in ids if job in seen]
     rows = find_jobs_by_id(rooms.database, ids)
-    more = find_below(rooms.database, ids) if wanted.below else []  # a caller that sees a job sees all below it
+    more = find_below(rooms.database, ids) if payload.below else []  # a caller that sees a job sees all below it
     return {"jobs": [Job.from_row(row).as_json() for row in rows + more]}
 
 
@@ -62,6 +62,6 @@ def show_queue(rooms: AppStateDependency, caller: Reader) -> Any:
 
 
 def _count_own(rooms: AppState, key: str) -> dict[State, int]:
-    own = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
+    statement = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with rooms.database.read() as session:
-        return {row[0]: row[1] for row in session.execute(own.group_by(JobRow.state)).all()}
+        return {row[0]: row[1] for row in session.execute(statement.group_by(JobRow.state)).all()}

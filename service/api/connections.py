@@ -26,14 +26,14 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
     A connection stalls if it sends no complete head, or does not read its response. uvicorn itself waits for both
     without limit, and refuses every client once it has reached its number of connections.
     """
-    held: Counter[str] = Counter()
+    open_counts: Counter[str] = Counter()
 
     class Bounded(H11Protocol):
         """Speak HTTP/1.1 with a deadline for each head and for each part of a response."""
 
         _address: str | None = None
         _deadline: asyncio.TimerHandle | None = None
-        _look: asyncio.TimerHandle | None = None
+        _stall_timer: asyncio.TimerHandle | None = None
         _unread = 0
         _moved = 0.0
 
@@ -41,25 +41,25 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             """Count the connection, or close it at once."""
             super().connection_made(transport)
             address = self.client[0] if self.client else ""
-            if held[address] >= limits.connections_per_address:
+            if open_counts[address] >= limits.connections_per_address:
                 transport.abort()
                 return
             self._address = address
-            held[address] += 1
+            open_counts[address] += 1
             self._wait_for_head()
             if connected := transport.get_extra_info("socket"):
                 connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
-            self._look_again()
+            self._check_stall()
 
         def connection_lost(self, exc: Exception | None) -> None:
             """Stop counting the connection."""
             self._stop_waiting()
-            if self._look is not None:
-                self._look.cancel()
+            if self._stall_timer is not None:
+                self._stall_timer.cancel()
             if self._address is not None:
-                held[self._address] -= 1
-                if not held[self._address]:
-                    del held[self._address]
+                open_counts[self._address] -= 1
+                if not open_counts[self._address]:
+                    del open_counts[self._address]
                 self._address = None
             super().connection_lost(exc)
 
@@ -76,7 +76,7 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             self._moved = self.loop.time()
             super().resume_writing()
 
-        def _look_again(self) -> None:
+        def _check_stall(self) -> None:
             """Close a connection whose response was not read for too long; otherwise schedule the next check."""
             unread, now = self.transport.get_write_buffer_size(), self.loop.time()
             if unread != self._unread or not unread:
@@ -84,7 +84,7 @@ def make_protocol(limits: ApiLimits) -> type[H11Protocol]:
             elif now - self._moved >= limits.stalled_seconds:
                 self.transport.abort()
                 return
-            self._look = self.loop.call_later(limits.stalled_seconds / STALL_CHECK_COUNT, self._look_again)
+            self._stall_timer = self.loop.call_later(limits.stalled_seconds / STALL_CHECK_COUNT, self._check_stall)
 
         def _wait_for_head(self) -> None:
             if self._deadline is None:

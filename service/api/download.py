@@ -114,8 +114,8 @@ def send_file(
     """
     etag = f'"{file.sha256}"'
     headers = {"etag": etag}
-    wanted = request.headers.get("if-none-match", "")
-    if wanted.strip() == "*" or etag in wanted:
+    etags = request.headers.get("if-none-match", "")
+    if etags.strip() == "*" or etag in etags:
         return Response(status_code=304, headers=headers)
     size = rooms.store.size(file.sha256)
     if size != file.size:
@@ -196,5 +196,5 @@ def _end_parts(boundary: str) -> bytes:
 def _content_disposition(name: str) -> str:
     """Return the header that makes a browser save a file under its name instead of showing it."""
     plain = name.rpartition("/")[2]
-    quoted = quote(plain)
-    return f'attachment; filename="{plain}"' if quoted == plain else f"attachment; filename*=utf-8''{quoted}"
+    encoded = quote(plain)
+    return f'attachment; filename="{plain}"' if encoded == plain else f"attachment; filename*=utf-8''{encoded}"

@@ -83,20 +83,20 @@ class _CountedStream(StreamingResponse):
 
 
 async def _stream(rooms: AppState, caller: Caller, job: str, after: int) -> AsyncIterator[str]:
-    spoke = time.monotonic()
+    last_sent = time.monotonic()
     while True:
         try:
-            news = await run_in_threadpool(_read_news, rooms, caller, job, after)
+            latest = await run_in_threadpool(_read_news, rooms, caller, job, after)
         except GarmentqError:
             return  # the database is unavailable; the client reconnects with Last-Event-ID
-        for event in news.events:
-            after, spoke = event.id, time.monotonic()
+        for event in latest.events:
+            after, last_sent = event.id, time.monotonic()
             yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(asdict(event))}\n\n"
-        if news.state in ENDED:
-            yield f"event: end\ndata: {json.dumps({'state': news.state})}\n\n"
+        if latest.state in ENDED:
+            yield f"event: end\ndata: {json.dumps({'state': latest.state})}\n\n"
             return
-        if time.monotonic() - spoke > STREAM_KEEPALIVE_INTERVAL:
-            spoke = time.monotonic()
+        if time.monotonic() - last_sent > STREAM_KEEPALIVE_INTERVAL:
+            last_sent = time.monotonic()
             yield ": alive\n\n"
         await asyncio.sleep(EVENT_POLL_INTERVAL)
 

@@ -94,10 +94,10 @@ class Guard:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                own = message.setdefault("headers", [])
-                known = {name.lower() for name, _ in own}
-                own += [one for one in (*HEADERS, (b"cache-control", b"no-store")) if one[0] not in known]
-                own.append((b"x-request-id", request.encode()))
+                headers = message.setdefault("headers", [])
+                known = {name.lower() for name, _ in headers}
+                headers += [one for one in (*HEADERS, (b"cache-control", b"no-store")) if one[0] not in known]
+                headers.append((b"x-request-id", request.encode()))
             await send(message)
 
         try:
@@ -166,11 +166,11 @@ class Guard:
 
     async def _bounded(self, scope: Message, receive: Receive, send: Send) -> None:
         is_upload = scope["path"] in UPLOAD_PATHS and scope["method"] == "POST"
-        begun, standing, is_good, is_over = asyncio.Event(), AccessCheck(scope), False, False
+        has_started, standing, is_good, is_over = asyncio.Event(), AccessCheck(scope), False, False
 
         async def note(message: Message) -> None:
             nonlocal is_good, is_over
-            begun.set()
+            has_started.set()
             if message["type"] == "http.response.start":
                 is_good = message["status"] < 400
             elif is_good and await standing.find_end() is not None:
@@ -183,10 +183,10 @@ class Guard:
         seconds = self.limits.upload_seconds if is_upload else self.limits.answer_seconds
         sending = self.limits.upload_seconds if is_upload else self.limits.body_seconds
         task = asyncio.create_task(self.app(scope, self._counted(receive, (most, sending), standing), note))
-        waiter = asyncio.create_task(begun.wait())
+        waiter = asyncio.create_task(has_started.wait())
         try:
             await asyncio.wait({task, waiter}, timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
-            if not begun.is_set() and not task.done():
+            if not has_started.is_set() and not task.done():
                 task.cancel()
                 answer = make_problem(503, "request.timeout", f"no answer within {seconds:g} s; try again later.")
                 await answer(scope, receive, send)
@@ -281,8 +281,8 @@ def _refuse_form(scope: Message) -> Any:
 def _is_text(scope: Message) -> bool:
     """Return whether path and query are valid UTF-8 that can be stored; the server decodes invalid bytes to a mark."""
     try:
-        asked = (scope.get("raw_path") or scope["path"], scope["query_string"])
-        return not has_unstorable_text([unquote_to_bytes(part).decode("utf-8") for part in asked])
+        parts = (scope.get("raw_path") or scope["path"], scope["query_string"])
+        return not has_unstorable_text([unquote_to_bytes(part).decode("utf-8") for part in parts])
     except UnicodeDecodeError:
         return False
 
@@ -317,9 +317,9 @@ def _find_token(scope: Message) -> str | None:
     return None
 
 
-def find_header(scope: Message, wanted: bytes) -> str:
+def find_header(scope: Message, header_name: bytes) -> str:
     """Return the value of a request's header by its lower-case name; empty if it has none."""
-    return next((value.decode("latin-1") for name, value in scope["headers"] if name == wanted), "")
+    return next((value.decode("latin-1") for name, value in scope["headers"] if name == header_name), "")
 
 
 def find_session(scope: Message) -> str | None:

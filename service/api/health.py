@@ -57,7 +57,7 @@ async def show_readiness(rooms: AppStateDependency) -> Response:
 def _look(rooms: AppState) -> Response:
     found: dict[str, str] = {}
     troubles: list[str] = []
-    told: list[str] = []
+    faults: list[str] = []
     checks: dict[str, Callable[[], list[str] | None]] = {
         "database": lambda: find_troubles(hide_worker_names(read_queue(rooms.database))),
         "store": lambda: rooms.store.check(rooms.settings.free_bytes),
@@ -69,10 +69,10 @@ def _look(rooms: AppState) -> Response:
         except GarmentqError as error:
             log.warning("not ready: %s: %s", error.code, error.message)
             found[name] = error.code
-            told.append(f"{name} {error.code}: {show_message(error)}")
+            faults.append(f"{name} {error.code}: {show_message(error)}")
     if set(found.values()) == {"ok"}:
         return JSONResponse(found | {"troubles": troubles})
-    return make_problem(503, "service.not_ready", " ".join(told))
+    return make_problem(503, "service.not_ready", " ".join(faults))
 
 
 @router.get(

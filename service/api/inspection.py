@@ -55,19 +55,19 @@ async def inspect(
     request: Request,
     rooms: AppStateDependency,
     caller: Submitter,
-    asked: Annotated[InspectionQuery, Depends()],
+    query: Annotated[InspectionQuery, Depends()],
 ) -> Any:
     """Read a scan as a job's first stage does; nothing is queued or stored.
 
     With `quick` only the file is read (2 s of CPU time), a person is recognised by the height, and `is_sure` may be
     false. Otherwise the wearer is fitted too (7 s). `needs` has the code of what is missing for a job.
     """
-    options = {"given_as": asked.given_as, "body": asked.body, "units": asked.units, "up": asked.up}
+    options = {"given_as": query.given_as, "body": query.body, "units": query.units, "up": query.up}
 
     def work(is_stopped: IsStopped) -> Any:
         row = find_upload(rooms.database, caller.key, sha256, "scans")
         with rooms.copying() as folder:
             path = rooms.store.copy(row.sha256, folder / clean_name(row.name))
-            return inspect_scan(path, options | {"is_quick": asked.is_quick}, is_stopped)
+            return inspect_scan(path, options | {"is_quick": query.is_quick}, is_stopped)
 
     return await rooms.limited.run(request, caller.key, work)

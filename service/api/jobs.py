@@ -75,7 +75,7 @@ def show_created() -> dict[int | str, dict[str, Any]]:
 
 @router.post("", status_code=202, summary="Create a recovery or a derived job.", responses=show_created())
 async def create_job(
-    wanted: AnyJobIn,
+    payload: AnyJobIn,
     request: Request,
     response: Response,
     rooms: AppStateDependency,
@@ -88,9 +88,9 @@ async def create_job(
     the job as `failed` with `bad_input` and a code for the reason. With a `kind` the job works on the result of another
     job that has succeeded.
     """
-    caller.may_hurry(wanted.priority)
-    create = partial(_create, rooms, caller, wanted, idempotency_key)
-    if isinstance(wanted, DerivedIn) and find_kind(rooms.settings, wanted.kind).is_refused_early:
+    caller.check_priority(payload.priority)
+    create = partial(_create, rooms, caller, payload, idempotency_key)
+    if isinstance(payload, DerivedIn) and find_kind(rooms.settings, payload.kind).is_refused_early:
         done = await rooms.limited.run(request, caller.key, create)
     else:
         done = await run_in_threadpool(create)
@@ -120,12 +120,12 @@ class JobFilter:
 def list_jobs(
     rooms: AppStateDependency,
     caller: Reader,
-    given: Annotated[JobFilter, Depends()],
+    job_filter: Annotated[JobFilter, Depends()],
     limit: Annotated[int, Query(ge=1, le=1000)] = 50,
     offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0,
 ) -> Any:
     """Return the caller's jobs that match the filter, newest first, beginning at `offset`."""
-    return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit, offset=offset))
+    return answer_query(rooms, caller, JobQuery(job_filter.chosen, limit=limit, offset=offset))
 
 
 @router.get(
@@ -183,61 +183,61 @@ def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
     return report_jobs(rooms.database, [row], rooms.settings)[0].as_json()
 
 
-def answer_query(rooms: AppState, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
+def answer_query(rooms: AppState, caller: Caller, query: JobQuery) -> dict[str, Any]:
     """Return the response with the caller's jobs that match a query."""
     owner = None if caller.sees_all else caller.key
-    rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset), owner)
+    rows = find_jobs(rooms.database, query.conditions, query.sort, (query.limit, query.offset), owner)
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
 
 
 def _create(
     rooms: AppState,
     caller: Caller,
-    wanted: JobIn | DerivedIn,
+    payload: JobIn | DerivedIn,
     token: str | None,
     is_stopped: IsStopped = never_stopped,
 ) -> SubmissionResult:
     known = None
     if token is not None:
-        known = begin_idempotent(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
+        known = begin_idempotent(rooms.database, caller.key, token, json.dumps(fingerprint(payload), sort_keys=True))
     if known is not None:
         return SubmissionResult(known, False, find_job(rooms.database, known).state)
     nonce = "" if token is None else hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest()
-    if isinstance(wanted, DerivedIn):
-        done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce), is_stopped)
+    if isinstance(payload, DerivedIn):
+        done = submit_derived(rooms, _derive(rooms, caller, payload, nonce), is_stopped)
     else:
         with rooms.copying() as folder:
-            order = check_order(rooms, _unpack(rooms, caller, wanted, folder), wanted.template)
+            order = check_order(rooms, _unpack(rooms, caller, payload, folder), payload.template)
             done = submit(rooms.database, rooms.store, replace(order, terms=replace(order.terms, nonce=nonce)))
     if token is not None:
         end_idempotent(rooms.database, caller.key, token, done.job)
     return done
 
 
-def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
+def fingerprint(payload: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what identifies a repeated request; without later versions' fields it equals that of earlier versions."""
-    return wanted.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(wanted, name, None)})
+    return payload.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)})
 
 
-def _derive(rooms: AppState, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
+def _derive(rooms: AppState, caller: Caller, payload: DerivedIn, nonce: str) -> DerivedOrder:
     """Return the order of a derived job; its files are the caller's uploads."""
     names = {
         field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
-        for field, sha256 in wanted.files.items()
+        for field, sha256 in payload.files.items()
     }
-    files = {field: FileRef(wanted.files[field], clean_name(name)) for field, name in names.items()}
-    terms = replace(_read_terms(rooms, caller, wanted), nonce=nonce)
-    return DerivedOrder(wanted.kind, wanted.result, wanted.options, files, wanted.over or "", terms)
+    files = {field: FileRef(payload.files[field], clean_name(name)) for field, name in names.items()}
+    terms = replace(_read_terms(rooms, caller, payload), nonce=nonce)
+    return DerivedOrder(payload.kind, payload.result, payload.options, files, payload.over or "", terms)
 
 
-def _read_terms(rooms: AppState, caller: Caller, wanted: JobIn | DerivedIn) -> JobTerms:
+def _read_terms(rooms: AppState, caller: Caller, payload: JobIn | DerivedIn) -> JobTerms:
     """Return the terms under which the job is queued."""
     return JobTerms(
-        wanted.name,
-        tuple(wanted.tags),
-        wanted.priority,
-        wanted.queue,
-        wanted.force,
+        payload.name,
+        tuple(payload.tags),
+        payload.priority,
+        payload.queue,
+        payload.force,
         key=caller.key,
         quota=caller.quota,
         realm=find_realm(rooms, caller),
@@ -249,9 +249,9 @@ def find_realm(rooms: AppState, caller: Caller) -> str:
     return "" if rooms.settings.share_jobs else caller.key
 
 
-def _unpack(rooms: AppState, caller: Caller, wanted: JobIn, folder: Path) -> Order:
+def _unpack(rooms: AppState, caller: Caller, payload: JobIn, folder: Path) -> Order:
     """Copy the uploads into a folder, each into a folder of its own and under its cleaned name."""
-    choices: list[JobIn | PartIn] = [wanted, *wanted.parts.values()]
+    choices: list[JobIn | PartIn] = [payload, *payload.parts.values()]
     if any(one.pattern is not None and one.template is not None for one in choices):
         raise RequestBad("give a pattern or a template's name, not both.")
 
@@ -263,18 +263,18 @@ def _unpack(rooms: AppState, caller: Caller, wanted: JobIn, folder: Path) -> Ord
         file = unpack(f"pattern-{word}", one.pattern, "patterns") if one.pattern else None
         return PartOrder(file, one.template, one.garment, one.fabric, one.lock, one.cut)
 
-    terms, body = _read_terms(rooms, caller, wanted), read_wearer(wanted.body)
-    if isinstance(body, Path) and wanted.body is not None:
-        body = unpack("body", wanted.body, "bodies")
+    terms, body = _read_terms(rooms, caller, payload), read_wearer(payload.body)
+    if isinstance(body, Path) and payload.body is not None:
+        body = unpack("body", payload.body, "bodies")
     return Order(
-        scan=unpack("scan", wanted.scan, "scans"),
+        scan=unpack("scan", payload.scan, "scans"),
         body=body,
-        template=unpack("pattern", wanted.pattern, "patterns") if wanted.pattern else None,
-        settings=RecoverySettings(**wanted.settings.model_dump()),
-        labels=unpack("labels", wanted.labels, "labels") if wanted.labels else None,
-        given_as=wanted.given_as,
-        wearing=wanted.wearing,
-        marks=tuple(wanted.marks),
-        choices={word: choose(word, one) for word, one in wanted.parts.items()},
-        terms=replace(terms, name=terms.name or own_name(find_upload(rooms.database, caller.key, wanted.scan).name)),
+        template=unpack("pattern", payload.pattern, "patterns") if payload.pattern else None,
+        settings=RecoverySettings(**payload.settings.model_dump()),
+        labels=unpack("labels", payload.labels, "labels") if payload.labels else None,
+        given_as=payload.given_as,
+        wearing=payload.wearing,
+        marks=tuple(payload.marks),
+        choices={word: choose(word, one) for word, one in payload.parts.items()},
+        terms=replace(terms, name=terms.name or own_name(find_upload(rooms.database, caller.key, payload.scan).name)),
     )

@@ -27,10 +27,10 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
     "", status_code=201, name="create_key", summary="Create a key.",
     responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey, (408,)),
 )  # fmt: skip
-def create(wanted: KeyIn, rooms: AppStateDependency, caller: Admin) -> Any:
+def create(payload: KeyIn, rooms: AppStateDependency, caller: Admin) -> Any:
     """Create a key; its token is only in this response."""
     row, token = create_key(
-        rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota, wanted.priority, wanted.days
+        rooms.database, payload.name, tuple(payload.scopes), payload.quota, payload.priority, payload.days
     )
     return KeyRecord.from_row(row).as_json() | {"token": token}
 

@@ -19,13 +19,13 @@ router = APIRouter(tags=["jobs"])
     "/jobs/{job}/labels", status_code=202, summary="Label a person again with corrected labels.",
     responses=show_created(),
 )  # fmt: skip
-def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
+def mend_labels(job: str, payload: LabelsIn, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Queue a new job for the same scan, with labels for the points of the job's `segmented.ply`; the old job stays.
 
     The same labels again are the same job: 200, not 202.
     """
     row = find_own(rooms, caller, job)
-    kept = find_upload(rooms.database, caller.key, wanted.points, "labels")
+    kept = find_upload(rooms.database, caller.key, payload.points, "labels")
     with rooms.copying() as folder:
         points = rooms.store.copy(kept.sha256, folder / "points.npy")
         done = submit_relabelling(rooms, row, RelabelOrder(points, caller.key, caller.quota, find_realm(rooms, caller)))

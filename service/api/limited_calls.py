@@ -53,10 +53,10 @@ class LimitedCalls:
             LimitedOpen, LimitedFull: if its turn does not come in time.
             HTTPException: 499 if the client disconnected.
         """
-        gone = asyncio.create_task(_wait_gone(request))
+        disconnected = asyncio.create_task(_wait_gone(request))
         stopped = threading.Event()
         try:
-            turn = await self._wait_for_turn(key, gone)
+            turn = await self._wait_for_turn(key, disconnected)
 
             def work_once() -> Result:
                 with turn:  # ends with the process, not with the request
@@ -64,7 +64,7 @@ class LimitedCalls:
 
             running = asyncio.wrap_future(self._threads.submit(contextvars.copy_context().run, work_once))
             running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # retrieves the error
-            ends: tuple[asyncio.Future[Any], ...] = (running, gone)
+            ends: tuple[asyncio.Future[Any], ...] = (running, disconnected)
             await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
             if not running.done():
                 stopped.set()
@@ -73,9 +73,9 @@ class LimitedCalls:
             raise _refuse_gone() from None
         finally:
             stopped.set()
-            gone.cancel()
+            disconnected.cancel()
 
-    async def _wait_for_turn(self, key: str, gone: asyncio.Task[None]) -> ExitStack:
+    async def _wait_for_turn(self, key: str, disconnected: asyncio.Task[None]) -> ExitStack:
         """Return the stack that counts the work until it is closed."""
         until = time.monotonic() + self._wait_seconds
         with self._meter.waiting(key), ExitStack() as turn:
@@ -86,8 +86,8 @@ class LimitedCalls:
                 except (LimitedOpen, LimitedFull):
                     if time.monotonic() > until:
                         raise
-                await asyncio.wait({gone}, timeout=LIMITED_CALL_POLL_INTERVAL)
-                if gone.done():
+                await asyncio.wait({disconnected}, timeout=LIMITED_CALL_POLL_INTERVAL)
+                if disconnected.done():
                     raise _refuse_gone()
 
 

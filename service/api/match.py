@@ -45,17 +45,17 @@ async def match_patterns(
     `pair=A:B` pairs panel A of the first with B of the second; the others are paired by name, then by shape, or not at
     all with `only_given`. With `outlines` the response has every panel's outline [m].
     """
-    given = {}
+    named_pairs = {}
     for words in pair:
-        ours, colon, theirs = words[:600].partition(":")
-        if not colon or ours in given:
+        first_name, colon, second_name = words[:600].partition(":")
+        if not colon or first_name in named_pairs:
             raise RequestBad(f"'{words[:60]}' pairs no two panels; write PANEL:PANEL, each panel once.")
-        given[ours] = theirs
+        named_pairs[first_name] = second_name
 
     def work(is_stopped: IsStopped) -> Any:
         with rooms.copying() as folder:
             files = [_find_file(rooms, caller, word, folder / str(at)) for at, word in enumerate((first, second))]
-            return match_files(files[0], files[1], given, only_given, outlines, is_stopped)
+            return match_files(files[0], files[1], named_pairs, only_given, outlines, is_stopped)
 
     return await rooms.limited.run(request, caller.key, work)
 

@@ -39,13 +39,13 @@ def show_material(name: Text, rooms: AppStateDependency, caller: Reader) -> Any:
 @router.put(
     "/{name}", status_code=201, summary="Import a fabric.", responses=show_answer(EXAMPLE, 201, Material, (408,))
 )
-def import_material(name: FabricName, wanted: FabricIn, rooms: AppStateDependency, caller: Admin) -> Any:
+def import_material(name: FabricName, payload: FabricIn, rooms: AppStateDependency, caller: Admin) -> Any:
     """Check a fabric in SI units and store it; an imported fabric of the same name is replaced."""
     from ...core.cloth.fabric_check import check_fabric
 
-    if wanted.name != name:
+    if payload.name != name:
         raise RequestBad("the fabric's name differs from the name in the address; use one name.")
-    fabric = check_fabric(read_fabric(wanted.model_dump()))
+    fabric = check_fabric(read_fabric(payload.model_dump()))
     keep_materials(rooms.database, [fabric])
     return show_fabric(fabric)
 

@@ -104,7 +104,7 @@ class Meter:
         if key:
             self._draw(key, self._limits.requests_per_second, self._limits.burst)
 
-    def take_trial(self, key: str) -> None:
+    def count_test(self, key: str) -> None:
         """Count one test message to a webhook, also of the local user.
 
         Raises:
@@ -240,16 +240,16 @@ class Meter:
         finally:
             self._end("limited", key)
 
-    def _begin(self, what: str, key: str, most: int | None) -> bool:
+    def _begin(self, resource: str, key: str, most: int | None) -> bool:
         with self._lock:
-            held = self._open.get((what, key), 0)
-            if most is not None and held >= most:
+            count = self._open.get((resource, key), 0)
+            if most is not None and count >= most:
                 return False
-            self._open[what, key] = held + 1
+            self._open[resource, key] = count + 1
             return True
 
-    def _end(self, what: str, key: str) -> None:
+    def _end(self, resource: str, key: str) -> None:
         with self._lock:
-            self._open[what, key] -= 1
-            if not self._open[what, key]:
-                del self._open[what, key]
+            self._open[resource, key] -= 1
+            if not self._open[resource, key]:
+                del self._open[resource, key]

@@ -72,9 +72,9 @@ def _draw_route(method: str, path: str, route: dict[str, Any]) -> str:
 
 
 def _draw_parameter(one: dict[str, Any]) -> str:
-    told = one.get("description") or json.dumps(one.get("schema", {}))
+    text = one.get("description") or json.dumps(one.get("schema", {}))
     needed = " (required)" if one.get("required") else ""
-    cells = f"<code>{escape(one['name'])}</code>{needed}", escape(one["in"]), escape(told)
+    cells = f"<code>{escape(one['name'])}</code>{needed}", escape(one["in"]), escape(text)
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
 
 

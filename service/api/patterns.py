@@ -66,11 +66,11 @@ async def check_pattern(document: DocumentIn, request: Request, rooms: AppStateD
     "/edit", name="edit_pattern", summary="Change a pattern by operations.",
     responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
-async def edit(wanted: PatternEditIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
+async def edit(payload: PatternEditIn, request: Request, rooms: AppStateDependency, caller: Reader) -> Any:
     """Apply operations to a document one after the other, and check the new one; nothing is stored.
 
     An operation that cannot be applied is refused with its number, and with its place in `findings`.
     docs/reference/http.md describes each operation and its fields.
     """
-    work = partial(edit_pattern, wanted.pattern.model_dump(), wanted.operations)
+    work = partial(edit_pattern, payload.pattern.model_dump(), payload.operations)
     return await rooms.limited.run(request, caller.key, work)

@@ -49,8 +49,8 @@ class ProxyHeaders:
 def _apply_forwarded_headers(scope: Message) -> None:
     """Set client and scheme from a proxy's headers."""
     values = {
-        wanted: [value.decode("latin-1") for name, value in scope["headers"] if name == wanted]
-        for wanted in (b"x-forwarded-for", b"x-forwarded-proto")
+        header_name: [value.decode("latin-1") for name, value in scope["headers"] if name == header_name]
+        for header_name in (b"x-forwarded-for", b"x-forwarded-proto")
     }
     client = read_address(",".join(values[b"x-forwarded-for"]).rpartition(",")[2].strip())
     if client is not None:

@@ -28,7 +28,7 @@ class Page:
 def query_jobs(
     rooms: AppStateDependency,
     caller: Reader,
-    given: Annotated[JobFilter, Depends()],
+    job_filter: Annotated[JobFilter, Depends()],
     garment: Words = None,
     fabric: Words = None,
     where: Annotated[list[str], Query(max_length=20, examples=[["surface_rms_mm.t2s < 4"]])] = [],  # noqa: B006
@@ -37,5 +37,5 @@ def query_jobs(
 ) -> Any:
     """Return the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
     named = {"garment": garment, "fabric": fabric}
-    chosen = given.chosen | {name: value for name, value in named.items() if value is not None}
+    chosen = job_filter.chosen | {name: value for name, value in named.items() if value is not None}
     return answer_query(rooms, caller, JobQuery(chosen, [text[:1000] for text in where], sort, page.limit, page.offset))

@@ -134,8 +134,8 @@ class DerivedIn(BaseModel):
     tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
 
 
-def _tag(given: Any) -> str:
-    return "derived" if isinstance(given, DerivedIn) or (isinstance(given, dict) and "kind" in given) else "scan"
+def _tag(value: Any) -> str:
+    return "derived" if isinstance(value, DerivedIn) or (isinstance(value, dict) and "kind" in value) else "scan"
 
 
 AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Choice("derived")], Discriminator(_tag)]

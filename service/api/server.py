@@ -95,8 +95,8 @@ def make_server(config: uvicorn.Config) -> uvicorn.Server:
         @contextmanager
         def capture_signals(self) -> Iterator[None]:
             """Handle the stop signals, except ignored ones (nohup)."""
-            told = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-            with handle_signals(told, self.handle_exit):
+            numbers = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+            with handle_signals(numbers, self.handle_exit):
                 yield
 
     return Server(config)

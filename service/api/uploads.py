@@ -121,8 +121,8 @@ async def _spool_body(request: Request, rooms: AppState, suffix: str) -> AsyncIt
             async for chunk in request.stream():
                 digest.update(chunk)
                 out.write(chunk)
-        wanted = request.headers.get("x-content-sha256", digest.hexdigest()).lower()
-        if wanted != digest.hexdigest():
+        expected = request.headers.get("x-content-sha256", digest.hexdigest()).lower()
+        if expected != digest.hexdigest():
             raise refuse(422, "upload.damaged", "the file's hash is not X-Content-SHA256; send it again.")
         yield Path(temporary)
     except ClientDisconnect:

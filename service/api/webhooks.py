@@ -31,14 +31,14 @@ WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
     "", status_code=201, name="create_webhook", summary="Create a webhook.",
     responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook, (408,)),
 )  # fmt: skip
-def create(wanted: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> Any:
+def create(payload: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Send messages to an address about the caller's own jobs that end from now on.
 
     The secret that signs the messages is only in this response. The address must be https and public, unless the
     operator allows others; docs/reference/http.md describes the messages.
     """
-    states = [State(state) for state in wanted.states]
-    webhook, secret = create_webhook(rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key)
+    states = [State(state) for state in payload.states]
+    webhook, secret = create_webhook(rooms.database, payload.url, states, rooms.settings.webhook_networks, caller.key)
     return webhook.as_json() | {"secret": secret}
 
 
@@ -68,7 +68,7 @@ async def test_webhook(webhook: WebhookId, rooms: AppStateDependency, caller: Su
 
     The response comes within 30 s: the status that the address returned, or why there was none.
     """
-    rooms.meter.take_trial(caller.key)
+    rooms.meter.count_test(caller.key)
     return await try_webhook(rooms.database, webhook, _find_realm(caller))
 
 

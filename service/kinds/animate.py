@@ -16,7 +16,7 @@ from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
-    from ...core.reuse.animate.moved import AnimatedGarment
+    from ...core.reuse.animate.animate_garment import AnimatedGarment
     from ...core.reuse.animate.settings import AnimateSettings
     from ...core.run.hooks import Hooks
     from ..settings import ServiceSettings
@@ -47,7 +47,7 @@ class Animate(Kind):
         from ...core.body.motion.recording import Recording
         from ...core.body.motion.shipped import find_shipped_motion
         from ...core.deliver.export.animation import add_omission_warnings, write_animation_result
-        from ...core.reuse.animate.moved import animate_garment
+        from ...core.reuse.animate.animate_garment import animate_garment
         from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record

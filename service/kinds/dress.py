@@ -57,15 +57,15 @@ class Dress(Kind):
         from ...core.cloth.fabrics import get_fabric
         from ...core.deliver.export.dressed import write_dressed
         from ...core.reuse.wear.bodies import BodyFile, find_wearer
-        from ...core.reuse.wear.over import dress_over
+        from ...core.reuse.wear.dress_over import dress_over
         from ...core.reuse.wear.worn import load_worn
         from ...core.run.clock import Clock
         from ...core.run.records import read_record
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
-        wanted = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
-        with clock.stage("body", "finding the body's joints") as told:
-            body = find_wearer(wanted, worn.body, request.pose, told)
+        body_file = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
+        with clock.stage("body", "finding the body's joints") as stage_hooks:
+            body = find_wearer(body_file, worn.body, request.pose, stage_hooks)
         fabric = None if request.fabric is None else get_fabric(request.fabric)
         if UNDER in work.inputs:
             dressed = dress_over(worn, load_worn(work.inputs[UNDER]), body, fabric, clock)

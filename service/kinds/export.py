@@ -50,9 +50,9 @@ class Export(Kind):
         from ...core.run.report import ResultReport
 
         clock = Clock(hooks)
-        with clock.stage("write", f"writing {request.format}") as told:
+        with clock.stage("write", f"writing {request.format}") as stage_hooks:
             scan = None if request.scan is None else work.files / "scan" / request.scan.name
-            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, told)
+            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, stage_hooks)
             write_production(production, work.out)
             pieces = production.pieces
         return ExportResult(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))

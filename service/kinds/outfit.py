@@ -82,9 +82,9 @@ class Outfit(Kind):
 
         outfit = {word: load_worn(work.inputs[word]) for word in request.words}
         first, clock = next(iter(outfit.values())), Clock(hooks)
-        wanted = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
-        with clock.stage("body", "finding the body's joints") as told:
-            body = find_wearer(wanted, first.body, request.pose, told)
+        body_file = read_record(BodyFile, work.files / BODY) if isinstance(request.body, FileRef) else request.body
+        with clock.stage("body", "finding the body's joints") as stage_hooks:
+            body = find_wearer(body_file, first.body, request.pose, stage_hooks)
         dressed = dress_outfit(outfit, body, clock)
         write_outfit(dressed, work.out)
         return dressed

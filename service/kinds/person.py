@@ -61,6 +61,8 @@ def _make_children(request: PersonRequest, found: PersonFound) -> tuple[ChildReq
     words = found.words
     chosen = request.choose(words)
     return tuple(
-        ChildRequest(word, Recover.name, pack_request(request.ask(word, chosen[word])), inputs={PERSON: PARENT})
+        ChildRequest(
+            word, Recover.name, pack_request(request.make_recovery(word, chosen[word])), inputs={PERSON: PARENT}
+        )
         for word in words
     )

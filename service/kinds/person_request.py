@@ -119,7 +119,7 @@ class PersonRequest:
         template = self.template or chosen.template
         return {"template": template, "garment": chosen.garment, "fabric": chosen.fabric, "lock": chosen.lock}
 
-    def ask(self, word: str, choice: PartChoice) -> RecoverRequest:
+    def make_recovery(self, word: str, choice: PartChoice) -> RecoverRequest:
         """Return the request of a garment's recovery; a pattern file is in its reading."""
         template = choice.template.name.rpartition(".")[0] if isinstance(choice.template, FileRef) else choice.template
         settings = replace(

@@ -15,7 +15,7 @@ from .person_request import PERSON_INPUT_FILE, PersonRequest
 from .recover_request import PERSON_REPORT_FILE, READING
 
 if TYPE_CHECKING:
-    from ...core.people.given import PersonInput
+    from ...core.people.person_input import PersonInput
     from ...core.people.pipeline import SegmentedPerson
     from ...core.run.hooks import Hooks
 
@@ -26,16 +26,16 @@ def segment_person(request: PersonRequest, work: RunContext, hooks: Hooks) -> Pe
     Raises:
         BadInput: if the scan is not a person's, or shows no clothes.
     """
-    from ...core.people.given import load_person_input
+    from ...core.people.person_input import load_person_input
     from ...core.people.pipeline import UnparsedHints
     from ...core.people.pipeline import segment_person as run
     from ..describe_person import describe_person
     from ..inspect_scan import explain_missing_body, is_garment_refusal
 
-    given = load_person_input(work.files / PERSON_INPUT_FILE)
+    content = load_person_input(work.files / PERSON_INPUT_FILE)
     builtin = request.body if isinstance(request.body, BuiltinWearer) else None
     try:
-        apart = run(given, UnparsedHints(request.wearing, request.marks, builtin), hooks)
+        apart = run(content, UnparsedHints(request.wearing, request.marks, builtin), hooks)
     except BadInput as error:
         if is_garment_refusal(error) and request.given_as is None and request.body is None:
             error.message = explain_missing_body(error)
@@ -47,7 +47,7 @@ def segment_person(request: PersonRequest, work: RunContext, hooks: Hooks) -> Pe
     warnings = tuple(dict.fromkeys((*apart.report.warnings, *_find_unused(request, words))))
     report = replace(apart.report, metrics=metrics, warnings=warnings)
     found = PersonFound(separation.body, person, report, separation.problem)
-    _write(apart, given, found, work.out)
+    _write(apart, content, found, work.out)
     return found
 
 
@@ -70,17 +70,19 @@ def _find_unused(request: PersonRequest, words: tuple[str, ...]) -> list[str]:
     ]
 
 
-def _write(apart: SegmentedPerson, given: PersonInput, found: PersonFound, folder: Path) -> None:
+def _write(segmented: SegmentedPerson, content: PersonInput, found: PersonFound, folder: Path) -> None:
     from ...core.deliver.export.person import write_person
     from ...core.deliver.export.person_report import report_person
     from ...core.garment.reading import save_reading
 
-    write_person(apart.raw, apart.separation, folder)
-    report = report_person(apart.raw, apart.separation, found.report.warnings, (folder / "picture.png").read_bytes())
+    write_person(segmented.raw, segmented.separation, folder)
+    report = report_person(
+        segmented.raw, segmented.separation, found.report.warnings, (folder / "picture.png").read_bytes()
+    )
     (folder / "report.html").write_text(report, encoding="utf-8")
-    told = json.dumps(found.person | {"metrics": found.report.metrics}, indent=1, ensure_ascii=False)
-    (folder / PERSON_REPORT_FILE).write_text(f"{told}\n", encoding="utf-8")
-    for word, reading in apart.readings.items():
-        own = given.patterns.get(word)
+    text = json.dumps(found.person | {"metrics": found.report.metrics}, indent=1, ensure_ascii=False)
+    (folder / PERSON_REPORT_FILE).write_text(f"{text}\n", encoding="utf-8")
+    for word, reading in segmented.readings.items():
+        pattern = content.patterns.get(word)
         (folder / word).mkdir()
-        save_reading(replace(reading, pattern=own or given.patterns.get("")), folder / word / READING)
+        save_reading(replace(reading, pattern=pattern or content.patterns.get("")), folder / word / READING)

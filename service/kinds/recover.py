@@ -71,8 +71,8 @@ class Recover(Kind):
 
 def _read_confidence(person: Path, part: str) -> float | None:
     """Return the confidence of a garment's labels from the result of the person's job."""
-    told = json.loads((person / PERSON_REPORT_FILE).read_text(encoding="utf-8"))
-    return next((one["confidence"] for one in told["garments"] if one["part"] == part), None)
+    report = json.loads((person / PERSON_REPORT_FILE).read_text(encoding="utf-8"))
+    return next((one["confidence"] for one in report["garments"] if one["part"] == part), None)
 
 
 def _is_person(request: Request, hooks: Hooks) -> bool:
@@ -80,7 +80,7 @@ def _is_person(request: Request, hooks: Hooks) -> bool:
     reading = request.reading
     if reading is None or request.body is None or request.labels is not None:
         return False
-    from ...core.people.whole import has_person_height, shows_person
+    from ...core.people.whole_person import has_person_height, shows_person
     from ...core.recover.wearer import find_body
 
     if not has_person_height(reading.pieces.garment, reading.pieces.wearer):

@@ -83,7 +83,7 @@ def find_files(request: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, Fi
             yield from find_files(value, (*at, name))
 
 
-def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
+def read_request(kind: type[T], values: Mapping[str, Any]) -> T:
     """Build a request from JSON values, each of exactly its field's type; a number may be an integer.
 
     Raises:
@@ -93,21 +93,21 @@ def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
     """
     from pydantic import ValidationError
 
-    _check_json(given)
+    _check_json(values)
     try:
-        return get_adapter(kind).validate_json(json.dumps(given), strict=True, extra="forbid")
+        return get_adapter(kind).validate_json(json.dumps(values), strict=True, extra="forbid")
     except RecursionError:
         raise RequestBad(f"the request is nested too deeply. {RequestBad().message}") from None
     except ValidationError as error:
         found = max(error.errors(include_url=False), key=lambda one: len(one["loc"]))  # inside the type that fits best
-        if found["type"] == "json_invalid" and has_unstorable_text(given):
+        if found["type"] == "json_invalid" and has_unstorable_text(values):
             raise TextBad() from None
-        raise RequestBad(f"{_explain(found, given)} {RequestBad().message}") from None
+        raise RequestBad(f"{_explain(found, values)} {RequestBad().message}") from None
 
 
-def _check_json(given: Any) -> None:
+def _check_json(value: Any) -> None:
     """Refuse what JSON has no value for, and an integer too large for a float, which pydantic reads as infinite."""
-    waiting = [("request", given)]
+    waiting = [("request", value)]
     while waiting:
         name, one = waiting.pop()
         if isinstance(one, Mapping):
@@ -120,14 +120,14 @@ def _check_json(given: Any) -> None:
             raise RequestBad(f"'{name}' cannot be {one!r:.60}. {RequestBad().message}")
 
 
-def _explain(error: ErrorDetails, given: Any) -> str:
+def _explain(error: ErrorDetails, value: Any) -> str:
     """Return what is wrong with the values given, by the name of the field."""
     place, name = error["loc"], "request"
     if error["type"] in ("missing", "unexpected_keyword_argument") and isinstance(place[-1], str):
         return f"'{place[-1][:40]}' is {'missing' if error['type'] == 'missing' else 'unknown'}."
     for step in place:  # besides names and numbers of values, a place has the types that were tried
-        if isinstance(given, Mapping) and step in given:
-            name, given = str(step)[:40], given[step]
-        elif isinstance(given, list) and isinstance(step, int) and step < len(given):
-            given = given[step]
+        if isinstance(value, Mapping) and step in value:
+            name, value = str(step)[:40], value[step]
+        elif isinstance(value, list) and isinstance(step, int) and step < len(value):
+            value = value[step]
     return f"'{name}' cannot be {error['input']!r:.60}."

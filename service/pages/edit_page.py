@@ -62,9 +62,9 @@ def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "")
             for pressed, (tool, words) in zip(("true", "false", "false", "false"), TOOLS, strict=True)
         ),
         checks=join(
-            html('<label title="{}"><input type="checkbox" data-option="{}"{}> {}</label>', told, option,
+            html('<label title="{}"><input type="checkbox" data-option="{}"{}> {}</label>', title, option,
                  Html(" checked") if option in DEFAULT_CHECKS else Html(), words)
-            for option, words, told in CHECKS
+            for option, words, title in CHECKS
         ),
         numbers=join(
             html('<label>{} <input type="number" data-option="{}" value="{}" min="0" max="1000" step="{}"></label>',

@@ -29,24 +29,24 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
     known: list[Html] = []
     unknown: list[Html] = []
     fabric = fit.get("fabric", {}) if isinstance(fit, dict) else {}
-    for parameter, told in fabric.items() if isinstance(fabric, dict) else ():
-        (known if told.get("identifiable") else unknown).append(_describe_parameter(str(parameter), told))
+    for parameter, estimate in fabric.items() if isinstance(fabric, dict) else ():
+        (known if estimate.get("identifiable") else unknown).append(_describe_parameter(str(parameter), estimate))
     chosen = html("<p>Chosen: {}.</p>", name) if name else Html()
     if not known and not unknown:
-        told = "The method fits no fabric: all numbers are those of the chosen one."
-        return html("<h2>Fabric</h2>{}<p class=soft>{}</p>", chosen, told)
+        estimate = "The method fits no fabric: all numbers are those of the chosen one."
+        return html("<h2>Fabric</h2>{}<p class=soft>{}</p>", chosen, estimate)
     nearest = fit.get("nearest_fabrics") or []
-    near = html("<p>Most similar in bending: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
+    similar = html("<p>Most similar in bending: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
     lists = [_list("Known", known), _list("Not identifiable from this scan", unknown)]
-    return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), near)
+    return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), similar)
 
 
-def _describe_parameter(parameter: str, told: dict[str, Any]) -> Html:
+def _describe_parameter(parameter: str, estimate: dict[str, Any]) -> Html:
     """Return the text of one parameter: the factor of its uncertainty, or that it is not identifiable."""
-    name, note = NAMES.get(parameter, parameter), str(told.get("note") or "")
-    if not told.get("identifiable"):
+    name, note = NAMES.get(parameter, parameter), str(estimate.get("note") or "")
+    if not estimate.get("identifiable"):
         return html("{}{}", name, f": {note}" if note else "")
-    value, std = told.get("value"), told.get("std")
+    value, std = estimate.get("value"), estimate.get("std")
     factor = f", within a factor of {math.exp(std):.2f}" if isinstance(std, int | float) and std < 5 else ""
     shown = f"{value:.3g}" if isinstance(value, int | float) else str(value)
     return html("{}: {}{}{}", name, shown, factor, f" ({note})" if note else "")

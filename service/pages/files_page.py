@@ -62,8 +62,8 @@ def show_scan(job: str, request: Request, rooms: AppStateDependency, visitor: Vi
     return _send_packed(job, lambda there: ["scan.ply"], request, rooms, visitor)
 
 
-def _list_packed(there: Collection[str]) -> list[str]:
-    return [f"{name}.ply" for name in list_shown(there) if name not in SCANS] + [WORN]
+def _list_packed(names: Collection[str]) -> list[str]:
+    return [f"{name}.ply" for name in list_shown(names) if name not in SCANS] + [WORN]
 
 
 def _send_packed(

@@ -69,10 +69,10 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
 
 
 def _draw_understood(job: JobReport) -> Html:
-    told = describe_understood(job.details)
-    if not told:
+    understood = describe_understood(job.details)
+    if not understood:
         return html('<section class="card" id="understood" hidden></section>')
-    rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in told)
+    rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in understood)
     return html('<section class="card" id="understood"><h2>Detected in the files</h2><div class="wide">'
                 "<table>{}</table></div></section>", rows)  # fmt: skip
 

@@ -57,24 +57,24 @@ class JobListQuery:
 
 
 @router.get("/")
-def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, given: Annotated[JobListQuery, Depends()]) -> Response:
+def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[JobListQuery, Depends()]) -> Response:
     """Return the page of the visitor's jobs."""
-    chosen, where, before = given.chosen, given.where, given.before
-    wanted = JobQuery(chosen, [where] if where.strip() else [])
+    chosen, where, before = query.chosen, query.where, query.before
+    job_query = JobQuery(chosen, [where] if where.strip() else [])
     owner = None if visitor.caller.sees_all else visitor.caller.key
-    roots = find_roots(rooms.database, wanted.conditions, PAGE_FAMILY_COUNT + 1, owner, before or None)
+    roots = find_roots(rooms.database, job_query.conditions, PAGE_FAMILY_COUNT + 1, owner, before or None)
     families = _gather(rooms, roots[:PAGE_FAMILY_COUNT], owner)
-    asked = chosen | ({"where": where} if where.strip() else {})
+    filters = chosen | ({"where": where} if where.strip() else {})
     has_older = len(roots) > PAGE_FAMILY_COUNT
     more = html('<a class="button" rel="next" href="/?{}">Older jobs</a>',
-                urlencode(asked | {"before": roots[PAGE_FAMILY_COUNT - 1].id})) if has_older else Html()  # fmt: skip
-    newest = html('<a class="button" href="/?{}">Newest jobs</a>', urlencode(asked)) if before else Html()
+                urlencode(filters | {"before": roots[PAGE_FAMILY_COUNT - 1].id})) if has_older else Html()  # fmt: skip
+    newest = html('<a class="button" href="/?{}">Newest jobs</a>', urlencode(filters)) if before else Html()
     content = join(
         [
             html("<h1>Jobs</h1>"),
             _draw_drop(rooms, visitor) if "submit" in visitor.caller.scopes or visitor.caller.sees_all else Html(),
             _draw_filters(chosen | {"where": where}),
-            _draw_list(families, is_asked=bool(asked)),
+            _draw_list(families, is_filtered=bool(filters)),
             html('<p class="row">{}{}</p>', newest, more),
         ]
     )
@@ -87,8 +87,8 @@ def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[lis
     if owner is not None and below:
         seen = select(OwnerRow.job).where(OwnerRow.key == owner, OwnerRow.job.in_([row.id for row in below]))
         with rooms.database.read() as session:
-            mine = set(session.scalars(seen))
-        below = [row for row in below if row.id in mine]
+            seen_jobs = set(session.scalars(seen))
+        below = [row for row in below if row.id in seen_jobs]
     reports = report_jobs(rooms.database, [*roots, *below], rooms.settings)
     families: dict[str, list[JobReport]] = {}
     for report in reports:
@@ -96,10 +96,10 @@ def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[lis
     return list(families.values())
 
 
-def _draw_list(families: list[list[JobReport]], is_asked: bool) -> Html:
+def _draw_list(families: list[list[JobReport]], is_filtered: bool) -> Html:
     if not families:
-        told = "No job matches." if is_asked else "There are no jobs yet: drop a scan above."
-        return html('<p class="card soft">{}</p>', told)
+        text = "No job matches." if is_filtered else "There are no jobs yet: drop a scan above."
+        return html('<p class="card soft">{}</p>', text)
     rows = join(_draw_row(job, depth > 0) for family in families for depth, job in enumerate(family))
     return html(LIST, rows=rows)
 

@@ -25,7 +25,7 @@ def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
     row = find_own(rooms, visitor.caller, job)
     if row.kind != PERSON_KIND:
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
-    told = {
+    data = {
         "parts": [{"value": int(part), "word": part.word, "colour": COLOURS[part]} for part in PARTS],
         "unsure": UNSURE.tolist(), "sure": SURE.tolist(),
     }  # fmt: skip
@@ -33,7 +33,7 @@ def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
         html(PART, value=int(part), word=part.word, checked=Html(" checked" if n == 0 else ""), key=n + 1)
         for n, part in enumerate(PARTS)
     )
-    content = html(CONTENT, name=row.name, job=row.id, told=json.dumps(told), parts=parts)
+    content = html(CONTENT, name=row.name, job=row.id, told=json.dumps(data), parts=parts)
     return draw_shell(f"Labels of {row.name}", content, visitor, ["labels/main.js"])
 
 

@@ -20,7 +20,7 @@ Word = Annotated[str, Query(max_length=64)]
 @router.get("/match")
 def show_match(visitor: VisitorOf, a: Word = "", b: Word = "") -> Response:
     """Return the matcher; its script requests `/v1/match`, with the pairs in the page's address."""
-    return draw_shell("Match", html(CONTENT, a=a, b=b), visitor, ["match/main.js"], here="/match")
+    return draw_shell("Match", html(CONTENT, a=a, b=b), visitor, ["match/main.js"], place="/match")
 
 
 CONTENT = """<link rel="stylesheet" href="/static/match/match.css">

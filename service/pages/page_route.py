@@ -29,8 +29,8 @@ class PageRoute(APIRoute):
             try:
                 return await inner(request)
             except SignInNeeded:
-                asked = request.url.path + (f"?{request.url.query}" if request.url.query else "")
-                return RedirectResponse(f"/signin?next={quote(asked, safe='')}", 303)
+                target = request.url.path + (f"?{request.url.query}" if request.url.query else "")
+                return RedirectResponse(f"/signin?next={quote(target, safe='')}", 303)
             except RequestValidationError:
                 return draw_error(RequestBad("the address is invalid; go back to the page that linked to it."))
             except GarmentqError as error:

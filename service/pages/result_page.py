@@ -169,8 +169,8 @@ def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
         for one in _find_exports(rooms, job.id, visitor)
     ]  # fmt: skip
     buttons = join(
-        html('<button type="button" data-export="{}" title="{}">{}</button>', name, told, name.upper())
-        for name, told in DESCRIPTIONS.items()
+        html('<button type="button" data-export="{}" title="{}">{}</button>', name, title, name.upper())
+        for name, title in DESCRIPTIONS.items()
     )
     offered = html('<p class="row">{}</p><div id="exported" role="status"></div>', buttons)
     return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if _may_submit(visitor) else Html(), join(made))
@@ -178,12 +178,12 @@ def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
 
 def _find_exports(rooms: AppState, job: str, visitor: Visitor) -> list[Any]:
     """Return the exports of a result that the visitor sees, newest first."""
-    asked = select(JobRow).join(JobInputRow, JobInputRow.job == JobRow.id)
-    asked = asked.where(JobInputRow.input == job, JobRow.kind == "export")
+    statement = select(JobRow).join(JobInputRow, JobInputRow.job == JobRow.id)
+    statement = statement.where(JobInputRow.input == job, JobRow.kind == "export")
     if not visitor.caller.sees_all:
-        asked = asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == visitor.caller.key)
+        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == visitor.caller.key)
     with rooms.database.read() as session:
-        return list(session.scalars(asked.order_by(JobRow.created.desc(), JobRow.id).limit(20)))
+        return list(session.scalars(statement.order_by(JobRow.created.desc(), JobRow.id).limit(20)))
 
 
 def _may_submit(visitor: Visitor) -> bool:

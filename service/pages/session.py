@@ -61,7 +61,7 @@ def get_visitor(request: Request, rooms: AppStateDependency) -> Visitor:
     except SessionEnded:
         raise SignInNeeded() from None
     rooms.meter.take(caller.key)
-    caller.must("read")
+    caller.check_scope("read")
     return Visitor(caller, make_csrf(token))
 
 
@@ -87,19 +87,19 @@ def show_signin(request: Request, rooms: AppStateDependency, link: str = "", nex
 @router.post("/signin")
 async def sign_in(request: Request, rooms: AppStateDependency) -> Response:
     """Start a session for a key, or for the token of a home without keys."""
-    given = parse_qs((await request.body()).decode("utf-8", "replace"))
-    token, target = given.get("token", [""])[0].strip(), given.get("next", ["/"])[0]
+    form = parse_qs((await request.body()).decode("utf-8", "replace"))
+    token, target = form.get("token", [""])[0].strip(), form.get("next", ["/"])[0]
     return await rooms.lanes.admission.run(_sign_in, request, rooms, token, target)
 
 
 @router.post("/signout")
 async def sign_out(request: Request, rooms: AppStateDependency) -> Response:
     """End the session."""
-    given = parse_qs((await request.body()).decode("utf-8", "replace"))
+    form = parse_qs((await request.body()).decode("utf-8", "replace"))
     answer = RedirectResponse("/signin", 303, EMPTIED)
     if (token := find_session(request.scope)) is not None:
         try:
-            check_csrf(token, given.get("csrf", [""])[0])
+            check_csrf(token, form.get("csrf", [""])[0])
             await run_in_threadpool(end_session, rooms.database, token)
         except GarmentqError as error:
             return _draw_form(rooms, "/", error)
@@ -153,8 +153,8 @@ def _draw_form(rooms: AppState, target: str, error: GarmentqError | None = None)
     if error is not None:
         message = "enter a key." if isinstance(error, KeyMissing) else make_public_message(error)
         refused, status = html('<p class="error" role="alert">{}</p>', message), error_status(error)
-    told = html(TOKEN_HINT) if rooms.local_token else Html()
-    form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=told)
+    hint = html(TOKEN_HINT) if rooms.local_token else Html()
+    form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=hint)
     answer = draw_shell("Sign in", form, status=status)
     answer.headers.update(make_retry_header(status, seconds))
     return answer

@@ -39,7 +39,7 @@ def draw_shell(
     content: Html,
     visitor: Visitor | None = None,
     scripts: Sequence[str] = (),
-    here: str = "",
+    place: str = "",
     status: int = 200,
     data: str = "",
 ) -> HTMLResponse:
@@ -50,7 +50,7 @@ def draw_shell(
         content: Content of its `<main>`.
         visitor: Visitor of the page; None: without a session, so there is no navigation.
         scripts: Modules that it loads, by their names in `static`.
-        here: The address in `PLACES` that it belongs to.
+        place: The address in `PLACES` that it belongs to.
         status: The response's status.
         data: Address of what the scripts read first; empty: nothing.
 
@@ -58,7 +58,7 @@ def draw_shell(
     referrer policy lets a form send its origin to this service, and nothing to any other.
     """
     links = [
-        html('<a href="{}"{}>{}</a>', url, Html(' aria-current="page"' if url == here else ""), name)
+        html('<a href="{}"{}>{}</a>', url, Html(' aria-current="page"' if url == place else ""), name)
         for url, name in PLACES
     ]
     page = html(
@@ -74,11 +74,11 @@ def draw_shell(
 
 
 def _draw_scripts(scripts: Sequence[str], data: str) -> Html:
-    wanted = [html('<link rel="preload" as="fetch" crossorigin="anonymous" href="{}">', data)] if data else []
+    preloads = [html('<link rel="preload" as="fetch" crossorigin="anonymous" href="{}">', data)] if data else []
     imported = dict.fromkeys(module for name in scripts for module in list_imports(name))
-    wanted += [html('<link rel="modulepreload" href="/static/{}/{}">', find_edition(), name) for name in imported]
+    preloads += [html('<link rel="modulepreload" href="/static/{}/{}">', find_edition(), name) for name in imported]
     module = '<script type="module" src="/static/{}/{}"></script>'
-    return join([*wanted, *(html(module, find_edition(), name) for name in scripts)])
+    return join([*preloads, *(html(module, find_edition(), name) for name in scripts)])
 
 
 TEMPLATE = """<!doctype html>

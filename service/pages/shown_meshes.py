@@ -164,8 +164,8 @@ def _describe(packer: Packer, arrays: Mapping[str, np.ndarray]) -> dict[str, Any
     edges = []
     for n in range(count(r"garment\.edge_uv\.\d+")):
         at, index = panels.index(text(f"edges.{n}.panel")), number(f"edges.{n}.edge")
-        own = f"pattern.panels.{at}.edges.{index}"
-        edges.append([at, index, text(f"{own}.label"), text(f"{own}.contour"),
+        label = f"pattern.panels.{at}.edges.{index}"
+        edges.append([at, index, text(f"{label}.label"), text(f"{label}.contour"),
                       packer.put(arrays[f"garment.edge_uv.{n}"])])  # fmt: skip
     seams = [
         [[panels.index(text(f"pattern.seams.{n}.{side}.panel")), number(f"pattern.seams.{n}.{side}.edge")]

@@ -65,8 +65,8 @@ def load_files() -> dict[str, StaticFile]:
 @cache
 def find_edition() -> str:
     """Return the edition in the addresses of all files on a page; it changes if any file changes."""
-    told = "".join(f"{name}{file.etag}" for name, file in sorted(load_files().items()))
-    return f"files-{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+    etags = "".join(f"{name}{file.etag}" for name, file in sorted(load_files().items()))
+    return f"files-{hashlib.sha256(etags.encode()).hexdigest()[:16]}"
 
 
 @cache
@@ -80,8 +80,8 @@ def list_imports(script: str) -> tuple[str, ...]:
         if file is None or name.startswith(VENDORED):
             continue
         folder = PurePosixPath(name).parent
-        for given in IMPORT.findall(file.content.decode()):
-            module = posixpath.normpath((folder / given).as_posix())
+        for imported in IMPORT.findall(file.content.decode()):
+            module = posixpath.normpath((folder / imported).as_posix())
             if module not in found:
                 found[module] = None
                 left.append(module)

@@ -19,8 +19,8 @@ VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
 
 def draw_state(job: JobReport) -> Html:
     """Return a job's state, with its stage if it runs."""
-    told = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
-    return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, told)
+    text = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
+    return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, text)
 
 
 def draw_verdict(verdict: str | None) -> Html:
@@ -54,11 +54,11 @@ def draw_family(job: JobReport) -> Html:
              child.job, child.state)
         for child in job.children
     ]  # fmt: skip
-    own = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
+    items = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
     read = [html('<li>reads <a href="/results/{}">{}</a></li>', one, name) for name, one in job.inputs.items()]
-    if not (links or own or read):
+    if not (links or items or read):
         return Html()
-    return html('<section class="card"><h2>Family</h2><ul>{}</ul></section>', join([*own, *read, *links]))
+    return html('<section class="card"><h2>Family</h2><ul>{}</ul></section>', join([*items, *read, *links]))
 
 
 def is_ended(job: JobReport) -> bool:

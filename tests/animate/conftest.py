@@ -15,7 +15,7 @@ from garmentq.core.cloth.statics import equilibrium
 from garmentq.core.cloth.topology import Topology
 from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.drape.stage import remesh
-from garmentq.core.recover.drape.tie import pin_waist
+from garmentq.core.recover.drape.waist_placement import pin_waist
 from garmentq.core.reuse.wear.worn import WornGarment
 
 

@@ -15,7 +15,7 @@ from garmentq.core.body.motion.track import LeadIn, Pose, Track
 from garmentq.core.cloth.bending_friction import measure_angles
 from garmentq.core.cloth.carry_step import move_collision_free
 from garmentq.core.cloth.collision.barrier import find_coincident_nodes
-from garmentq.core.cloth.collision.near import find_near_pairs
+from garmentq.core.cloth.collision.near_pairs import find_near_pairs
 from garmentq.core.cloth.collision.self_contact import SelfContact
 from garmentq.core.cloth.dynamics import ClothState
 from garmentq.core.cloth.energy import Energy

@@ -286,10 +286,10 @@ def test_shared_jobs_by_setting(settings, database):
 def test_readiness_tells_what_stands_still(client, settings, database, store):
     """Broken where a service that takes jobs which nobody does looks healthy, or the question writes something."""
     ask(client)
-    before = len(list(store.list_kept()))
+    before = len(list(store.list_files()))
     told = httpx.get(f"{client.base_url}/readyz").json()
     assert (told["database"], told["store"]) == ("ok", "ok") and "no worker is up" in told["troubles"][0]
-    assert len(list(store.list_kept())) == before
+    assert len(list(store.list_files())) == before
     store.root.rename(store.root.with_name("away"))
     answer = httpx.get(f"{client.base_url}/readyz")
     assert answer.status_code == 503 and "store.unreachable" in answer.json()["detail"]

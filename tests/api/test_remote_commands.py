@@ -142,7 +142,7 @@ def test_a_batch_is_one_question(remote, files, settings, database, store, addre
     jobs = asked.stdout.split()
     assert len(set(jobs)) == 12
     sent = []
-    ask_really = Connection.ask
+    ask_really = Connection.request
 
     def ask(self, method, url, *rest, **options):
         sent.append((method, url, len(options.get("json", {}).get("jobs", ()))))
@@ -153,7 +153,7 @@ def test_a_batch_is_one_question(remote, files, settings, database, store, addre
             fail(database, claim(database, jobs[11], "test", 60.0), "scan.x", "bad", bad_input=True)
         return ask_really(self, method, url, *rest, **options)
 
-    monkeypatch.setattr(Connection, "ask", ask)
+    monkeypatch.setattr(Connection, "request", ask)
     with RemoteBackend(address, make_local_token(settings.home)) as client:
         rows = follow_batch(client, jobs, 60.0)
     assert [row.id for row in rows] == jobs and {row.state for row in rows[:11]} == {"succeeded"}

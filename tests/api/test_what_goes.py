@@ -38,7 +38,7 @@ def test_a_person_goes(client, keys, settings, database, store, tmp_path, monkey
     with database.read() as session:
         assert [row.name for row in session.query(UploadRow) if row.name.startswith("skirt")] == ["skirt.ply"]
         assert session.query(ScanRow).count() == 1
-    kept = {store.path(one.sha256).read_bytes() for one in store.list_kept()}
+    kept = {store.path(one.sha256).read_bytes() for one in store.list_files()}
     assert make_ply(0.25) in kept and not {make_ply(), make_ply(0.5), b"<svg/>" * 100} & kept
 
 

@@ -58,10 +58,10 @@ def test_signs_are_the_winding_numbers_beside_creases_too() -> None:
     """Broken where a point inside one of two parts that run into each other passes for outside: cloth stays in it."""
     body = builtin_body("builtin:female,height=1.70,pose=arms-down")
     skin = ExposedSurface.of(body, splits=0)
-    assert skin.swallowed is not None
+    assert skin.hidden_skin is not None
     generator = np.random.default_rng(4)
     around = np.concatenate(
-        [skin.vertices, np.repeat(skin.swallowed.vertices[skin.swallowed.faces].mean(axis=1), 6, 0)]
+        [skin.vertices, np.repeat(skin.hidden_skin.vertices[skin.hidden_skin.faces].mean(axis=1), 6, 0)]
     )
     points = around[generator.integers(len(around), size=8000)] + generator.normal(0, 0.015, (8000, 3))
     inside = skin.contains(points)
@@ -75,15 +75,15 @@ def test_depth_between_parts_that_run_into_each_other_is_told_apart():
 
     body = builtin_body("builtin:female,height=1.70,pose=arms-down")
     skin = ExposedSurface.of(body, splits=0)
-    assert skin.swallowed is not None
-    middle = skin.swallowed.vertices[skin.swallowed.faces].mean(axis=1)
+    assert skin.hidden_skin is not None
+    middle = skin.hidden_skin.vertices[skin.hidden_skin.faces].mean(axis=1)
     deepest = middle[[skin.closest(middle).distance.argmax()]]
     faces = np.zeros((0, 3), dtype=int)
     found = pinched_depth(deepest - 1e-4, faces, skin)
-    assert found.free == 0.0 and found.way > 2e-3 and found.pinched < 2e-4
+    assert found.free == 0.0 and found.exit > 2e-3 and found.pinched < 2e-4
     inside = body.joint("neck")[None] * [1.0, 0.9, 1.0]
     found = pinched_depth(inside, faces, skin)
-    assert found.free > 0.03 and found.way == found.pinched == 0.0
+    assert found.free > 0.03 and found.exit == found.pinched == 0.0
 
 
 def test_what_parts_pinch_is_spared_and_nothing_else() -> None:

@@ -156,18 +156,18 @@ def test_noise_does_not_turn_normals() -> None:
 
 def test_codes_follow_what_is_seen() -> None:
     """Broken where a half is told to be no person, or a coat or wide skirt that hides the body is refused."""
-    whole = Presence(unseen=0.0, found=0.6, head=0.6, upper=0.6, beside=0.02, stray=0.0)
+    whole = Presence(unseen=0.0, found=0.6, head=0.6, upper=0.6, far_share=0.02, stray=0.0)
     assert find_presence_error(whole, 1.7) is None
-    assert find_presence_error(replace(whole, found=0.4, beside=0.3, stray=0.2), 1.7) is None
+    assert find_presence_error(replace(whole, found=0.4, far_share=0.3, stray=0.2), 1.7) is None
     assert isinstance(find_presence_error(replace(whole, unseen=0.2), 1.7), ScanPartial)
     assert isinstance(find_presence_error(whole, 0.9), ScanPartial)
-    chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, beside=0.25, stray=0.1)
+    chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, far_share=0.25, stray=0.1)
     assert isinstance(find_presence_error(chair, 0.9), NotHuman)
 
 
 def test_hands_beyond_the_scan_do_not_refuse_a_whole_person(person: Dressed, monkeypatch) -> None:
     """Broken where the coarse fit as if bare has the last word, or who is no person is asked a second time."""
-    whole = Presence(unseen=0.1, found=0.56, head=0.86, upper=0.55, beside=0.0, stray=0.0)
+    whole = Presence(unseen=0.1, found=0.56, head=0.86, upper=0.55, far_share=0.0, stray=0.0)
     dog = replace(whole, found=0.3, head=0.25, upper=0.3)
     assert whole.may_be_whole and not whole.is_person
     assert not dog.may_be_whole and not replace(whole, unseen=0.2).may_be_whole

@@ -135,7 +135,7 @@ def test_cloth_that_limbs_pinch_is_not_torn_to_the_rims(thighs):
         return (after / before).max()
 
     depth = pinched_depth(nodes, faces, thighs)
-    assert depth.way > 1e-2 and 1e-4 < depth.pinched < 3e-3
+    assert depth.exit > 1e-2 and 1e-4 < depth.pinched < 3e-3
     torn = project_outside(nodes, thighs, faces)
     kept = project_outside(nodes, thighs.sparing_pinched, faces)
     assert longest(torn) > 2.0 and longest(kept) < 1.6

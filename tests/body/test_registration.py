@@ -112,7 +112,7 @@ def test_a_fit_from_the_true_state_stays_there() -> None:
 def test_a_cube_is_no_person() -> None:
     """A wrong mesh must be refused with a stable code, not given bones."""
     cube = trimesh.creation.box((1.0, 1.0, 1.0)).subdivide().subdivide()
-    quick = RegistrationSettings(coarse_count=60, fine_count=300, surface_count=600, kept=(1, 1))
+    quick = RegistrationSettings(coarse_count=60, fine_count=300, surface_count=600, starts=(1, 1))
     with pytest.raises(NotHuman, match="metres") as caught:
         register_body(cube.vertices, cube.faces, settings=quick)
     assert caught.value.code == "body.not_human"

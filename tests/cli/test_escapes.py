@@ -82,7 +82,7 @@ def test_a_service_cannot_write_elsewhere(name, tmp_path, monkeypatch):
 @pytest.mark.parametrize("job", ["../../x", "a\x1b[2J", "", "x" * 40, "é"])
 def test_a_service_cannot_name_a_job_as_it_likes(job, monkeypatch):
     """Broken where an id that a hostile service gives is printed, or becomes part of a path."""
-    monkeypatch.setattr(Connection, "ask", lambda *given, **more: {"job": job, "error": None})
+    monkeypatch.setattr(Connection, "request", lambda *given, **more: {"job": job, "error": None})
     with RemoteBackend("http://127.0.0.1:1") as client, pytest.raises(GarmentqError) as error:
         client.find_job("abcd")
     assert error.value.code == "service.unreachable"

@@ -54,7 +54,7 @@ def lay(sheet, grid_of, cloth, count: int) -> Sheet:
     moving = take_time_steps(scene, nodes, steps=15)
     held = np.array([0, count - 1])
     pins = Pins(held, moving.nodes[held] + [0.0, 0.01, 0.0])
-    settings = SolveSettings(max_iterations=300, still=0.0)
+    settings = SolveSettings(max_iterations=300, rest_motion=0.0)
     scene = replace(scene, pins=pins)
     drape = equilibrium(scene, moving.nodes, anchors=moving.anchors, settings=settings)
     assert drape.converged

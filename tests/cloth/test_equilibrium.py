@@ -19,7 +19,7 @@ from garmentq.core.run.hooks import Hooks
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-EXACT = SolveSettings(tolerance=1e-6, still=0.0, max_iterations=300)
+EXACT = SolveSettings(tolerance=1e-6, rest_motion=0.0, max_iterations=300)
 
 
 def test_hanging_strip_stretches_as_computed(sheet, cloth):
@@ -115,7 +115,7 @@ def test_cloth_that_stops_under_a_force_is_not_at_rest(on_sphere, cloth):
     assert rest.at_rest and rest.advice == rest.outcome.advice
     assert 0.0 < rest.residual_rms <= rest.residual <= MAX_REST_RESIDUAL
     crumpled = state.nodes + np.random.default_rng(1).normal(0, 2e-3, state.nodes.shape)
-    blind = SolveSettings(still=1.0, steps_per_factor=1, max_step=1e-6)  # a motion of less than a metre is none
+    blind = SolveSettings(rest_motion=1.0, steps_per_factor=1, max_step=1e-6)  # a motion of less than a metre is none
     stuck = equilibrium(scene, crumpled, settings=blind)
     assert (stuck.outcome, stuck.converged, stuck.at_rest) == (Outcome.STILL, True, False)
     assert stuck.residual > MAX_REST_RESIDUAL and stuck.advice.startswith("not at rest: nothing moves any more")
@@ -155,7 +155,7 @@ def test_every_outcome_carries_its_advice():
 def test_outcomes_carry_advice(on_sphere, cloth):
     """A search that ends early without saying what to do breaks this."""
     scene, state = on_sphere
-    few = SolveSettings(max_iterations=1, still=0.0, tolerance=1e-12)
+    few = SolveSettings(max_iterations=1, rest_motion=0.0, tolerance=1e-12)
     drape = equilibrium(scene, state.nodes, settings=few)
     assert (drape.outcome, drape.converged) == (Outcome.ITERATIONS, False)
     assert "max_iterations" in drape.outcome.advice

@@ -46,9 +46,9 @@ def test_each_garment_keeps_its_fabric(crumpled, cloth):
             assert abs(whole_matrix[half, half] - matrix).max() < 1e-9 * abs(matrix).max()
     step = np.random.default_rng(2).normal(0, 1e-3, moved.shape)
     stress = [
-        each.foresee_stress(at, by) for each, at, by in zip(alone, np.split(moved, 2), np.split(step, 2), strict=True)
+        each.predict_stress(at, by) for each, at, by in zip(alone, np.split(moved, 2), np.split(step, 2), strict=True)
     ]
-    np.testing.assert_allclose(together.foresee_stress(moved, step), np.concatenate(stress))
+    np.testing.assert_allclose(together.predict_stress(moved, step), np.concatenate(stress))
     with pytest.raises(SettingsBad):
         pull_forces(together, moved, np.ones_like(moved))
 

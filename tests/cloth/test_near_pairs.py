@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.cloth.collision.apart import find_close_patches, remove_mean_motion
 from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
-from garmentq.core.cloth.collision.look_back import verify_pairs_on_path
-from garmentq.core.cloth.collision.near import find_near_pairs
+from garmentq.core.cloth.collision.near_pairs import find_near_pairs
+from garmentq.core.cloth.collision.patch_pairs import find_close_patches, remove_mean_motion
+from garmentq.core.cloth.collision.path_check import verify_pairs_on_path
 from garmentq.core.cloth.collision.self_contact import SelfContact
 from garmentq.core.cloth.energy import Energy
 from garmentq.core.cloth.pins import Pins
@@ -56,7 +56,7 @@ def name_pairs(near) -> list[tuple[int, ...]]:
 def test_a_search_around_what_moved_finds_what_a_full_one_would(sheet, monkeypatch):
     """A pair of moved and resting cloth left out, kept twice, or found too near for what still drifts breaks this."""
     many = 0.5
-    monkeypatch.setattr("garmentq.core.cloth.collision.look_back.MAX_MOVED_NODE_SHARE", many)
+    monkeypatch.setattr("garmentq.core.cloth.collision.path_check.MAX_MOVED_NODE_SHARE", many)
     topology, nodes = lay_two(sheet, 6e-3)
     cloth = SelfContact.of(topology)
     rng = np.random.default_rng(2)
@@ -67,7 +67,7 @@ def test_a_search_around_what_moved_finds_what_a_full_one_would(sheet, monkeypat
         assert 0.0 < lower.mean() < many
         drift = 0.5 * cloth.margin * rng.uniform(-1, 1, nodes.shape) / np.sqrt(3.0)
         end = nodes + drift - np.where(lower[:, None], [[0.0, 4.2e-3 - 4e-4 * turn, 0.0]], 0.0)
-        near, _ = verify_pairs_on_path(cloth, np.stack([nodes, end]), replace(near, held=True))
+        near, _ = verify_pairs_on_path(cloth, np.stack([nodes, end]), replace(near, frozen=True))
         names = name_pairs(near)
         assert len(names) == len(set(names)) and len(set(near.keys.tolist())) == len(names)
         nodes = end
@@ -124,7 +124,7 @@ def test_a_way_holds_as_far_as_nothing_new_came_near(sheet):
     near, last = verify_pairs_on_path(cloth, np.stack(way), find_near_pairs(cloth, nodes))
     assert last == 2
     assert list_touching(cloth, way[3]) <= set(name_pairs(near))
-    again, last = verify_pairs_on_path(cloth, np.stack(way[2:]), replace(near, held=True))
+    again, last = verify_pairs_on_path(cloth, np.stack(way[2:]), replace(near, frozen=True))
     assert last == 2 and list_touching(cloth, way[4]) <= set(name_pairs(again))
     # there and back between two places is not at rest in between
     away = [way[0], way[3], way[0]]
@@ -142,8 +142,8 @@ def test_a_leg_that_outruns_what_it_watched_still_crosses_nothing(sheet, cloth):
     free = equilibrium(replace(scene, self_contact=None), nodes, settings=SolveSettings(max_iterations=3))
     assert free.nodes[64:, 1].mean() < -0.05
     energy = Energy(scene)
-    watched = energy.hold(nodes)
-    assert watched.near.held and not watched.look_back(nodes[None])[0].near.held
+    watched = energy.freeze(nodes)
+    assert watched.near.frozen and not watched.verify_pairs(nodes[None])[0].near.frozen
 
 
 def test_pins_that_hold_cloth_crossed_let_it_go(sheet, cloth):

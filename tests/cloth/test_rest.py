@@ -42,14 +42,14 @@ def test_foreseen_stress_is_linear_in_the_step(crumpled, cloth):
     topology, nodes, _ = crumpled
     energy = Energy(Scene(topology, cloth))
     step = np.random.default_rng(1).normal(0, 2e-3, nodes.shape)
-    here = energy.foresee_stress(nodes, 0 * step)
+    here = energy.predict_stress(nodes, 0 * step)
     blocks = energy.hessian(nodes)[2]
     np.testing.assert_allclose(energy.hessian(nodes, stress=here)[2], blocks, atol=1e-12 * np.abs(blocks).max())
     small = 1e-5
     slope = (
-        energy.foresee_stress(nodes + small * step, 0 * step) - energy.foresee_stress(nodes - small * step, 0 * step)
+        energy.predict_stress(nodes + small * step, 0 * step) - energy.predict_stress(nodes - small * step, 0 * step)
     ) / (2 * small)
-    np.testing.assert_allclose(energy.foresee_stress(nodes, step), here + slope, atol=1e-7 * np.abs(slope).max())
+    np.testing.assert_allclose(energy.predict_stress(nodes, step), here + slope, atol=1e-7 * np.abs(slope).max())
     assert np.abs(energy.hessian(nodes, stress=here + slope)[2] - blocks).max() > 1e-3 * np.abs(blocks).max()
 
 

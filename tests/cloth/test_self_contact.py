@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from garmentq.core.cloth.collision.advance import collision_free_share
 from garmentq.core.cloth.collision.closest import EDGE_EDGE, NODE_FACE, closest_weights, pair_distance
+from garmentq.core.cloth.collision.collision_free_step import collision_free_share
 from garmentq.core.cloth.collision.coupling import extend_sparsity
-from garmentq.core.cloth.collision.near import PairElements, find_near_pairs
+from garmentq.core.cloth.collision.near_pairs import PairElements, find_near_pairs
 from garmentq.core.cloth.collision.self_contact import SelfContact
 from garmentq.core.cloth.dynamics import continue_time_steps, take_time_steps
 from garmentq.core.cloth.energy import Energy
@@ -238,7 +238,7 @@ def test_friction_against_differences_and_balanced(touching):
     """A wrong sign or a block in the wrong slot of cloth's friction on cloth breaks this."""
     energy, nodes = touching
     rng = np.random.default_rng(11)
-    given = energy.lag_rubbing(nodes).rubbing
+    given = energy.lag_friction(nodes).rubbing
     given = replace(given, anchors=given.anchors + rng.normal(0, 4e-4, given.anchors.shape))
     energy, bare = replace(energy, rubbing=given), energy
     forces = energy.gradient(nodes)[1] - bare.gradient(nodes)[1]

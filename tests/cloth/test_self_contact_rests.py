@@ -126,7 +126,7 @@ def test_momentum_is_kept_where_nothing_acts_from_outside(sheet, cloth):
     velocities = np.zeros_like(nodes)
     velocities[count:] = [0.1, -0.3, 0.0]
     scene = Scene(topology, cloth, gravity=(0.0, 0.0, 0.0), self_contact=SelfContact.of(topology))
-    settings = SolveSettings(damping=1.0, newton_per_step=40, still=1e-12)
+    settings = SolveSettings(damping=1.0, newton_per_step=40, rest_motion=1e-12)
     state = continue_time_steps(scene, ClothState(nodes, velocities, nodes), steps=6, dt=0.01, settings=settings)
     before, after = (scene.masses @ v for v in (velocities, state.velocities))
     assert np.abs(after - before).max() < 1e-3 * np.abs(before).max()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.run.errors import BadInput
-from garmentq.core.scan.contours.misfit import explain_misfit, find_misfit_warnings
+from garmentq.core.scan.contours.body_mismatch import explain_misfit, find_misfit_warnings
 from garmentq.service.inspect_garment import inspect_file
 
 

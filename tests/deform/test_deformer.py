@@ -65,7 +65,7 @@ def test_a_garment_on_its_target_stays(scene, to_target):
 def test_going_on_from_the_target_stays_on_it(scene, fitted, rms):
     """Breaks if the short stage throws off what lies on the target already: 0.1 mm further off than the long one."""
     garment, target, body = scene
-    settings = DeformSettings().going_on()
+    settings = DeformSettings().for_folds()
     found = deform(garment.at(fitted.nodes), target, body, settings=settings)
     assert found.iterations <= settings.iterations < DeformSettings().iterations // 2
     for now, before in zip(
@@ -77,7 +77,7 @@ def test_going_on_from_the_target_stays_on_it(scene, fitted, rms):
 def test_going_on_keeps_the_strains_share_of_the_steps():
     """Breaks if the shorter stage ends before strain sets in, as the thesis' setting did, whose strain waits."""
     for whole in (DeformSettings(), DeformSettings.thesis()):
-        short = whole.going_on()
+        short = whole.for_folds()
         assert short.strain_from / short.iterations == pytest.approx(whole.strain_from / whole.iterations, abs=0.01)
 
 

@@ -17,9 +17,9 @@ from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import find_cut, load_template, name_cut
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.recover.drape.carry import PosePath, pose_cloth
 from garmentq.core.recover.drape.dress import dress
-from garmentq.core.recover.drape.follow import build_distance_constraints
+from garmentq.core.recover.drape.pbd import build_distance_constraints
+from garmentq.core.recover.drape.pose_path import PosePath, pose_cloth
 from garmentq.core.recover.drape.waist import waist_loop
 from sized_template import size_template
 
@@ -81,7 +81,7 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
     assert skin.measure(project_outside(nodes, skin, garment.faces))[0].min() >= -1e-3
     for pose in poses:
         _, posed, outside = wearer(gender, pose)
-        there, velocity = pose_cloth(threads, nodes, way(gender, pose), posed, held=waist)
+        there, velocity = pose_cloth(threads, nodes, way(gender, pose), posed, pins=waist)
         assert len(self_intersections(there, garment.faces)) == 0, f"{name} in {pose}"
         assert outside.measure(there)[0].min() >= -1e-3, f"{name} in {pose}"
         assert np.quantile(np.linalg.norm(velocity, axis=1), 0.9) < CALM, f"{name} in {pose}"

@@ -12,9 +12,9 @@ from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.recover.drape.follow import PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
 from garmentq.core.recover.drape.layers import find_layer_constraints
+from garmentq.core.recover.drape.pbd import PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.shell import SHELL_CONTACT_THICKNESS, Shell
 from garmentq.core.recover.drape.sizing import measure_wearer
 from scipy.spatial import cKDTree

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from garmentq.core.body.advection import advect_outside
 from garmentq.core.body.builtin import builtin_body
-from garmentq.core.body.current import advect_outside
 from garmentq.core.geometry.intersections import self_intersections, undo_crossings
-from garmentq.core.recover.drape.follow import DistanceConstraints, PbdSettings
-from garmentq.core.recover.drape.ironing import unfold_crossings
 from garmentq.core.recover.drape.layers import find_layer_constraints
-from garmentq.core.recover.drape.stance import align_legs
+from garmentq.core.recover.drape.leg_alignment import align_legs
+from garmentq.core.recover.drape.pbd import DistanceConstraints, PbdSettings
+from garmentq.core.recover.drape.unfolding import unfold_crossings
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -28,7 +28,7 @@ def worn():
     straight = load_template("skirt")
     down = (straight.points[:, 1].max() - straight.points[:, 1]) / np.ptp(straight.points[:, 1])
     wide = straight.points * np.stack([1.0 + 1.2 * down, np.full(len(down), 0.7)], axis=1)
-    flared = equalise_seams(straight.with_points(wide), like=straight)
+    flared = equalise_seams(straight.with_points(wide), base=straight)
     skirt = drape_template(flared, wearer, settings=DrapeSettings(template_vertices=COUNT))
     return wearer, skirt, get_fabric("cotton_poplin")
 

@@ -17,10 +17,10 @@ from garmentq.core.garment.garment import Garment
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import list_templates, load_template
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.recover.drape.carry import PosePath, pose_cloth
 from garmentq.core.recover.drape.dress import dress
-from garmentq.core.recover.drape.follow import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.layer_contact import LayerContact
+from garmentq.core.recover.drape.pbd import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
+from garmentq.core.recover.drape.pose_path import PosePath, pose_cloth
 from garmentq.core.recover.drape.waist import waist_loop
 from sized_template import size_template
 
@@ -106,7 +106,7 @@ def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
     garment, threads, waist, nodes = worn(name, gender)
     skin, lookup = outside(gender, "T"), wearer(gender, "T")[1]
     start = PbdState.at_rest(nodes)
-    state = simulate_pbd(threads, start, lookup, 6, gravity=9.81, held=waist, layers=LayerContact())
+    state = simulate_pbd(threads, start, lookup, 6, gravity=9.81, pins=waist, layers=LayerContact())
     # let go from rest for a tenth of a second: what nothing holds falls at 1 m/s by then
     assert at_rest(state.velocities)
     assert tangled(nodes, garment) == 0
@@ -125,7 +125,7 @@ def test_template_hangs_in_every_pose(name: str, gender: str, pose: str) -> None
     """
     garment, threads, waist, nodes = worn(name, gender)
     _, grid = wearer(gender, pose)
-    nodes, velocity = pose_cloth(threads, nodes, way(gender, pose), grid, held=waist)
+    nodes, velocity = pose_cloth(threads, nodes, way(gender, pose), grid, pins=waist)
     assert tangled(nodes, garment) == 0
     assert depth(nodes, garment, way(gender, pose).skin) <= 1e-3
     assert at_rest(velocity)

@@ -14,8 +14,8 @@ from garmentq.core.geometry.curves import ClosedCurve
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.drape.dress import waistband_height
 from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
-from garmentq.core.recover.drape.tie import pin_waist, place_waist, tie_contour
 from garmentq.core.recover.drape.waist import flat_lengths, waist_loop
+from garmentq.core.recover.drape.waist_placement import pin_waist, place_waist, tie_contour
 from garmentq.core.scan.contours.loop import find_loops
 from garmentq.core.scan.contours.target import Contour, Target
 from wearers import find_wearer

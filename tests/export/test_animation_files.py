@@ -12,8 +12,8 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.deliver.export.animation import write_animation
 from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.reuse.animate.animate_garment import AnimatedGarment
 from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
-from garmentq.core.reuse.animate.moved import AnimatedGarment
 from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.report import ResultReport
 from PIL import Image

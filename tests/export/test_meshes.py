@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.deliver.export.meshes import uv_layout, write_meshes
-from garmentq.core.garment.pieces.shelves import pack_on_shelves
+from garmentq.core.garment.pieces.shelf_packing import pack_on_shelves
 
 
 @pytest.fixture(scope="module")

@@ -36,7 +36,7 @@ def worn(wearer: WearerGeometry) -> tuple[Garment, Target]:
     """Dress a skirt whose pattern is no template's: wider, longer, with a slanted hem."""
     template = load_template("skirt")
     points = template.points * [1.04, 1.02] + 0.02 * np.sin(3.0 * template.points[:, ::-1])
-    pattern = equalise_seams(template.with_points(points), like=template)
+    pattern = equalise_seams(template.with_points(points), base=template)
     garment = drape_template(pattern, wearer, settings=COARSE)
     normals = np.zeros_like(garment.nodes)
     return garment, Target(garment.nodes, garment.faces, normals, garment.contours, (), "skirt")

@@ -49,14 +49,14 @@ def case() -> Case:
     return Case(
         request=Request(Path("tshirt.ply"), BuiltinWearer(TEMPLATE_WEARER)),
         scan=Scan(worn.nodes, worn.faces),
-        seen=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
+        scan_target=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
         wearer=WearerGeometry(builtin_body(TEMPLATE_WEARER)),
     )
 
 
 def start_from(case: Case, garment: Garment, drape: Drape) -> RecoveryState:
     """Return the state that a graded drape leaves."""
-    state = RecoveryState("tshirt", garment.pattern, case.seen, case.wearer, get_fabric("cotton_poplin"))
+    state = RecoveryState("tshirt", garment.pattern, case.scan_target, case.wearer, get_fabric("cotton_poplin"))
     return replace(state, garment=garment, graded=garment, drape=drape)
 
 

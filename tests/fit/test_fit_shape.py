@@ -158,13 +158,15 @@ def test_a_step_keeps_its_promise(scene: Worn) -> None:
     """
     problem = state(scene)
     drape = problem.drape(scene.template, scene.worn.nodes)
-    loss, away = problem.loss.value(drape.nodes), problem.away(scene.template, scene.fabric)
+    loss, away = problem.loss.value(drape.nodes), problem.difference(scene.template, scene.fabric)
     linear = problem.linearise(scene.template, drape)
     step, promised = problem.step(scene.template, away, 0.5 * 100.0 / loss, linear, 1e2)
     pattern, _ = problem.cut(away + step)
     assert pattern is not None
     after = problem.loss.value(problem.drape(pattern, drape.nodes).nodes)
-    gained = problem.objective(loss, 100.0, away) - problem.objective(after, 100.0, problem.away(pattern, scene.fabric))
+    gained = problem.objective(loss, 100.0, away) - problem.objective(
+        after, 100.0, problem.difference(pattern, scene.fabric)
+    )
     assert promised > 0.0 and gained == pytest.approx(promised, rel=1.0 / 6.0)
 
 
@@ -259,7 +261,7 @@ def test_bands_stay_nearly_as_they_are() -> None:
     def cost(moved: np.ndarray) -> float:
         """Return what a millimetre across costs a point; a panel that moves as a whole breaks no proportion."""
         points = like.points + np.where(moved[:, None], [0.0, 1e-3], 0.0)
-        away = problem.away(like.with_points(points), problem.fabric)
+        away = problem.difference(like.with_points(points), problem.fabric)
         return 2.0 * problem.objective(1.0, 100.0, away) / float((away != 0.0).sum())
 
     bands = np.repeat([mean_width(panel) < 0.05 for panel in like.panels], [len(panel.points) for panel in like.panels])
@@ -313,7 +315,7 @@ def test_left_and_right_may_be_freed(scene: Worn) -> None:
     free = replace(scene.template, symmetric=False)
     assert not find_symmetry(free).mirrors
     np.testing.assert_allclose(find_symmetry(free).matrix.toarray(), np.eye(2 * len(free.points)))
-    asked = equalise_seams(free.with_points(lopsided), like=free)
+    asked = equalise_seams(free.with_points(lopsided), base=free)
 
     def skew(pattern: Pattern) -> float:
         points = pattern.panels[0].points

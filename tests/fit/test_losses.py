@@ -197,9 +197,9 @@ def test_smooth_curves_are_kept(skirt: Garment) -> None:
     loss = PanelLoss.of(skirt, skirt.pattern)
     turned = skirt.pattern.points @ np.array([[0.8, -0.6], [0.6, 0.8]]) * 1.1
     assert loss.evaluate(turned)[0] == pytest.approx(0.0, abs=1e-12)
-    assert len(loss.here)
+    assert len(loss.points)
     bent = skirt.pattern.points.copy()
-    bent[loss.here[0]] += [0.01, 0.01]
+    bent[loss.points[0]] += [0.01, 0.01]
     assert 1e-7 < loss.evaluate(bent)[0] < 1e-3
 
 
@@ -210,7 +210,7 @@ def test_right_angles_at_centre_lines_are_kept() -> None:
     panels = tuple(Panel(name, points, (Edge(),) * 4) for name, points in (("left", left), ("right", right)))
     pattern = Pattern("halves", panels, (Seam(EdgeRef("left", 3), EdgeRef("right", 3)),))
     loss = PanelLoss.of(mesh_pattern(pattern, 60), pattern)
-    assert set(loss.here.tolist()) == {0, 3, 4, 7}
+    assert set(loss.points.tolist()) == {0, 3, 4, 7}
     points = pattern.points
     assert loss.evaluate(points * [1.2, 0.9])[0] == pytest.approx(0.0, abs=1e-15)
     sheared = points + np.outer(points[:, 0], [0.0, 0.1])

@@ -32,7 +32,7 @@ def test_what_begins_far_off_slides(category: str, template: Path | None, lock: 
     nowhere = np.zeros((0, 3))
     target = Target(nowhere, nowhere.astype(int), nowhere, (), (), category)
     request = Request(Path("scan.ply"), template=template, settings=RecoverySettings(lock=lock))
-    case = Case(request, scan=None, seen=target, wearer=None)
+    case = Case(request, scan=None, scan_target=target, wearer=None)
     steps = choose_isometry_settings(case)
     assert steps.newton == newton
     assert not steps.curves

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from garmentq.core.garment.curves import edge_length, panel_area, panel_outline
 from garmentq.core.garment.editing.cutting import cut_panel
-from garmentq.core.garment.editing.dividing import merge_edges, split_edges
+from garmentq.core.garment.editing.edge_division import merge_edges, split_edges
 from garmentq.core.garment.editing.errors import EditBad
 from garmentq.core.garment.editing.joining import join_panels
-from garmentq.core.garment.editing.moving import move_points
+from garmentq.core.garment.editing.move_points import move_points
 from garmentq.core.garment.editing.operations import apply_operations
 from garmentq.core.garment.editing.reshaping import sharpen_corner, smooth_corner, straighten_edges
 from garmentq.core.garment.examine import find_faults

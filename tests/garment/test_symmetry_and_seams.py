@@ -93,7 +93,7 @@ def test_seams_become_equal(tee_file, symmetric):
         points = pattern.points + rng.normal(scale=0.008, size=pattern.points.shape)
     moved = pattern.with_points(points)
     before = seam_mismatch(moved)
-    equal = equalise_seams(moved, like=pattern)
+    equal = equalise_seams(moved, base=pattern)
     assert before > 1e-3 and seam_mismatch(equal) < 1e-4
     assert np.abs(equal.points - points).max() < 1.5 * before
     if symmetric:
@@ -106,7 +106,7 @@ def test_fixed_points_and_gathers_stay(skirt_file):
     ratio = np.divide(*seam_lengths(pattern)[2])
     moved = pattern.panel("front").points * [1.0, 1.1]
     longer = pattern.with_points({"front": moved})
-    equal = equalise_seams(longer, fixed=[("front", 0), ("front", 1)], like=pattern)
+    equal = equalise_seams(longer, fixed=[("front", 0), ("front", 1)], base=pattern)
     assert seam_mismatch(equal) < 1e-4
     assert equal.panel("front").points[:2] == pytest.approx(moved[:2], abs=1e-12)
     assert np.divide(*seam_lengths(equal)[2]) == pytest.approx(ratio, rel=1e-4)

@@ -25,7 +25,7 @@ def test_points_lie_ahead_of_the_marked_side_alone() -> None:
     surface = square()
     rim = Rim.between(surface.faces, surface.vertices[:, 1] == 1.0)
     points = np.array([[0.52, 1.2, 0.0], [0.3, 1.2, 0.0], [0.52, -0.2, 0.0], [0.52, 0.5, 0.1], [0.52, 0.95, 0.0]])
-    np.testing.assert_array_equal(rim.lies_ahead(surface, surface.closest(points)), [True, True, False, False, False])
+    np.testing.assert_array_equal(rim.is_ahead(surface, surface.closest(points)), [True, True, False, False, False])
 
 
 def test_a_curled_rim_hides_what_lies_ahead_of_it() -> None:
@@ -35,5 +35,5 @@ def test_a_curled_rim_hides_what_lies_ahead_of_it() -> None:
     near_rim = np.array(
         [[0.5, 0.993, 0.1], [0.5, 0.993, 0.005], [0.5, 0.9, 0.1], [0.5, 0.978, 0.06], [0.5, 0.978, 0.03]]
     )
-    ahead = rim.lies_ahead(surface, surface.closest(near_rim))
+    ahead = rim.is_ahead(surface, surface.closest(near_rim))
     np.testing.assert_array_equal(ahead, [True, False, False, True, False])

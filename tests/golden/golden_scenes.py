@@ -38,7 +38,7 @@ from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.core.recover.pipeline import recover
 from garmentq.core.recover.recovery import Request
 from garmentq.core.recover.settings import RecoverySettings
-from garmentq.core.reuse.animate.moved import animate_garment
+from garmentq.core.reuse.animate.animate_garment import animate_garment
 from garmentq.core.reuse.animate.settings import AnimateSettings
 from garmentq.core.reuse.edit.redraping import drape_edit
 from garmentq.core.reuse.wear.dressing import dress_body

@@ -58,7 +58,7 @@ def test_armholes_end_in_the_armpit_that_no_scan_shows(worn, body):
     seen = worn.faces[~lies_under_arm(target, body)[worn.faces].any(axis=1)]
     scan = Target(target, seen, np.zeros_like(target), worn.contours, (), "tshirt")
     grading = grade_pattern(worn, scan, body)
-    held = Armpits.of(worn, body).held
+    held = Armpits.of(worn, body).fixed
     assert held.any()
 
     def moved(nodes: np.ndarray) -> float:
@@ -73,7 +73,7 @@ def test_arms_that_are_raised_hide_nothing(worn):
     raised = builtin_body("builtin:female,height=1.70,pose=A")
     found = Armpits.of(worn, raised)
     assert not found.hidden.any()
-    assert not found.held.any()
+    assert not found.fixed.any()
 
 
 SAG = 0.03
@@ -87,9 +87,9 @@ def test_cloth_that_sags_in_the_armpit_leaves_its_panels_as_they_are(worn, body)
     sunk = worn.nodes - SAG * lies_under_arm(worn.nodes, body)[:, None] * [0.0, 1.0, 0.0]
 
     def longest_way(stay_hidden: float) -> float:
-        settings = replace(FIT_ISOMETRY_SETTINGS, stay_hidden=stay_hidden)
+        settings = replace(FIT_ISOMETRY_SETTINGS, start_cost_hidden=stay_hidden)
         fitted = fit_isometry(worn, sunk, scan, body, worn.pattern, settings)
         return float(np.linalg.norm(fitted.pattern.points - worn.pattern.points, axis=1).max())
 
-    assert longest_way(FIT_ISOMETRY_SETTINGS.stay_hidden) < 0.006
+    assert longest_way(FIT_ISOMETRY_SETTINGS.start_cost_hidden) < 0.006
     assert longest_way(0.0) > 0.012  # what it is with the nodes held

@@ -127,10 +127,10 @@ def test_cloth_that_rests_on_the_body_is_held_and_upright_cloth_is_not(worn) -> 
     everywhere = np.ones(len(worn.nodes), bool)
     move = np.ones(len(worn.nodes))
     cloth = HiddenCloth(even=0.05, rest=0.1)
-    assert abs(move @ cloth.hold(worn, everywhere) @ move) < 1e-6
+    assert abs(move @ cloth.stiffness(worn, everywhere) @ move) < 1e-6
     lying = replace(worn, nodes=worn.nodes * [1.0, 0.0, 1.0] + [1.0, 0.0, 0.0] * worn.nodes[:, 1:2])
     flat = np.abs(vertex_normals(lying.nodes, lying.faces)[:, 1]) > cloth.level
-    cost = move @ cloth.hold(lying, everywhere) @ move
+    cost = move @ cloth.stiffness(lying, everywhere) @ move
     assert flat.all()
     np.testing.assert_allclose(cost, 2 * WIDTH * HEIGHT / (0.1 * 0.05) ** 2, rtol=1e-6)
 

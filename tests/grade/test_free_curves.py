@@ -13,8 +13,8 @@ from garmentq.core.garment.handles import handles_of, list_curves, with_handles
 from garmentq.core.garment.pattern import EdgeRef, Pattern
 from garmentq.core.garment.seams import equalise_seams, seam_lengths, seam_mismatch
 from garmentq.core.garment.templates import load_draped_template, load_template
-from garmentq.core.recover.grade import freedom
-from garmentq.core.recover.grade.freedom import PatternParameters
+from garmentq.core.recover.grade import pattern_parameters
+from garmentq.core.recover.grade.pattern_parameters import PatternParameters
 from garmentq.core.recover.grade.proportion import find_proportions
 from garmentq.core.recover.grade.sliding import SlideSettings, slide_seams
 from garmentq.core.scan.contours.target import Target
@@ -66,7 +66,7 @@ def depth(pattern: Pattern) -> float:
 
 def test_the_cloth_tells_how_an_armhole_is_cut(worn, body, monkeypatch):
     """Broken where handles are not fitted, or by the wrong rates: a third of the depth stays then."""
-    monkeypatch.setattr(freedom, "CURVE_HANDLE_STD", 1.0)  # the base pattern is known to be another maker's
+    monkeypatch.setattr(pattern_parameters, "CURVE_HANDLE_STD", 1.0)  # the base pattern is known to be another maker's
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "tshirt")
     other = cut_otherwise(worn.pattern)
     start = update_flat_mesh(worn, other)
@@ -101,7 +101,7 @@ def test_rates_are_those_of_the_drawing():
     found = free.combine(by_points, proportions.curve_rates(base)) @ change
     ends = [proportions.linearise(one)[0] for one in (forwards, backwards)]
     np.testing.assert_allclose(found, (ends[1] - ends[0]) / 2.0, atol=1e-4)
-    again = free.move(base, free.away(forwards, base))
+    again = free.move(base, free.difference(forwards, base))
     np.testing.assert_allclose(again.points, forwards.points, atol=1e-9)
     np.testing.assert_allclose(handles_of(again), handles_of(forwards), atol=1e-9)
 

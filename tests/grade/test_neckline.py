@@ -69,9 +69,9 @@ def test_each_neckline_is_told_from_the_others(kind):
     """Breaks where a line is taken for another: 1 mm of noise is a scanner's, and teeth are smoothed away."""
     fits = fit_necklines(neck_target(NecklineCut.at_front(kind), CREW_BACK, noise=0.001), BODY)
     assert fits is not None
-    assert fits.front[0].throat.kind is kind
+    assert fits.front[0].neckline.kind is kind
     assert fits.front[0].misfit < 0.04
-    assert fits.back[0].throat.kind is Neckline.CREW
+    assert fits.back[0].neckline.kind is Neckline.CREW
 
 
 @pytest.mark.parametrize("lean", [0.1, 0.3])
@@ -79,9 +79,9 @@ def test_a_square_neckline_may_be_wider_below(lean):
     """Broken where side neck points are looked for at the lower corners, so that a square is a boat in front."""
     square = NecklineCut.at_front(Neckline.SQUARE)
     fits = fit_necklines(neck_target(square, CREW_BACK, lean=lean), BODY)
-    assert fits is not None and fits.front[0].throat.kind is Neckline.SQUARE
-    assert fits.front[0].throat.depth == pytest.approx(square.depth, abs=0.01)
-    assert fits.back[0].throat.kind is Neckline.CREW
+    assert fits is not None and fits.front[0].neckline.kind is Neckline.SQUARE
+    assert fits.front[0].neckline.depth == pytest.approx(square.depth, abs=0.01)
+    assert fits.back[0].neckline.kind is Neckline.CREW
 
 
 def test_unrolled_lines_have_the_drafted_width_and_depth():
@@ -97,10 +97,10 @@ def test_unrolled_lines_have_the_drafted_width_and_depth():
 def test_a_bowed_v_is_a_v_until_its_corner_is_gone():
     """Breaks where any pointed curve counts: a side that bows by 0.1 keeps a corner, a shallow round line has none."""
     bowed = fit_necklines(neck_target(NecklineCut(Neckline.V, 0.18, 0.08), CREW_BACK), BODY)
-    assert bowed is not None and bowed.front[0].throat.kind is Neckline.V
-    assert bowed.front[0].throat.bow == pytest.approx(0.08, abs=0.03)
+    assert bowed is not None and bowed.front[0].neckline.kind is Neckline.V
+    assert bowed.front[0].neckline.bow == pytest.approx(0.08, abs=0.03)
     shallow = fit_necklines(neck_target(CREW_BACK, NecklineCut(Neckline.V, 0.05, 0.125)), BODY)
-    assert shallow is not None and shallow.back[0].throat.kind is not Neckline.V
+    assert shallow is not None and shallow.back[0].neckline.kind is not Neckline.V
 
 
 def collared(target: Target, at: np.ndarray, out: np.ndarray) -> Target:
@@ -124,8 +124,8 @@ def test_folds_make_no_corner(folded, kind):
     across = np.array([0.0, -np.sin(slope), np.cos(slope)])
     flat = 0.3 * (along - (along @ across)[:, None] * across)
     fits = fit_necklines(collared(target, loop, 0.03 * across if folded else flat), BODY)
-    assert fits is not None and (fits.back[0].throat.kind is kind) == (not folded)
-    assert folded == (fits.back[0].throat.kind in (Neckline.CREW, Neckline.SCOOP))
+    assert fits is not None and (fits.back[0].neckline.kind is kind) == (not folded)
+    assert folded == (fits.back[0].neckline.kind in (Neckline.CREW, Neckline.SCOOP))
 
 
 @pytest.mark.parametrize(("turn", "kind"), [(119.0, Neckline.V), (60.0, Neckline.SCOOP)])
@@ -139,7 +139,7 @@ def test_a_v_may_bulge(turn, kind):
     ]
     line = 0.85 * alike[0] + 0.15 * alike[1]
     ranked = _rank(line, Neckline.BOAT, _Turns(np.radians(turn), np.radians(14.0)), NecklineSettings())
-    assert ranked[0].throat.kind is kind
+    assert ranked[0].neckline.kind is kind
 
 
 @pytest.mark.parametrize(("tilt", "kind"), [(0.0, Neckline.V), (62.0, Neckline.SCOOP)])
@@ -154,7 +154,7 @@ def test_a_round_line_that_is_drawn_together_is_no_v(tilt, kind):
     tilted = 0.3 * np.cos(np.radians(tilt)) * along + 0.03 * np.sin(np.radians(tilt)) * front
     fits = fit_necklines(collared(target, loop, tilted), BODY)
     assert corner_turn(bowed, 0.10) > NecklineSettings.v_turn
-    assert fits is not None and fits.front[0].throat.kind is kind
+    assert fits is not None and fits.front[0].neckline.kind is kind
 
 
 @pytest.mark.parametrize(("sag", "kind"), [(0.0, Neckline.SQUARE), (0.04, Neckline.SQUARE), (0.08, Neckline.SCOOP)])
@@ -169,7 +169,7 @@ def test_a_square_neckline_may_sag(sag, kind):
     across = np.array([0.0, np.sin(slope), np.cos(slope)])
     along = loop - loop.mean(axis=0)
     fits = fit_necklines(collared(target, loop, 0.3 * (along - (along @ across)[:, None] * across)), BODY)
-    assert fits is not None and fits.front[0].throat.kind is kind
+    assert fits is not None and fits.front[0].neckline.kind is kind
     if sag:
         assert (
             fits.front[0].misfit > NecklineSettings.clear_misfit * fits.front[1].misfit
@@ -205,7 +205,7 @@ def test_corners_beside_the_side_neck_points_make_no_square(depth, kind):
     at = np.linspace(0.0, 0.5 * np.pi, 200)
     line = np.stack([0.087 * np.cos(at) ** (2.0 / 3.0), depth * np.sin(at) ** (2.0 / 3.0)], axis=1)
     ranked = _rank(line, Neckline.CREW, _Turns(np.radians(5.0), np.radians(52.0)), NecklineSettings())
-    assert ranked[0].throat.kind is kind
+    assert ranked[0].neckline.kind is kind
 
 
 def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
@@ -271,7 +271,7 @@ def test_a_turned_wearer_has_the_same_neckline():
     straight = fit_necklines(neck_target(NecklineCut.at_front(Neckline.V), CREW_BACK), BODY)
     found = fit_necklines(neck_target(NecklineCut.at_front(Neckline.V), CREW_BACK, turn=turn), turned)
     assert straight is not None and found is not None
-    assert found.front[0].throat.kind is straight.front[0].throat.kind
+    assert found.front[0].neckline.kind is straight.front[0].neckline.kind
     assert found.front[0].misfit == pytest.approx(straight.front[0].misfit, abs=0.01)
 
 

@@ -95,7 +95,7 @@ def test_the_tops_of_armholes_are_held_across_the_shoulders(body: Body, monkeypa
     for seam, place in zip(seen, wanted, strict=True):
         node = worn.nodes[seam.nodes[0]]
         assert int(seam.nodes[0]) in sleeves and node[1] > body.joint("left_shoulder")[1] - 0.02
-        assert seam.miss(worn.nodes)[0] == pytest.approx(node[0] - (place[0] + body.joint("pelvis")[0]), abs=1e-6)
+        assert seam.distance(worn.nodes)[0] == pytest.approx(node[0] - (place[0] + body.joint("pelvis")[0]), abs=1e-6)
         assert np.sign(node[0] - body.joint("pelvis")[0]) == np.sign(place[0])
 
 
@@ -119,7 +119,7 @@ def test_a_waist_seam_is_held_where_its_line_is_seen(body: Body, monkeypatch: py
         for node in mesh.uv_node[mesh.edge_uv[EdgeRef(panel.name, i)]]
     }
     assert set(seen.nodes.tolist()) == {node for node in waist if abs(nodes[node, 0]) < 0.1}
-    assert np.allclose(seen.miss(nodes), nodes[seen.nodes, 1] - 1.0)
+    assert np.allclose(seen.distance(nodes), nodes[seen.nodes, 1] - 1.0)
 
 
 def test_a_garment_without_such_seams_is_not_looked_at(body: Body, monkeypatch: pytest.MonkeyPatch) -> None:

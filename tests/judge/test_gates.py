@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.cloth.fabric import FabricEstimate
+from garmentq.core.judge.estimates import summarise_estimates
 from garmentq.core.judge.gates import GATE_RULES, Product, evaluate_gates, product_of
-from garmentq.core.judge.knowledge import summarise_estimates
 from garmentq.core.run.verdict import Verdict, worst_verdict
 
 GOOD = {

@@ -20,7 +20,7 @@ from garmentq.core.judge.matching import match_panels
 from garmentq.core.judge.outlines import fit_outline
 from garmentq.core.judge.patterns import measure_seams
 from garmentq.core.judge.true_pattern import TruePanel, TruePattern, TrueSeam
-from garmentq.core.judge.turning import turning_distance
+from garmentq.core.judge.turning_distance import turning_distance
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TRAPEZOID = np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.6], [0.1, 0.5]])

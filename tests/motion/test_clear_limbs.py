@@ -31,7 +31,7 @@ def lower(body, angles, rate=30.0, loops=False):
 
 
 def swallowed(body, pose):
-    found = ExposedSurface(MovingBody(body).vertices(pose), body.faces, splits=0).swallowed
+    found = ExposedSurface(MovingBody(body).vertices(pose), body.faces, splits=0).hidden_skin
     return 0 if found is None else len(found.faces)
 
 

@@ -14,8 +14,8 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.deliver.export.person import write_person
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.people.colours import COLOURS
-from garmentq.core.people.given import PersonFiles, read_person_input
 from garmentq.core.people.part import PARTS, Part
+from garmentq.core.people.person_input import PersonFiles, read_person_input
 from garmentq.core.people.separate import expand_to_file
 from garmentq.core.people.separation import LabelledPerson
 from garmentq.core.scan.load_raw import load_raw

@@ -21,8 +21,8 @@ from garmentq.core.deliver.export.outfit import write_outfit
 from garmentq.core.deliver.export.stored_result import load_result
 from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.animate.animate_garment import AnimatedGarment
 from garmentq.core.reuse.animate.animation import Animation, FrameVerdict
-from garmentq.core.reuse.animate.moved import AnimatedGarment
 from garmentq.core.reuse.edit.redraping import drape_edit
 from garmentq.core.reuse.wear.dressing import DressedGarment, measure_worn
 from garmentq.core.reuse.wear.ease import measure_ease
@@ -79,7 +79,7 @@ def dress(worn: WornGarment) -> DressedGarment:
 
 def write_dress(worn: WornGarment, folder: Path) -> None:
     """Write a garment over another one."""
-    write_dressed(replace(dress(worn), under=worn), folder)
+    write_dressed(replace(dress(worn), inner=worn), folder)
 
 
 def write_outfits(worn: WornGarment, folder: Path) -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from garmentq.core.people.colour import fit_colours, is_painted
 from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence
-from garmentq.core.people.crumbs import relabel_small_pieces
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
@@ -15,6 +14,7 @@ from garmentq.core.people.labels import has_names, read_parts, write_labels
 from garmentq.core.people.outfit import condition_on_outfit, marginalise_outfits, outfit_probabilities, rank_outfits
 from garmentq.core.people.part import GARMENTS, PARTS, Part
 from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit
+from garmentq.core.people.small_pieces import relabel_small_pieces
 from garmentq.core.scan.contours.legs import split_legs
 from garmentq.core.scan.contours.target import Contour
 from garmentq.core.scan.refusal import LabelsUnreadable
@@ -165,19 +165,19 @@ def test_what_is_unsure_is_not_recovered():
     sure = FoundGarment(Part.UPPER, 0.95, "tshirt", (FoundContour("neck", 0.1, True),))
     weak = FoundGarment(Part.LOWER, 0.3, "skirt")
     outfits = (Outfit((Part.UPPER, Part.LOWER), -1.0), Outfit((Part.ONE_PIECE,), -1.5))
-    warnings, problem = check_confidence((sure,), outfits[:1], told=False)
+    warnings, problem = check_confidence((sure,), outfits[:1], is_given=False)
     assert problem is None and "neck" in warnings[0]
-    warnings, problem = check_confidence((sure, weak), outfits, told=False)
+    warnings, problem = check_confidence((sure, weak), outfits, is_given=False)
     assert isinstance(problem, LabelsUnsure) and "one-piece" in warnings[0]
-    assert check_confidence((sure, weak), outfits, told=True)[1] is None
-    assert isinstance(check_confidence((), outfits, told=False)[1], NoCloth)
+    assert check_confidence((sure, weak), outfits, is_given=True)[1] is None
+    assert isinstance(check_confidence((), outfits, is_given=False)[1], NoCloth)
     coat = FoundGarment(Part.OUTER, 0.95, "long_sleeve_tshirt", (FoundContour("neck", 0.9, False),))
     assert isinstance(
-        check_confidence((sure, coat), outfits[:1], told=False)[1], LabelsUnsure
+        check_confidence((sure, coat), outfits[:1], is_given=False)[1], LabelsUnsure
     )  # recovered, it would be closed
     ends = tuple(FoundContour(f"armhole.{side}", 0.1, True) for side in ("left", "right"))
     guessed = FoundGarment(Part.UPPER, 0.95, "tank", ends)
-    assert isinstance(check_confidence((guessed,), outfits[:1], told=False)[1], LabelsUnsure)
+    assert isinstance(check_confidence((guessed,), outfits[:1], is_given=False)[1], LabelsUnsure)
 
 
 def test_labels_round_trip(tmp_path):
@@ -241,5 +241,5 @@ def test_a_top_with_legs_is_doubted(part, names):
     """Broken where a top that swallowed the trousers is sure to be a jumpsuit, worn with something below."""
     contours = tuple(Contour(name, np.arange(3), 0.5, ()) for name in names)
     assert choose_part_category(part, contours, None, None) == ""
-    problem = check_confidence((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), told=False)[1]
+    problem = check_confidence((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), is_given=False)[1]
     assert isinstance(problem, LabelsUnsure)

@@ -74,7 +74,7 @@ def test_a_sleeves_end_is_found_within_one_station(tilt):
     assert score_ring(edge, ring.rows) == pytest.approx(ring.score)
     assert score_ring(edge, ring.rows + 5) < ring.score
     assert ring.confidence > 0.75
-    beyond = ring.beyond(60)
+    beyond = ring.probability_beyond(60)
     assert beyond[:20].max() < 0.05
     assert beyond[40:].min() > 0.95
     assert np.abs(np.diff(np.append(ring.rows, ring.rows[0]))).max() <= 3

@@ -16,10 +16,10 @@ from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.presence import SeveralPersons
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.people.garments import PartNotWorn, build_person_surface, extract_garment
-from garmentq.core.people.given import PersonFiles, read_person_input
 from garmentq.core.people.hints import Hints
 from garmentq.core.people.labels import has_names, read_parts
 from garmentq.core.people.part import Part
+from garmentq.core.people.person_input import PersonFiles, read_person_input
 from garmentq.core.people.separate import label_person
 from garmentq.core.people.separation import LabelledPerson
 from garmentq.core.scan.contours.garment import segment_garment

@@ -34,9 +34,9 @@ def test_unfolded_pieces_are_the_panels(name):
                     assert fold and i == piece.fold
                     continue
                 copies = [(edge.source, edge.part, drawn)]
-                if edge.twin is not None:
+                if edge.mirror is not None:
                     other = drawn if piece.pair else drawn * [-1, 1] + [2 * piece.net.points[piece.fold, 0], 0]
-                    copies.append((edge.twin, (1.0 - edge.part[0], 1.0 - edge.part[1]), other))
+                    copies.append((edge.mirror, (1.0 - edge.part[0], 1.0 - edge.part[1]), other))
                 for ref, (start, end), found in copies:
                     whole = edge_points(pattern.panel(ref.panel), ref.edge, 64)
                     expected = whole[[round(64 * at) for at in (start, (start + end) / 2, end)]]
@@ -51,7 +51,7 @@ def joined(pattern, pieces):
     """Return the edges that lie within a joined piece."""
     home = {place.panel: piece.name for piece in pieces for place in piece.places}
     known = {edge.source for piece in pieces for edge in piece.edges} | {
-        edge.twin for piece in pieces for edge in piece.edges
+        edge.mirror for piece in pieces for edge in piece.edges
     }
     return {
         ref

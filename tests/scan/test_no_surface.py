@@ -12,7 +12,7 @@ import trimesh
 from click.testing import CliRunner
 from garmentq.cli.inspect import command as inspect
 from garmentq.core.body.builtin import builtin_body
-from garmentq.core.people.given import PersonInput, describe_person_input
+from garmentq.core.people.person_input import PersonInput, describe_person_input
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan.limits import Limits
 from garmentq.core.scan.load import load_scan

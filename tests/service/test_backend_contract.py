@@ -160,7 +160,7 @@ def test_imported_fabrics(backend, order, database, tmp_path):
     recover, apart = (find_job(database, job).request for job in jobs)
     assert read_request(RecoverRequest, recover).settings.fabric == mine
     asked = read_request(PersonRequest, apart)
-    child = asked.ask("upper", asked.choose(["upper"])["upper"])
+    child = asked.make_recovery("upper", asked.choose(["upper"])["upper"])
     assert get_fabric(read_request(RecoverRequest, pack_request(child)).settings.fabric) == mine
     assert backend.find_job(jobs[0]).settings["fabric"]["name"] == "mine"
     assert code_of(backend.delete_material, "denim") == ("fabric.shipped", BadInput)

@@ -52,7 +52,7 @@ def test_round_trip(settings, database, filled, tmp_path):
     )
     assert export_files(opened, store, done, tmp_path / "out")[0].read_text() == "<svg/>"
     assert load_checkpoint(opened, store, running, "drape") == b"half way"
-    assert b"named by nobody" not in {store.get_bytes(one.sha256) for one in store.list_kept()}
+    assert b"named by nobody" not in {store.get_bytes(one.sha256) for one in store.list_files()}
     opened.dispose()
 
 

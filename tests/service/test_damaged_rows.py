@@ -122,17 +122,17 @@ def test_a_backup_keeps_a_damaged_row(settings, store, two, cli, tmp_path, reope
     restored = restore_backup(other, tmp_path / "a.tar")
     assert {one.key for one in restored.rows} == set(two[:2]) and restored.missing == ()
     assert {one.key for one in reopen(other).find_damaged()} == set(two[:2])
-    assert restored.files == len(list(store.list_kept()))
+    assert restored.files == len(list(store.list_files()))
     assert make_backup(settings, tmp_path / "b.tar").rows == restored.rows
 
 
 def test_gc_spares_what_a_damaged_row_may_name(database, store, two):
     """Broken where the file of a job whose request is cut is taken for garbage."""
-    kept = {one.sha256 for one in store.list_kept()}
+    kept = {one.sha256 for one in store.list_files()}
     store.put_bytes(b"named by nobody")
     found = collect_garbage(database, store, -60.0, is_delete=True)
     assert found.removed == 0 and len(found.damaged) == 2 and len(found.files) <= 3
-    assert {one.sha256 for one in store.list_kept()} > kept
+    assert {one.sha256 for one in store.list_files()} > kept
     assert {row.key for row in verify_store(database, store, True).rows} == set(two[:2])
 
 

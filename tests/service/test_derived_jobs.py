@@ -86,7 +86,7 @@ def quick(monkeypatch):
         return replace(dress(worn, body, fabric, clock), under=replace(under, body=body))
 
     monkeypatch.setattr("garmentq.core.reuse.wear.dressing.dress_body", dress)
-    monkeypatch.setattr("garmentq.core.reuse.wear.over.dress_over", dress_over)
+    monkeypatch.setattr("garmentq.core.reuse.wear.dress_over.dress_over", dress_over)
     monkeypatch.setattr("garmentq.core.reuse.wear.refit.make_to_measure", dress)
 
 
@@ -266,7 +266,7 @@ def still(monkeypatch):
             worn, settings.fps, times, nodes, transforms, (FrameVerdict(True, 0.0, 0, 1, 1, 0.1),) * len(times)
         )
 
-    monkeypatch.setattr("garmentq.core.reuse.animate.moved.animate", frames)
+    monkeypatch.setattr("garmentq.core.reuse.animate.animate_garment.animate", frames)
 
 
 KEYS = b'{"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [40, 0, 0]}}]}'

@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
-from garmentq.core.deliver.export.for_programs import read_colours
 from garmentq.core.deliver.export.meshes import write_ply
+from garmentq.core.deliver.export.program_formats import read_colours
 from garmentq.core.deliver.formats.registry import FORMATS
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.reading import Reading, save_reading

@@ -29,7 +29,7 @@ def test_what_a_job_names_stays(database, store, queue_job, tmp_path):
     job = queue_job("shirt", template=template, labels=labels)
     held = claim(database, job, "a", 30.0)
     save_checkpoint(database, store, held, "drape", b"state")
-    before = {one.sha256 for one in store.list_kept()}
+    before = {one.sha256 for one in store.list_files()}
     assert len(before) == 5
     assert collect(database, store).files == ()
     request = type("R", (), {"scan": tmp_path / "shirt.ply", "settings": type("S", (), {"fabric": "x", "seed": 0})})
@@ -37,8 +37,8 @@ def test_what_a_job_names_stays(database, store, queue_job, tmp_path):
     (tmp_path / "files" / "a.txt").write_text("result")
     store_result(database, store, held, Recover(), make_recovery(request, 1.0), tmp_path / "files")
     collect(database, store)
-    assert b"result" in {store.get_bytes(one.sha256) for one in store.list_kept()}
-    assert before - {one.sha256 for one in store.list_kept()} <= {store.put_bytes(b"state").sha256}
+    assert b"result" in {store.get_bytes(one.sha256) for one in store.list_files()}
+    assert before - {one.sha256 for one in store.list_files()} <= {store.put_bytes(b"state").sha256}
 
 
 def test_orphans_and_old_checkpoints_go(database, store, queue_job):
@@ -52,7 +52,7 @@ def test_orphans_and_old_checkpoints_go(database, store, queue_job):
     assert dry.removed == 0 and store.put_bytes(b"orphan").sha256 in {one.sha256 for one in dry.files}
     found = collect(database, store)
     assert found.removed == len(found.files) == len(dry.files) and found.size == dry.size
-    assert b"orphan" not in {store.get_bytes(one.sha256) for one in store.list_kept()}
+    assert b"orphan" not in {store.get_bytes(one.sha256) for one in store.list_files()}
     assert load_checkpoint(database, store, job, "drape") == b"step 4"
 
 
@@ -66,14 +66,14 @@ def test_what_is_young_stays(database, store):
 def test_a_file_that_is_put_again_in_the_last_moment_stays(database, store, monkeypatch):
     """Broken where the age from the listing decides, though a worker put the same bytes again since."""
     key = store.put_bytes(b"checkpoint").sha256
-    listed = store.list_kept
+    listed = store.list_files
 
     def list_then_put():
         found = [garbage.StoreEntry(one.sha256, one.size, one.modified - 2 * DAY) for one in listed()]
         store.put_bytes(b"checkpoint")
         return iter(found)
 
-    monkeypatch.setattr(store, "list_kept", list_then_put)
+    monkeypatch.setattr(store, "list_files", list_then_put)
     found = collect_garbage(database, store, DAY, is_delete=True)
     assert (len(found.files), found.removed) == (1, 0)
     assert store.get_bytes(key) == b"checkpoint"
@@ -96,6 +96,6 @@ def test_the_command_is_dry_unless_told(cli, database, store):
     store.put_bytes(b"orphan")
     assert json.loads(cli("gc", "--json").stdout)["files"] == 0
     assert json.loads(cli("gc", "--grace-hours", 0, "--json").stdout)["files"] == 1
-    assert len(list(store.list_kept())) == 1
+    assert len(list(store.list_files())) == 1
     assert "deleted 1 of 1" in cli("gc", "--grace-hours", 0, "--delete").stderr
-    assert list(store.list_kept()) == []
+    assert list(store.list_files()) == []

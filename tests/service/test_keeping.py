@@ -45,7 +45,7 @@ def done(database, store, queue_job, tmp_path):
 
 def age(store):
     """Make every stored file old enough to be removed."""
-    for one in store.list_kept():
+    for one in store.list_files():
         os.utime(store.path(one.sha256), (1.0, 1.0))
 
 
@@ -119,7 +119,7 @@ def test_a_deleted_job_is_gone_with_its_files(database, store, done, queue_job):
     assert told.jobs == (gone,) and told.files == 2, "its result and its scan; the body is another's too"
     with pytest.raises(JobUnknown):
         find_job(database, gone)
-    left = {one.sha256 for one in store.list_kept()}
+    left = {one.sha256 for one in store.list_files()}
     assert ours not in left and theirs in left
     with database.read() as session:
         assert {row.name for row in session.query(ScanRow)} == {"kept.ply", "open.ply"}
@@ -150,7 +150,7 @@ def test_a_person_is_deleted_with_all_that_was_made(database, store, done, cli, 
     assert asked.returncode != 0 and find_job(database, first), "it asks first"
     told = cli("delete", "--person", "Anna", "--yes", "--json")
     assert told.returncode == 0 and sorted(json.loads(told.stdout)["jobs"]) == sorted([first, reader]), told
-    assert row.scan not in {one.sha256 for one in store.list_kept()}
+    assert row.scan not in {one.sha256 for one in store.list_files()}
     assert find_job(database, other) and verify_store(database, store, True).faults == ()
 
 

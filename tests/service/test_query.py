@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from garmentq.core.cloth.fabric import FabricEstimate
-from garmentq.core.judge.knowledge import summarise_estimates
+from garmentq.core.judge.estimates import summarise_estimates
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim

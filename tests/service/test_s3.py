@@ -57,8 +57,8 @@ def test_put_get_copy(kept, tmp_path):
     assert kept.get_bytes(stored.sha256) == b"cloth" and kept.size(stored.sha256) == 5
     assert kept.copy(stored.sha256, tmp_path / "deep" / "copy").read_bytes() == b"cloth"
     assert kept.path(stored.sha256).read_bytes() == b"cloth"
-    assert [(one.sha256, one.size) for one in kept.list_kept()] == [(stored.sha256, 5)]
-    assert abs(next(kept.list_kept()).modified - time.time()) < 60.0
+    assert [(one.sha256, one.size) for one in kept.list_files()] == [(stored.sha256, 5)]
+    assert abs(next(kept.list_files()).modified - time.time()) < 60.0
 
 
 def test_ranges(kept):
@@ -91,7 +91,7 @@ def test_remove_spares_what_is_new(kept):
     assert not kept.remove(key, time.time() - 3600.0)
     assert kept.get_bytes(key) == b"cloth"
     assert kept.remove(key, AGES)
-    assert list(kept.list_kept()) == []
+    assert list(kept.list_files()) == []
 
 
 def test_an_absent_server_or_bucket_is_one_clear_error(tmp_path, monkeypatch, server):

@@ -66,7 +66,7 @@ def drape_skirt() -> Worn:
     assert waist is not None
     pins = Pins(waist, worn.nodes[waist])
     worn = worn.at(bring_to_rest(worn, fabric, wearer.grid, pins))
-    true = equalise_seams(template.with_points(template.points * [1.03, 1.05]), like=template)
+    true = equalise_seams(template.with_points(template.points * [1.03, 1.05]), base=template)
     registered = bring_to_rest(move_pattern(worn, true), fabric, wearer.grid, pins)
     normals = vertex_normals(registered, worn.faces)
     contours = name_contours(registered, worn.faces, wearer.body)[0]

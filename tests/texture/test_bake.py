@@ -99,7 +99,7 @@ def test_a_hole_of_the_scan_is_masked_and_filled_from_around_it(garment: Garment
     centre = points[np.argmax(points[:, 2] - 5.0 * np.abs(points[:, 0]))]  # the middle of the chest
     near = np.linalg.norm(points[faces].mean(axis=1) - centre, axis=1) < 0.03
     baked, _ = bake(garment, colour(points, faces[~near], by_position(points)), COARSE)
-    missing = baked.cloth & ~baked.seen
+    missing = baked.cloth & ~baked.covered
     assert missing.sum() * COARSE**2 == pytest.approx(np.pi * 0.03**2, rel=0.4)
     shown = baked.image[missing].astype(float)
     around = by_position(centre[None])[0]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.people.features import FEATURE_NAMES
-from garmentq.core.people.learnt import LIMB_STATION_COUNT, LimbCells, NetworkEnsemble, load_ensemble
 from garmentq.core.people.limbs import Limb
+from garmentq.core.people.networks import LIMB_STATION_COUNT, LimbCells, NetworkEnsemble, load_ensemble
 from garmentq.core.people.part import PARTS
 from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels

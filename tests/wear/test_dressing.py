@@ -15,7 +15,7 @@ from garmentq.core.recover.drape.motion import rotation_of
 from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.reuse.wear.dressing import dress_body, transfer_alone_to_body
-from garmentq.core.reuse.wear.parting import separate_layers
+from garmentq.core.reuse.wear.layer_separation import separate_layers
 from garmentq.core.reuse.wear.worn import WornGarment
 from garmentq.core.run.clock import Clock
 from garmentq.core.scan.contours.target import Target

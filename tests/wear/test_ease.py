@@ -121,8 +121,8 @@ def test_cloth_beside_an_arm_is_no_sleeve(body, shirt):
     assert "upper_arm" in around
     # the shirt's own cloth a hand's length below the arms: every line is as long, and none goes round an arm
     fallen = unpose_points(shirt.nodes, body) - [0.0, 0.35, 0.0]
-    at = slice_cloth(shirt, fallen, 0, figure.arm("left", figure.taken["upper_arm"].level)[0])
-    assert len(at.lengths) > 0 and not at.goes_round(figure.arm("left", figure.taken["upper_arm"].level)[1:]).any()
+    at = slice_cloth(shirt, fallen, 0, figure.arm("left", figure.girths["upper_arm"].level)[0])
+    assert len(at.lengths) > 0 and not at.encloses(figure.arm("left", figure.girths["upper_arm"].level)[1:]).any()
     assert "upper_arm" not in {one.place for one in measure_unposed_ease(shirt, fallen, figure)}
 
 

@@ -52,7 +52,7 @@ def hang(name: str, body) -> WornGarment:
     """Return a template on the body that it was drafted for, 3 % wider and 1 % longer: no draft any more."""
     shipped = load_draped_template(name)
     pattern = shipped.pattern.with_points(shipped.pattern.points * [1.03, 1.01])
-    pattern = equalise_seams(pattern, like=shipped.pattern)
+    pattern = equalise_seams(pattern, base=shipped.pattern)
     garment = replace(shipped, pattern=pattern, uv=map_controls(shipped).apply(pattern.points))
     waist = shipped.contour("waist")
     curve = None if waist is None else shipped.nodes[waist.vertices]
@@ -72,9 +72,9 @@ def test_there_and_back(name, bodies):
     assert there.is_drafted and seam_mismatch(there.pattern) < 1e-5
     laid = EasePrediction.of(worn.garment, old, worn.waist, new)
     if name in WORN:  # the ease of others is not foreseen as well
-        assert max(abs(value) for value in laid.foresee(there.pattern).values()) < 5e-3
+        assert max(abs(value) for value in laid.predict_change(there.pattern).values()) < 5e-3
     waist = None if worn.waist is None else transfer_curve(worn.waist, old, new)
-    back = refit_pattern(replace(worn, garment=laid.lay(there.pattern), body=new, waist=waist), old)
+    back = refit_pattern(replace(worn, garment=laid.place(there.pattern), body=new, waist=waist), old)
     assert np.linalg.norm(back.pattern.points - worn.pattern.points, axis=1).max() < 5e-4
     assert np.abs(there.pattern.points - worn.pattern.points).max() > 5e-3
 
@@ -102,12 +102,12 @@ def test_ease_is_kept(name, spec, bodies):
     worn, body = hang(name, bodies[0]), builtin_body(spec)
     laid = EasePrediction.of(worn.garment, bodies[0], worn.waist, body)
     made = refit_pattern(worn, body).pattern
-    change = laid.foresee(made)
+    change = laid.predict_change(made)
     assert seam_mismatch(made) < 1e-5
     wanted = {"tshirt": {"chest", "upper_arm"}, "trousers": {"waist", "hip", "thigh"}, "skirt": {"waist"}}
     assert wanted.get(name, {"chest", "hip"}) <= set(change)
     assert max(abs(value) for value in change.values()) < 5e-3
-    assert max(abs(value) for value in laid.foresee(worn.pattern).values()) > 5e-3
+    assert max(abs(value) for value in laid.predict_change(worn.pattern).values()) > 5e-3
 
 
 SOME = ("tshirt", "trousers", "pencil_skirt")

@@ -20,9 +20,9 @@ def test_a_fresh_worker_waits_for_its_first_job(tmp_path: Path, monkeypatch: pyt
     duties = DispatcherStep.__new__(DispatcherStep)
     duties.settings = replace(ServiceSettings(), home=tmp_path, idle_seconds=900.0)
     duties.database = open_database(duties.settings)
-    duties.began = time.monotonic()
-    duties._go_home_if_idle()
+    duties.started = time.monotonic()
+    duties._exit_if_idle()
     assert not sent
-    duties.began -= 901.0
-    duties._go_home_if_idle()
+    duties.started -= 901.0
+    duties._exit_if_idle()
     assert len(sent) == 1

@@ -39,39 +39,39 @@ def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> SkeletonMotion:
     file's order, the first one outermost: for `Zrotation Xrotation Yrotation` R = R_z R_x R_y. Positions replace the
     joint's OFFSET, or add to it if those below the root are nearer to zero than to it."""
     turns = np.zeros((len(values), len(skeleton.names), 3, 3))
-    given: dict[int, np.ndarray] = {}
+    rotations: dict[int, np.ndarray] = {}
     at = 0
     for joint, (parent, channels) in enumerate(zip(skeleton.parents, skeleton.channels, strict=True)):
-        own = values[:, at : at + len(channels)]
+        columns = values[:, at : at + len(channels)]
         at += len(channels)
         turns[:, joint] = np.eye(3)
         for place, channel in enumerate(channels):
             axis, kind = CHANNELS[channel]
             if kind == "rotation":
-                turn = Rotation.from_euler(axis, own[:, place, None], degrees=True).as_matrix()
+                turn = Rotation.from_euler(axis, columns[:, place, None], degrees=True).as_matrix()
                 turns[:, joint] = turns[:, joint] @ turn
             else:
-                given.setdefault(joint, np.full((len(values), 3), np.nan))[:, "XYZ".index(axis)] = own[:, place]
+                rotations.setdefault(joint, np.full((len(values), 3), np.nan))[:, "XYZ".index(axis)] = columns[:, place]
         if parent >= 0:
             turns[:, joint] = turns[:, parent] @ turns[:, joint]
-    moves = _place(skeleton, given)
+    moves = _place(skeleton, rotations)
     offsets = skeleton.offsets.copy()
-    for joint, way in moves.items():
+    for joint, rotation in moves.items():
         if skeleton.parents[joint] >= 0 and not offsets[joint].any():
-            offsets[joint] = np.median(way, axis=0)
+            offsets[joint] = np.median(rotation, axis=0)
     return SkeletonMotion(skeleton.names, skeleton.parents, offsets, turns, moves)
 
 
-def _place(skeleton: Skeleton, given: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
+def _place(skeleton: Skeleton, channels: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
     """Return the offset of each joint from its parent, shape [n, 3]; the OFFSET where a channel is missing (NaN)."""
     added = replaced = 0.0
-    for joint, way in given.items():
+    for joint, rotation in channels.items():
         if skeleton.parents[joint] >= 0:
-            added += float(np.nansum(np.abs(way)))
-            replaced += float(np.nansum(np.abs(way - skeleton.offsets[joint])))
+            added += float(np.nansum(np.abs(rotation)))
+            replaced += float(np.nansum(np.abs(rotation - skeleton.offsets[joint])))
     moves = {}
-    for joint, way in given.items():
+    for joint, rotation in channels.items():
         offset = skeleton.offsets[joint]
         is_added = skeleton.parents[joint] >= 0 and added < replaced
-        moves[joint] = np.where(np.isnan(way), offset, way + offset if is_added else way)
+        moves[joint] = np.where(np.isnan(rotation), offset, rotation + offset if is_added else rotation)
     return moves

@@ -86,10 +86,10 @@ def clear_limbs(track: Track, body: Body, covered: np.ndarray, begin: float, end
     for row, index in enumerate(looked):
         found[row] = search.least(Pose(track.turns[index], track.pelvis[index]))
     poses = np.arange(first, last + 1)
-    wanted = np.stack([np.interp(poses, looked, column) for column in found.T], axis=1)
+    required = np.stack([np.interp(poses, looked, column) for column in found.T], axis=1)
     angles, missed = np.zeros((count, len(LIMB_GROUPS))), np.zeros((count, len(LIMB_GROUPS)), dtype=bool)
-    angles[poses] = _smooth(np.minimum(wanted, MAX_LIMB_SPREAD_ANGLE), track, stride)
-    missed[poses] = wanted > MAX_LIMB_SPREAD_ANGLE + SPREAD_ANGLE_TOLERANCE
+    angles[poses] = _smooth(np.minimum(required, MAX_LIMB_SPREAD_ANGLE), track, stride)
+    missed[poses] = required > MAX_LIMB_SPREAD_ANGLE + SPREAD_ANGLE_TOLERANCE
     turns, pelvis = track.turns.copy(), track.pelvis.copy()
     for index in np.flatnonzero(angles.any(axis=1)):
         pose = spread_limbs(Pose(turns[index], pelvis[index]), body.rest_joints, angles[index])
@@ -156,9 +156,9 @@ class _Search:
             body = self.mover.posed(spread_limbs(pose, joints, angles) if angles.any() else pose)
             more = np.array([self._need(body, *each) for each in zip(LIMB_GROUPS.values(), self.parts, strict=True)])
             changed = np.clip(angles + more, 0.0, 2 * MAX_LIMB_SPREAD_ANGLE)
-            still = np.abs(changed - angles).max() < SPREAD_ANGLE_TOLERANCE
+            is_settled = np.abs(changed - angles).max() < SPREAD_ANGLE_TOLERANCE
             angles = changed
-            if still or (turn == 0 and not angles.any()):
+            if is_settled or (turn == 0 and not angles.any()):
                 break
         return angles
 
@@ -172,14 +172,14 @@ class _Search:
         return float(((room - found.width[wide]) / found.widening[wide]).max())
 
 
-def _smooth(wanted: np.ndarray, track: Track, stride: int) -> np.ndarray:
+def _smooth(required: np.ndarray, track: Track, stride: int) -> np.ndarray:
     """Return angles that change smoothly and are nowhere less than those wanted [rad], [n, k]."""
     from scipy.ndimage import convolve1d, maximum_filter1d
 
     half = max(int(np.ceil(SPREAD_SMOOTHING_TIME * track.rate)), stride)
     window = np.hanning(2 * half + 3)[1:-1]
-    mode = "wrap" if track.loops and len(wanted) > 1 else "nearest"
-    inner = wanted[:-1] if mode == "wrap" else wanted
-    held = maximum_filter1d(inner, 2 * half + 1, axis=0, mode=mode)
-    smooth = convolve1d(held, window / window.sum(), axis=0, mode=mode)
+    mode = "wrap" if track.loops and len(required) > 1 else "nearest"
+    inner = required[:-1] if mode == "wrap" else required
+    widened = maximum_filter1d(inner, 2 * half + 1, axis=0, mode=mode)
+    smooth = convolve1d(widened, window / window.sum(), axis=0, mode=mode)
     return np.concatenate([smooth, smooth[:1]]) if mode == "wrap" else smooth

@@ -64,7 +64,7 @@ class JointMapping:
     notes: tuple[str, ...] = ()
 
 
-def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> JointMapping:
+def find_joints(tree: JointTree, fixed: frozenset[int] = frozenset()) -> JointMapping:
     """Match the joints of a foreign skeleton to `JOINTS`.
 
     Legs and arms are the chains whose names fit best; those without usable names are found by place: the two longest
@@ -73,23 +73,23 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> JointMa
 
     Args:
         tree: The skeleton.
-        still: Joints that never turn in the motion: ignored in the spine, of low score in limbs.
+        fixed: Joints that never turn in the motion: ignored in the spine, of low score in limbs.
     """
     found = JointMapping()
     for limb in (LEG, ARM):
         for side in SIDES:
-            found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb, still).items()}
+            found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb, fixed).items()}
     _fill_limbs(tree, found)
     _fill_ends(tree, found)
     legs = [found.at[f"{side}_hip"] for side in SIDES if f"{side}_hip" in found.at]
     if len(legs) == 2 and (pelvis := tree.fork(legs)) >= 0 and pelvis not in legs:
         found.at["pelvis"] = pelvis
-        _find_trunk(tree, found, still)
+        _find_trunk(tree, found, fixed)
     found.carried = {name: _rotation_source(tree, found.at, name) for name in found.at}
     return found
 
 
-def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozenset[int]) -> dict[str, int]:
+def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], fixed: frozenset[int]) -> dict[str, int]:
     """Find the joints of a limb along the chain whose names fit best. Dynamic programming: for each joint, and each
     number of the limb's joints assigned so far, the best assignment is kept; of equal ones that nearer to the trunk."""
     none: tuple[float, tuple[tuple[str, int], ...]] = (0.0, ())
@@ -97,21 +97,21 @@ def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozens
     top = none
     for joint, parent in enumerate(tree.parents):
         before = best[parent] if parent >= 0 else [none] * (len(limb) + 1)
-        part, (own, words) = tree.parts[joint], tree.words[joint]
-        claims = PART_JOINT_SCORES.get(part, {}) if part is not None and own == side else {}
+        part, (part_limb, words) = tree.parts[joint], tree.words[joint]
+        claims = PART_JOINT_SCORES.get(part, {}) if part is not None and part_limb == side else {}
         share = (
             TWIST_JOINT_SCORE_FACTOR
             if any(word in TWIST_WORDS for word in words)
             else STILL_JOINT_SCORE_FACTOR
-            if joint in still
+            if joint in fixed
             else 1.0
         )
         for count, name in enumerate(limb, 1):
-            score, taken = before[count - 1]
+            score, count_used = before[count - 1]
             claim = claims.get(name, 0.0) * share
             options = [before[count], best[joint][count - 1]]
             if claim:
-                options.append((score + claim, (*taken, (name, joint))))
+                options.append((score + claim, (*count_used, (name, joint))))
             best[joint][count] = max(options, key=lambda option: option[0])
         if best[joint][-1][0] > top[0] + 1e-9:
             top = best[joint][-1]
@@ -123,11 +123,11 @@ def _fill_limbs(tree: JointTree, found: JointMapping) -> None:
     for limb in (LEG, ARM):
         three = limb[:3] if limb is LEG else limb[1:]
         for side, other in (SIDES, SIDES[::-1]):
-            own = [found.at[f"{side}_{name}"] for name in limb if f"{side}_{name}" in found.at]
-            if own and any(f"{side}_{name}" not in found.at for name in three):
+            joints = [found.at[f"{side}_{name}"] for name in limb if f"{side}_{name}" in found.at]
+            if joints and any(f"{side}_{name}" not in found.at for name in three):
                 first, middle, last = (found.at.get(f"{side}_{name}", -1) for name in three)
                 across = {joint for name in limb if (joint := found.at.get(f"{other}_{name}", -1)) >= 0}
-                chain = _limb_of(tree, own, across)
+                chain = _limb_of(tree, joints, across)
                 _assign_joints(tree, found, side, three, tree.three_of(chain, (first, middle, last)))
     _find_mirrored(tree, found)
 
@@ -137,23 +137,21 @@ def _fill_ends(tree: JointTree, found: JointMapping) -> None:
     shoulders = [found.at[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in found.at]
     chest = tree.fork(shoulders) if len(shoulders) == 2 else -1
     for side in SIDES:
-        taken = set(found.at.values())
+        used = set(found.at.values())
         if f"{side}_collar" not in found.at and f"{side}_shoulder" in found.at and chest >= 0:
-            way = tree.way_to(found.at[f"{side}_shoulder"])
-            _assign_joints(tree, found, side, ("collar",), tuple(way[way.index(chest) + 1 : -1][:1]))
+            path = tree.path_to(found.at[f"{side}_shoulder"])
+            _assign_joints(tree, found, side, ("collar",), tuple(path[path.index(chest) + 1 : -1][:1]))
         if f"{side}_foot" not in found.at and f"{side}_ankle" in found.at:
             toes = tree.chain_below(found.at[f"{side}_ankle"])[1:2]
-            _assign_joints(
-                tree, found, side, ("foot",), tuple(j for j in toes if j not in taken and not tree.is_end(j))
-            )
+            _assign_joints(tree, found, side, ("foot",), tuple(j for j in toes if j not in used and not tree.is_end(j)))
 
 
-def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
+def _limb_of(tree: JointTree, joints: list[int], across: set[int]) -> list[int]:
     """Return the chain with some joints of a limb, without what it shares with the other side or the trunk."""
-    way = [*tree.way_to(own[-1])[:-1], *tree.chain_below(own[-1])]
-    shared = {joint for other in across for joint in tree.way_to(other)}
-    first = next((n for n, joint in enumerate(way) if joint not in shared), 0) if shared else 0
-    return way[min(first, way.index(own[0])) :]
+    path = [*tree.path_to(joints[-1])[:-1], *tree.chain_below(joints[-1])]
+    shared = {joint for other in across for joint in tree.path_to(other)}
+    first = next((n for n, joint in enumerate(path) if joint not in shared), 0) if shared else 0
+    return path[min(first, path.index(joints[0])) :]
 
 
 def _assign_joints(
@@ -178,8 +176,8 @@ def _find_mirrored(tree: JointTree, found: JointMapping) -> None:
         legs = next(
             (pair for pair in pairs if any(_hangs_below_trunk(tree, pair, other.fork) for other in pairs)), None
         )
-    taken = () if legs is None else (legs.fork,)
-    arms = next((pair for pair in pairs if ARM[1:] in lacking and pair.fork not in taken), None)
+    used = () if legs is None else (legs.fork,)
+    arms = next((pair for pair in pairs if ARM[1:] in lacking and pair.fork not in used), None)
     left = _left_direction(tree, found, legs)
     if not left.any():
         return
@@ -195,7 +193,7 @@ def _hangs_below_trunk(tree: JointTree, pair: MirroredChains, chest: int) -> boo
     """Check whether a pair of chains hangs below a trunk that ends at a chest."""
     down = unit(tree.places[pair.fork] - tree.places[chest])
     ways = [tree.places[chain[2]] - tree.places[chain[0]] for chain in (pair.first, pair.second)]
-    return all(unit(way) @ down > MIN_HANGING_LEG_COSINE for way in ways)
+    return all(unit(direction) @ down > MIN_HANGING_LEG_COSINE for direction in ways)
 
 
 def _left_direction(tree: JointTree, found: JointMapping, legs: MirroredChains | None) -> np.ndarray:
@@ -211,7 +209,7 @@ def _left_direction(tree: JointTree, found: JointMapping, legs: MirroredChains |
     return np.cross(up, tree.places[ends[-1]] - tree.places[ends[0]])
 
 
-def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> None:
+def _find_trunk(tree: JointTree, found: JointMapping, fixed: frozenset[int]) -> None:
     """Find spine, neck and head: the joints between the forks of legs and arms, and those above."""
     tops = [
         next((found.at[f"{side}_{name}"] for name in ARM[:2] if f"{side}_{name}" in found.at), -1) for side in SIDES
@@ -224,11 +222,11 @@ def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> 
     chest = tree.fork(ends) if len(ends) > 1 else tree.parents[ends[0]]
     if chest < 0:
         return
-    below = tree.way_to(found.at["pelvis"])
-    above = [joint for joint in tree.way_to(chest) if joint not in below]
+    below = tree.path_to(found.at["pelvis"])
+    above = [joint for joint in tree.path_to(chest) if joint not in below]
     necks = [joint for joint in above if tree.parts[joint] is Part.NECK]  # some skeletons hang the arms on the neck
     spine = [joint for joint in above if joint not in necks]
-    spine = [joint for joint in spine if joint not in still] or spine
+    spine = [joint for joint in spine if joint not in fixed] or spine
     found.at |= {f"spine{k}": spine[-(-k * len(spine) // 3) - 1] for k in (1, 2, 3)} if spine else {}
     upper = _neck_and_head(tree, chest, tops, head)
     necks += [joint for joint in upper[:-1] if joint not in necks]
@@ -241,8 +239,8 @@ def _find_trunk(tree: JointTree, found: JointMapping, still: frozenset[int]) -> 
 def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> list[int]:
     """Return the joints from neck to head: those above the chest that carry no arm. The last is the head."""
     if head >= 0:
-        way = tree.way_to(head)
-        return way[way.index(chest) + 1 :] if chest in way else [head]
+        path = tree.path_to(head)
+        return path[path.index(chest) + 1 :] if chest in path else [head]
     chain = [chest]
     while chain[-1] >= 0:
         ways = [child for child in tree.children[chain[-1]] if not _is_side_branch(tree, child, tops)]
@@ -254,7 +252,7 @@ def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> l
 
 def _is_side_branch(tree: JointTree, joint: int, tops: list[int]) -> bool:
     """Check whether a joint above the chest leads to an arm, has a side, or is only an end of a chain."""
-    return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.way_to(top) for top in tops)
+    return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.path_to(top) for top in tops)
 
 
 def _rotation_source(tree: JointTree, at: dict[str, int], name: str) -> int:
@@ -263,6 +261,6 @@ def _rotation_source(tree: JointTree, at: dict[str, int], name: str) -> int:
     ends = {"neck": "head", **{f"{side}_{first}": f"{side}_{second}" for limb in (LEG, ARM)
             for first, second in pairwise(limb) if first in BONES}}  # fmt: skip
     end = at.get(ends.get(name, ""), -1)
-    if end >= 0 and at[name] in tree.way_to(end)[:-1]:
+    if end >= 0 and at[name] in tree.path_to(end)[:-1]:
         return tree.parents[end]
     return at[name]

@@ -73,7 +73,7 @@ class JointTree:
         """Return the distance of two joints, in the file's unit."""
         return float(np.linalg.norm(self.places[first] - self.places[second]))
 
-    def way_to(self, joint: int) -> list[int]:
+    def path_to(self, joint: int) -> list[int]:
         """Return the joints from the root to a joint."""
         chain = [joint]
         while self.parents[chain[-1]] >= 0:
@@ -82,8 +82,8 @@ class JointTree:
 
     def fork(self, joints: list[int]) -> int:
         """Return the joint at which the chains to some joints branch, -1 where they share none."""
-        ways = [self.way_to(joint) for joint in joints]
-        shared = [joint for joint in ways[0] if all(joint in way for way in ways)]
+        ways = [self.path_to(joint) for joint in joints]
+        shared = [joint for joint in ways[0] if all(joint in path for path in ways)]
         return shared[-1] if shared else -1
 
     def chain_below(self, joint: int) -> list[int]:
@@ -120,7 +120,7 @@ class JointTree:
         threes = [
             three
             for three in zip(chain, chain[1:], chain[2:], strict=False)
-            if all(own in (-1, joint) for own, joint in zip(known, three, strict=True))
+            if all(known_joint in (-1, joint) for known_joint, joint in zip(known, three, strict=True))
         ]
         return max(threes, key=lambda t: min(self.length(t[0], t[1]), self.length(t[1], t[2])), default=None)
 

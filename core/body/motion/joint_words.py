@@ -123,7 +123,7 @@ def name_part(words: tuple[str, ...]) -> Part | None:
     """Return the part of the body that a name's words mean; None for fingers, faces and helpers too."""
     if any(word in FINE_PART_WORDS or word in HELPER_WORDS for word in words):
         return None
-    parts = [part for part, spoken in PART_WORDS.items() if any(word in spoken for word in words)]
+    parts = [part for part, part_words in PART_WORDS.items() if any(word in part_words for word in words)]
     if not parts:
         return None
     part = parts[-1]

@@ -39,18 +39,18 @@ def read_keys(path: Path) -> Recording:
     if path.stat().st_size > MAX_KEYS_FILE_BYTES:
         raise MotionTooLarge(f"{path.name} is larger than {MAX_KEYS_FILE_BYTES >> 20} MB of keys.")
     try:
-        given = read_json(path.read_text(encoding="utf-8"))
+        document = read_json(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
         raise MotionBad(f"{path.name} is no JSON: {str(error)[:80]}. {MotionBad().message}") from error
-    return build_keys(given, path.name)
+    return build_keys(document, path.name)
 
 
-def build_keys(given: Any, name: str) -> Recording:
+def build_keys(value: Any, name: str) -> Recording:
     """Build a motion from JSON values; see `read_keys`."""
-    keys = given.get("keys") if isinstance(given, dict) else None
+    keys = value.get("keys") if isinstance(value, dict) else None
     if not isinstance(keys, list) or not keys or not all(isinstance(key, dict) for key in keys):
         raise MotionBad(f'{name}: give {{"fps": 30, "keys": [{{"t": 0, "pose": "A"}}, ...]}}.')
-    rate = _number(given.get("fps", 30), f"{name}: fps")
+    rate = _number(value.get("fps", 30), f"{name}: fps")
     times = np.array([_number(key.get("t"), f"{name}: t of key {n}") for n, key in enumerate(keys)])
     if not FRAME_RATE_RANGE[0] <= rate <= FRAME_RATE_RANGE[1] or (np.diff(times) <= 0).any():
         raise MotionBad(
@@ -73,7 +73,7 @@ def build_keys(given: Any, name: str) -> Recording:
     root = None
     if any(move is not None for move in moves):
         root = np.stack([np.interp(sampled, times, [move[d] for move in found]) for d in range(3)], axis=1)
-    loops = given.get("loop", False)
+    loops = value.get("loop", False)
     if not isinstance(loops, bool):
         raise MotionBad(f"{name}: loop is true or false.")
     return Recording(rate, chain_rotations(local), np.ones(24, dtype=bool), np.zeros((24, 3)), root, loops)
@@ -82,8 +82,8 @@ def build_keys(given: Any, name: str) -> Recording:
 def _slerp(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Interpolate rotations [n, 24, 3, 3] by shares [n] from the first to the second (slerp)."""
     start = Rotation.from_matrix(first.reshape(-1, 3, 3))
-    way = (start.inv() * Rotation.from_matrix(second.reshape(-1, 3, 3))).as_rotvec()
-    turned = start * Rotation.from_rotvec(np.repeat(share, 24)[:, None] * way)
+    rotation = (start.inv() * Rotation.from_matrix(second.reshape(-1, 3, 3))).as_rotvec()
+    turned = start * Rotation.from_rotvec(np.repeat(share, 24)[:, None] * rotation)
     return np.asarray(turned.as_matrix()).reshape(-1, 24, 3, 3)
 
 
@@ -95,14 +95,14 @@ def chain_rotations(local: np.ndarray) -> np.ndarray:
     return world
 
 
-def _pose(given: Any, at: str) -> np.ndarray:
+def _pose(value: Any, at: str) -> np.ndarray:
     """Return the rotations relative to the parent of one key's pose, shape [24, 3, 3]."""
-    if isinstance(given, str):
-        return _named(given, at)
-    if not isinstance(given, dict):
+    if isinstance(value, str):
+        return _named(value, at)
+    if not isinstance(value, dict):
         raise MotionBad(f"{at}: pose is one of {', '.join(POSES)}, or angles by joint.")
-    turns = _named(given["base"], at) if "base" in given else np.tile(np.eye(3), (24, 1, 1))
-    for joint, angles in given.items():
+    turns = _named(value["base"], at) if "base" in value else np.tile(np.eye(3), (24, 1, 1))
+    for joint, angles in value.items():
         if joint == "base":
             continue
         if joint not in JOINTS:
@@ -117,17 +117,17 @@ def _named(name: Any, at: str) -> np.ndarray:
     return np.asarray(Rotation.from_rotvec(named_pose(name)).as_matrix())
 
 
-def _move(given: Any, at: str) -> np.ndarray | None:
-    return None if given is None else _triple(given, f"{at}: move")
+def _move(value: Any, at: str) -> np.ndarray | None:
+    return None if value is None else _triple(value, f"{at}: move")
 
 
-def _triple(given: Any, at: str) -> np.ndarray:
-    if not isinstance(given, list) or len(given) != 3:
+def _triple(numbers: Any, at: str) -> np.ndarray:
+    if not isinstance(numbers, list) or len(numbers) != 3:
         raise MotionBad(f"{at}: give three numbers.")
-    return np.array([_number(value, at) for value in given])
+    return np.array([_number(value, at) for value in numbers])
 
 
-def _number(given: Any, at: str) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= 1e6:
-        raise MotionBad(f"{at} must be a number, not {str(given)[:40]!r}.")
-    return float(given)
+def _number(value: Any, at: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e6:
+        raise MotionBad(f"{at} must be a number, not {str(value)[:40]!r}.")
+    return float(value)

@@ -102,30 +102,30 @@ class LimbGaps:
         """Return the share of each vertex that moves with some limbs, shape [vertex_count]."""
         return np.asarray(self._weights[:, [joint for limb in limbs for joint in limb.joints]].sum(axis=1))
 
-    def measure(self, body: Body, moved: tuple[Limb, ...], own: np.ndarray, other: np.ndarray) -> Gaps:
+    def measure(self, body: Body, moved: tuple[Limb, ...], part: np.ndarray, other: np.ndarray) -> Gaps:
         """Measure the gaps between faces of a limb and other skin.
 
         Args:
             body: The wearer in a pose.
             moved: The limbs that are spread together.
-            own: Faces of the limb, at whose corners and centres gaps are measured, shape [own_count].
+            part: Faces of the limb, at whose corners and centres gaps are measured, shape [own_count].
             other: Faces of the other skin, shape [other_count].
         """
         vertices = body.vertices
-        own, other = self._near(vertices, own, other)
-        if not len(own) or not len(other):
+        part, other = self._near(vertices, part, other)
+        if not len(part) or not len(other):
             return Gaps(np.zeros(0), np.zeros(0), np.zeros((0, 2, 3), dtype=int))
         normals = vertex_normals(vertices, self._faces)
-        corners = np.concatenate([np.repeat(np.unique(self._faces[own])[:, None], 3, axis=1), self._faces[own]])
+        corners = np.concatenate([np.repeat(np.unique(self._faces[part])[:, None], 3, axis=1), self._faces[part]])
         points, facing = vertices[corners].mean(axis=1), unit(normals[corners].sum(axis=1))
         found = TriangleSurface(vertices, self._faces[other]).closest(points)
         beyond = self._faces[other][found.face]
         outward = unit(np.einsum("nk,nkd->nd", found.barycentric, normals[beyond]))
-        way = points - found.foot
-        width = np.where((way * outward).sum(axis=1) < 0, -1.0, 1.0) * found.distance
+        offset = points - found.foot
+        width = np.where((offset * outward).sum(axis=1) < 0, -1.0, 1.0) * found.distance
         along = outward.copy()
-        far = found.distance > 1e-9  # nearer, the direction is inaccurate
-        along[far] = way[far] / width[far, None]
+        is_far = found.distance > 1e-9  # nearer, the direction is inaccurate
+        along[is_far] = offset[is_far] / width[is_far, None]
         kept = np.flatnonzero(
             (found.distance < MAX_LIMB_GAP)
             & ((facing * outward).sum(axis=1) < LIMB_FACING_COSINE)
@@ -141,12 +141,12 @@ class LimbGaps:
             widening += (move * along).sum(axis=1)
         return Gaps(width[kept], widening[kept], np.stack([corners, beyond], axis=1)[kept])
 
-    def _near(self, vertices: np.ndarray, own: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _near(self, vertices: np.ndarray, part: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the faces of both parts that are in each other's bounding box."""
         middles = vertices[self._faces].mean(axis=1)
         for _ in range(2):
-            if len(own):
-                low, high = middles[own].min(axis=0) - MAX_LIMB_GAP, middles[own].max(axis=0) + MAX_LIMB_GAP
+            if len(part):
+                low, high = middles[part].min(axis=0) - MAX_LIMB_GAP, middles[part].max(axis=0) + MAX_LIMB_GAP
                 other = other[((middles[other] > low) & (middles[other] < high)).all(axis=1)]
-            own, other = other, own
-        return own, other
+            part, other = other, part
+        return part, other

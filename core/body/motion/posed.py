@@ -36,16 +36,16 @@ class SkeletonMotion:
                 found[joint] = found[parent] + turns[parent] @ self.offsets[joint]
         return found
 
-    def way(self, joint: int) -> np.ndarray:
+    def position(self, joint: int) -> np.ndarray:
         """Return the place of a joint in the world, shape [n, 3]."""
         found = np.zeros((len(self.turns), 3))
         while joint >= 0:
-            parent, own = self.parents[joint], np.atleast_2d(self.moves.get(joint, self.offsets[joint]))
-            found += own if parent < 0 else (self.turns[:, parent] @ own[:, :, None])[:, :, 0]
+            parent, offset = self.parents[joint], np.atleast_2d(self.moves.get(joint, self.offsets[joint]))
+            found += offset if parent < 0 else (self.turns[:, parent] @ offset[:, :, None])[:, :, 0]
             joint = parent
         return found
 
-    def still(self) -> frozenset[int]:
+    def fixed_joints(self) -> frozenset[int]:
         """Return the joints that never turn relative to their parents, from the rest pose on."""
         found = set()
         for joint, parent in enumerate(self.parents):

@@ -74,8 +74,8 @@ def _world_turns(recording: Recording, body: Body) -> np.ndarray:
         name = JOINTS[joint]
         side, _, part = name.partition("_")
         if part in BONE_END_JOINTS and recording.bones[joint].any():
-            own = unit(body.rest_joints[JOINTS.index(f"{side}_{BONE_END_JOINTS[part]}")] - body.rest_joints[joint])
-            aligned[joint] = shortest_rotation(own, recording.bones[joint])
+            axis = unit(body.rest_joints[JOINTS.index(f"{side}_{BONE_END_JOINTS[part]}")] - body.rest_joints[joint])
+            aligned[joint] = shortest_rotation(axis, recording.bones[joint])
         elif part in PARENT_ALIGNED_JOINTS:
             aligned[joint] = aligned[parent]
         if recording.known[joint]:
@@ -114,10 +114,10 @@ def _lowest_foot_heights(world: np.ndarray, body: Body) -> np.ndarray:
     for side in ("left", "right"):
         for name in ("ankle", "foot"):
             joint = JOINTS.index(f"{side}_{name}")
-            own = np.flatnonzero(body.rest_weights[:, joint] > 0.5)
-            if not len(own):
-                own = np.array([np.linalg.norm(body.rest_vertices - joints[joint], axis=1).argmin()])
-            points = body.rest_vertices[own] - joints[joint]
+            vertices = np.flatnonzero(body.rest_weights[:, joint] > 0.5)
+            if not len(vertices):
+                vertices = np.array([np.linalg.norm(body.rest_vertices - joints[joint], axis=1).argmin()])
+            points = body.rest_vertices[vertices] - joints[joint]
             for first in range(0, len(world), POSE_BLOCK_SIZE):
                 poses = slice(first, first + POSE_BLOCK_SIZE)
                 below = (points @ world[poses, joint, 1].T).min(axis=0)

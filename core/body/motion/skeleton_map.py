@@ -13,7 +13,7 @@ from .posed import SkeletonMotion
 from .recording import Recording
 from .retarget import BONE_END_JOINTS, shortest_rotation
 from .unused_joints import describe_unused_joints
-from .upward import SampledPoses, find_up
+from .up_direction import SampledPoses, find_up
 
 MIN_UPRIGHT_COSINE = 0.7
 """Smallest cosine between trunk and legs of a standing pose: 45 degrees."""
@@ -42,7 +42,7 @@ def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
         MotionForeign: where hips and knees are not found, or no pose stands upright.
     """
     plain = np.tile(np.eye(3), (len(posed.names), 1, 1))
-    found = find_joints(JointTree(posed.names, posed.parents, posed.places(plain)), posed.still())
+    found = find_joints(JointTree(posed.names, posed.parents, posed.places(plain)), posed.fixed_joints())
     missing = [name for name in ("left_hip", "right_hip", "left_knee", "right_knee") if name not in found.at]
     if missing or "pelvis" not in found.at:
         lacking = ", ".join(missing) or "joint that both legs branch from"
@@ -59,11 +59,11 @@ def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
     leg = _leg_length(places)
     if not leg > 0:
         raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
-    axes, way = _axes(places), posed.way(pelvis)
-    up = find_up(axes[1], _sample(posed, found, way / leg))
+    axes, path = _axes(places), posed.position(pelvis)
+    up = find_up(axes[1], _sample(posed, found, path / leg))
     world = axes @ shortest_rotation(up.direction, axes[1])
     known = np.array([name in found.at for name in JOINTS])
-    turns = np.tile(np.eye(3), (len(way), 24, 1, 1))
+    turns = np.tile(np.eye(3), (len(path), 24, 1, 1))
     for joint, name in enumerate(JOINTS):
         if name in found.at:
             carried = found.carried[name]
@@ -75,16 +75,16 @@ def map_skeleton(posed: SkeletonMotion, rate: float) -> Recording:
         _describe_unit(leg),
         *describe_unused_joints(posed, found),
     )
-    return Recording(rate, turns, known, _bones(places, axes), way @ world.T / leg, notes=notes)
+    return Recording(rate, turns, known, _bones(places, axes), path @ world.T / leg, notes=notes)
 
 
-def _sample(posed: SkeletonMotion, found: JointMapping, way: np.ndarray) -> SampledPoses:
-    """Sample the person's posture over the motion; `way` is the pelvis' place in leg lengths, [n, 3]."""
+def _sample(posed: SkeletonMotion, found: JointMapping, pelvis: np.ndarray) -> SampledPoses:
+    """Sample the person's posture over the motion; `pelvis` is the pelvis' place in leg lengths, [n, 3]."""
     uprights, joints = [], []
     for pose in _spread_pose_indices(posed):
         places = _places(posed, found, posed.turns[pose])
         uprights.append(unit(_trunk(places) + _up_of_legs(places)))
-        joints.append((np.array(list(places.values())) - places["pelvis"]) / _leg_length(places) + way[pose])
+        joints.append((np.array(list(places.values())) - places["pelvis"]) / _leg_length(places) + pelvis[pose])
     return SampledPoses(np.array(uprights), np.array(joints))
 
 
@@ -126,14 +126,14 @@ def _trunk(places: dict[str, np.ndarray]) -> np.ndarray:
 
 def _up_of_legs(places: dict[str, np.ndarray]) -> np.ndarray:
     ways = [places[f"{side}_hip"] - places[f"{side}_knee"] for side in ("left", "right")]
-    return unit(np.sum([unit(way) for way in ways], axis=0))
+    return unit(np.sum([unit(direction) for direction in ways], axis=0))
 
 
 def _side(places: dict[str, np.ndarray]) -> np.ndarray:
-    way = places["left_hip"] - places["right_hip"]
+    across = places["left_hip"] - places["right_hip"]
     if "left_shoulder" in places and "right_shoulder" in places:
-        way = way + places["left_shoulder"] - places["right_shoulder"]
-    return np.asarray(way)
+        across = across + places["left_shoulder"] - places["right_shoulder"]
+    return np.asarray(across)
 
 
 def _axes(places: dict[str, np.ndarray]) -> np.ndarray:
@@ -167,11 +167,11 @@ def _describe_names(found: JointMapping, posed: SkeletonMotion) -> tuple[str, ..
     """Describe which joints were matched to ours under other names, and what is above the pelvis."""
     called = {name: posed.names[index] for name, index in found.at.items()}
     foreign = [f"{name} is {other}" for name, other in called.items() if other.lower() != name]
-    told = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
+    notes = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
     above = posed.parents[found.at["pelvis"]]
     if above >= 0:
-        told.append(f"The pelvis is {called['pelvis']}, and goes and turns with {posed.names[above]}.")
-    return tuple(told)
+        notes.append(f"The pelvis is {called['pelvis']}, and goes and turns with {posed.names[above]}.")
+    return tuple(notes)
 
 
 def _describe_unit(leg: float) -> str:

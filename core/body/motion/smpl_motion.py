@@ -69,11 +69,11 @@ def read_smpl_motion(path: Path) -> Recording:
 def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
     """Return the axis-angles of each pose, shape [n, 66 or more]; raise `MotionBad` where shape or kind are wrong."""
     names = ("poses",) if "poses" in arrays else [each for piece in POSE_PART_NAMES for each in piece if each in arrays]
-    given = [arrays[each] for each in names]
-    shapes = ", ".join(str(each.shape) for each in given)
-    if not all(each.ndim >= 2 and len(each) == len(given[0]) for each in given):
+    parts = [arrays[each] for each in names]
+    shapes = ", ".join(str(each.shape) for each in parts)
+    if not all(each.ndim >= 2 and len(each) == len(parts[0]) for each in parts):
         raise MotionBad(f"{name}: poses have the shape {shapes}, expected [n, 72].")
-    joined = np.concatenate([each.reshape(len(each), int(np.prod(each.shape[1:]))) for each in given], axis=1)
+    joined = np.concatenate([each.reshape(len(each), int(np.prod(each.shape[1:]))) for each in parts], axis=1)
     if joined.shape[1] < 66 or not len(joined) or not np.isfinite(joined).all():
         raise MotionBad(f"{name}: poses have the shape {shapes}, expected [n, 72] in radians.")
     return joined
@@ -94,8 +94,8 @@ def _read(path: Path) -> dict[str, np.ndarray]:
                     f"{path.name} has no array 'poses', nor 'root_orient' and 'pose_body'. {MotionBad().message}"
                 )
             found = {}
-            wanted = ("poses",) if "poses" in names else tuple(each for piece in POSE_PART_NAMES for each in piece)
-            for name in (*wanted, *TRANSLATION_NAMES, *RATE_NAMES):
+            pose_names = ("poses",) if "poses" in names else tuple(each for piece in POSE_PART_NAMES for each in piece)
+            for name in (*pose_names, *TRANSLATION_NAMES, *RATE_NAMES):
                 if name in names:
                     with archive.open(f"{name}.npy") as entry:
                         found[name] = np.asarray(read_array(entry, judge), dtype=np.float64)
@@ -103,7 +103,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
         raise
     except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
         raise MotionBad(f"{path.name} cannot be read: {str(error)[:80]}. {MotionBad().message}") from error
-    count = max(len(found[name]) if found[name].ndim else 0 for name in wanted if name in found)
+    count = max(len(found[name]) if found[name].ndim else 0 for name in pose_names if name in found)
     if count > MAX_MOTION_FRAME_COUNT:
         raise MotionTooLarge(f"{path.name}: {count} poses. {MotionTooLarge().message}")
     return found

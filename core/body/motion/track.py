@@ -34,8 +34,8 @@ class Pose:
     def towards(self, other: Pose, share: float) -> Pose:
         """Interpolate to another pose by a share: each joint turns by that share of the angle (slerp)."""
         start = Rotation.from_matrix(self.turns)
-        way = (start.inv() * Rotation.from_matrix(other.turns)).as_rotvec()
-        turned = start * Rotation.from_rotvec(share * way)
+        rotation = (start.inv() * Rotation.from_matrix(other.turns)).as_rotvec()
+        turned = start * Rotation.from_rotvec(share * rotation)
         return Pose(turned.as_matrix(), (1.0 - share) * self.pelvis + share * other.pelvis)
 
 

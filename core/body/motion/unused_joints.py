@@ -22,7 +22,7 @@ def describe_unused_joints(posed: SkeletonMotion, found: JointMapping) -> tuple[
             used.add(index)
             index = posed.parents[index]
     fine = {found.at[name] for name in OUTERMOST_JOINTS if name in found.at}
-    still = posed.still()
+    fixed = posed.fixed_joints()
     matter: list[str] = []
     other: list[str] = []
     for joint, parent in enumerate(posed.parents):
@@ -31,14 +31,14 @@ def describe_unused_joints(posed: SkeletonMotion, found: JointMapping) -> tuple[
         if parent in fine:
             fine.add(joint)
         words = split_name(posed.names[joint])[1]
-        minor = joint in fine or joint in still or any(word in HELPER_WORDS or word in TWIST_WORDS for word in words)
+        minor = joint in fine or joint in fixed or any(word in HELPER_WORDS or word in TWIST_WORDS for word in words)
         (other if minor else matter).append(posed.names[joint])
-    told = []
+    notes = []
     if matter:
-        told.append(f"Joints of trunk and limbs that turn and were not used: {_list(matter)}.")
+        notes.append(f"Joints of trunk and limbs that turn and were not used: {_list(matter)}.")
     if other:
-        told.append(f"Joints of the motion that were not used (fingers, face, ends, still): {_list(other)}.")
-    return tuple(told)
+        notes.append(f"Joints of the motion that were not used (fingers, face, ends, still): {_list(other)}.")
+    return tuple(notes)
 
 
 def _list(names: list[str]) -> str:

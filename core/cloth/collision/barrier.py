@@ -129,5 +129,5 @@ def find_coincident_nodes(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray
     if not len(pairs[0]):
         return np.zeros(0, np.int64)
     distances, weights = measure_pairs(nodes, pairs)
-    shut = distances <= COINCIDENT_REACH_SHARE * pairs[2][:, 1]
-    return np.unique(pairs[1][shut][weights[shut] != 0.0])
+    is_coincident = distances <= COINCIDENT_REACH_SHARE * pairs[2][:, 1]
+    return np.unique(pairs[1][is_coincident][weights[is_coincident] != 0.0])

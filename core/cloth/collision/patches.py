@@ -70,7 +70,7 @@ def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
     used = np.flatnonzero(first_face >= 0)
     of_edge = np.zeros(len(half.edges), np.int64)
     of_edge[half.edge[::-1]] = np.repeat(owner, 3)[::-1]
-    nodes, own = RaggedLists.of(first_face[used], used, size), RaggedLists.of(owner, all_faces, size)
+    nodes, owners = RaggedLists.of(first_face[used], used, size), RaggedLists.of(owner, all_faces, size)
     edges = RaggedLists.of(of_edge, np.arange(len(half.edges)), size)
     touch = sparse.csr_matrix((np.ones(len(by_corner)), (by_corner // count, by_corner % count)), shape=(size, count))
     shared = (touch @ touch.T).tocsr()
@@ -79,10 +79,10 @@ def partition_cloth(half: HalfEdges, rest: np.ndarray) -> Patches:
     first = np.repeat(np.arange(size), np.diff(around.starts))
     joined = np.column_stack([first, around.members])[first <= around.members]
     found = _lay_out(
-        faces, half.twin, np.ascontiguousarray(rest), half.edges, (corners, nodes, own, edges, around), joined
+        faces, half.twin, np.ascontiguousarray(rest), half.edges, (corners, nodes, owners, edges, around), joined
     )
     gaps, starts, laid, layout = found
-    return Patches(corners, nodes, own, edges, around, joined, gaps, RaggedLists(starts, laid), layout)
+    return Patches(corners, nodes, owners, edges, around, joined, gaps, RaggedLists(starts, laid), layout)
 
 
 @kernel()
@@ -171,18 +171,18 @@ def _unfold(patch, faces, twin, rest, lists, found):  # type: ignore[no-untyped-
     """Lay out a patch and those around it in a plane: fill positions [m] of their nodes and which have one. Faces are
     placed across edges as their flat triangles; then each node moves to the mean of where its triangles, fitted rigidly
     to their corners, have it. Any layout is valid: cloth that differs from it is only tested in detail."""
-    _, _, own, _, around = lists
+    _, _, owners, _, around = lists
     place, placed, sums, reached = found
     placed[:] = False
     reached[:] = True
     count = 0
     for m in range(around[0][patch], around[0][patch + 1]):
         other = around[1][m]
-        count += own[0][other + 1] - own[0][other]
-        for k in range(own[0][other], own[0][other + 1]):
-            reached[own[1][k]] = False
+        count += owners[0][other + 1] - owners[0][other]
+        for k in range(owners[0][other], owners[0][other + 1]):
+            reached[owners[1][k]] = False
     queue, head, tail = np.zeros(count, np.int64), 0, 1
-    queue[0] = own[1][own[0][patch]]
+    queue[0] = owners[1][owners[0][patch]]
     reached[queue[0]] = True
     for k in range(3):
         v = faces[queue[0], k]
@@ -271,15 +271,15 @@ def _add_rigid_fit(face, flat, place, sums):  # type: ignore[no-untyped-def]
 @kernel()
 def _gap(c, d, place, faces, sides, lists):  # type: ignore[no-untyped-def]
     """Return the least distance in the plane [m] between parts of two patches that share no node."""
-    _, nodes, own, edges, _ = lists
+    _, nodes, owners, edges, _ = lists
     pair, weights, rates, vector = np.zeros(4, np.int64), np.zeros(4), np.zeros((2, 4)), np.zeros(3)
     least = np.inf
     for turn in range(1 if c == d else 2):
         one, two = (c, d) if turn == 0 else (d, c)
         for m in range(nodes[0][one], nodes[0][one + 1]):
             pair[0] = nodes[1][m]
-            for n in range(own[0][two], own[0][two + 1]):
-                pair[1:] = faces[own[1][n]]
+            for n in range(owners[0][two], owners[0][two + 1]):
+                pair[1:] = faces[owners[1][n]]
                 if pair[0] == pair[1] or pair[0] == pair[2] or pair[0] == pair[3]:
                     continue
                 if _are_boxes_apart(place, pair, 1, least):

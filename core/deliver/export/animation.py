@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ...reuse.animate.animate_garment import AnimatedGarment
 from ...reuse.animate.animation import Animation
-from ...reuse.animate.moved import AnimatedGarment
 from .animation_report import report_animation
 from .meshes import write_meshes, write_ply
 from .morph_glb import MAX_ANIMATION_FILE_BYTES, morph_bytes, write_morphs
@@ -48,18 +48,18 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
 
 def add_omission_warnings(moved: AnimatedGarment) -> AnimatedGarment:
     """Return an animation with a warning for each file that `write_animation_result` leaves out."""
-    animation, told = moved.animation, []
+    animation, warnings = moved.animation, []
     if not can_write_usd():
-        told.append(USD_MISSING_WARNING)
+        warnings.append(USD_MISSING_WARNING)
     if morph_bytes(animation.worn.garment, animation.frames) > MAX_ANIMATION_FILE_BYTES:
-        told.append(
+        warnings.append(
             f"no GLB: it would be larger than {MAX_ANIMATION_FILE_BYTES // 10**6} MB; the point caches hold all frames."
         )
     if _body_bytes(animation) > MAX_ANIMATION_FILE_BYTES:
-        told.append(
+        warnings.append(
             f"no body.pc2: it would be larger than {MAX_ANIMATION_FILE_BYTES // 10**6} MB; take a part of the motion."
         )
-    report = replace(moved.report, warnings=(*moved.report.warnings, *told))
+    report = replace(moved.report, warnings=(*moved.report.warnings, *warnings))
     return replace(moved, report=report)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 
-from ...reuse.animate.moved import AnimatedGarment
+from ...reuse.animate.animate_garment import AnimatedGarment
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .report import format_number

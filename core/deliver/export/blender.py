@@ -21,8 +21,8 @@ def write_blender(mesh: SewnMesh, body: Body, folder: Path, stem: str) -> list[P
     garment = mesh.garment
     flat = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):
-        own = garment.panel_of_uv == index
-        flat[own] = place_points(panel, garment.uv[own])
+        in_panel = garment.panel_of_uv == index
+        flat[in_panel] = place_points(panel, garment.uv[in_panel])
     worn = mesh.nodes[garment.uv_node]
     threads = sewing_threads(mesh)
     files_made = [folder / f"{stem}_{part}" for part in ("sewing.obj", "worn.obj", "body.obj", "blender.py")]
@@ -58,7 +58,7 @@ def _obj_text(mesh: SewnMesh, places: np.ndarray, threads: np.ndarray) -> str:
     lines += [f"vt {u:.7f} {v:.7f}" for u, v in mesh.metre_uv.tolist()]
     for index, name in enumerate(sanitise_names([panel.name for panel in garment.pattern.panels])):
         lines.append(f"g {name}")
-        own = garment.uv_faces[garment.panel_of_face == index] + 1
-        lines += ["f " + " ".join(f"{v}/{v}" for v in face) for face in own.tolist()]
+        panel_faces = garment.uv_faces[garment.panel_of_face == index] + 1
+        lines += ["f " + " ".join(f"{v}/{v}" for v in face) for face in panel_faces.tolist()]
     lines += [f"l {a} {b}" for a, b in (threads + 1).tolist()]
     return "\n".join(lines) + "\n"

@@ -16,7 +16,7 @@ import numpy as np
 from ...cloth.fabric import Fabric
 from ...garment.curves import chord, edge_length, edge_points, is_flat_arc, panel_outline, place_on_chord, unit_circle
 from ...garment.pattern import Edge, EdgeRef, Panel, Pattern
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...garment.seams import equalise_seams
 from ...run.errors import BadInput
 from ...run.units import MM_PER_M
@@ -201,13 +201,13 @@ def _draw_lines(piece: _PlacedPiece, number: int) -> tuple[list[dict[str, Any]],
             "first": f"gq_{number}_line_{first}", "last": f"gq_{number}_line_{len(lines) - 1}",
         }  # fmt: skip
         done += length
-    told = []
+    seams = []
     for index, controls in enumerate(lines):
         keys = [f"gq_{number}_point_{index}"]
         keys += [f"gq_{number}_handle_{index}_{handle}" for handle in range(len(controls) - 2)]
         keys.append(f"gq_{number}_point_{(index + 1) % len(lines)}")
         kinds = ["Straight", *["Bezier Curve"] * (len(controls) - 2), "Straight"]
-        told.append(
+        seams.append(
             {
                 "ID": f"gq_{number}_line_{index}",
                 "PointList": [
@@ -224,7 +224,7 @@ def _draw_lines(piece: _PlacedPiece, number: int) -> tuple[list[dict[str, Any]],
                 ],
             }
         )
-    return told, spans
+    return seams, spans
 
 
 def _span(span: dict[str, Any], is_backward: bool) -> dict[str, Any]:
@@ -275,8 +275,8 @@ def _point_lists(pattern: Pattern, placed: list[_PlacedPiece]) -> dict[str, Any]
         for edge in range(len(piece.panel.edges)):
             kind = piece.panel.edges[edge]
             is_straight = kind.kind == "line" or is_flat_arc(kind)
-            wanted = int(np.ceil(edge_length(piece.panel, edge) / SPLINE_POINT_SPACING))
-            inner = 0 if is_straight else int(np.clip(wanted, *SPLINE_POINT_COUNT_RANGE))
+            point_count = int(np.ceil(edge_length(piece.panel, edge) / SPLINE_POINT_SPACING))
+            inner = 0 if is_straight else int(np.clip(point_count, *SPLINE_POINT_COUNT_RANGE))
             along = np.round(
                 MM_PER_M * (edge_points(piece.panel, edge, inner + 1)[:-1] + piece.origin), POSITION_DECIMAL_COUNT
             )

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...garment.curves import edge_points
 from ...garment.pattern import EdgeRef, Pattern
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...geometry.curves import polyline_length, resample_polyline
 
 DRAWING_SCALE_DENOMINATOR = 10

@@ -27,8 +27,8 @@ def write_dressed(dressed: DressedGarment, folder: Path) -> list[Path]:
     """
     worn = dressed.worn
     files = write_garment(dressed, folder)
-    if dressed.under is not None:
-        below = dressed.under.garment
+    if dressed.inner is not None:
+        below = dressed.inner.garment
         files += write_meshes(below, below.nodes, folder, "under", ("obj", "glb"))
         files.append(write_ply(below.nodes, below.faces, folder / "under.ply"))
     files += write_body(worn.body, folder)

@@ -30,26 +30,26 @@ WEARER_VIEW_ANGLES = (0.0, 0.5 * np.pi, np.pi)
 def draw_wearers(dressed: DressedGarment) -> bytes:
     """Return a PNG with the rows first wearer, new one, strain and pressure; in columns front, side and back."""
     strain, pressure = dressed.strain / MAX_SHOWN_STRAIN, dressed.pressure / MAX_SHOWN_PRESSURE
-    rows = [draw_wearer(dressed.before, CLOTH_COLOUR), draw_wearer(dressed.worn, DRAPE_COLOUR, dressed.under)]
+    rows = [draw_wearer(dressed.before, CLOTH_COLOUR), draw_wearer(dressed.worn, DRAPE_COLOUR, dressed.inner)]
     rows += [draw_wearer(dressed.worn, error_colours(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
-def draw_wearer(worn: WornGarment, colour: np.ndarray, under: WornGarment | None = None) -> np.ndarray:
+def draw_wearer(worn: WornGarment, colour: np.ndarray, inner: WornGarment | None = None) -> np.ndarray:
     """Draw a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
 
     Args:
         worn: The garment.
         colour: Its colour, one or one of each node.
-        under: The garment below it, in the colour of scanned cloth, or None.
+        inner: The garment below it, in the colour of scanned cloth, or None.
     """
     body = worn.body
     surfaces = [
         ColouredMesh(body.vertices, body.faces, SKIN_COLOUR),
         ColouredMesh(worn.garment.nodes, worn.garment.faces, colour),
     ]
-    if under is not None:
-        surfaces.append(ColouredMesh(under.garment.nodes, under.garment.faces, CLOTH_COLOUR))
+    if inner is not None:
+        surfaces.append(ColouredMesh(inner.garment.nodes, inner.garment.faces, CLOTH_COLOUR))
     return np.concatenate(
         [composite_on_white(render_meshes(surfaces, aim_at(worn, turn))) for turn in WEARER_VIEW_ANGLES], axis=1
     )
@@ -91,8 +91,8 @@ def _header(dressed: DressedGarment) -> str:
         "Wearer": worn.body.source,
         "CPU time": f"{dressed.report.cpu_seconds:.0f} s",
     }
-    if dressed.under is not None:
-        facts["Worn over"] = dressed.under.pattern.name or dressed.under.category
+    if dressed.inner is not None:
+        facts["Worn over"] = dressed.inner.pattern.name or dressed.inner.category
     heading = Heading("worn again", worn.pattern.name or worn.category, facts)
     return head_html(heading, dressed.report.gates, dressed.report.warnings)
 

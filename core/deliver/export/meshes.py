@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...garment.garment import Garment
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...geometry.geometry import vertex_normals
 
 UV_GAP = 0.02
@@ -27,10 +27,10 @@ def uv_layout(garment: Garment) -> np.ndarray:
     unit."""
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
-    own = [garment.panel_of_uv == panel for panel in panels]
-    low = np.array([uv[mask].min(axis=0) for mask in own])
-    sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
-    for mask, corner, place in zip(own, low, pack_on_shelves(sizes, UV_GAP, UV_WIDTH), strict=True):
+    members = [garment.panel_of_uv == panel for panel in panels]
+    low = np.array([uv[mask].min(axis=0) for mask in members])
+    sizes = np.array([uv[mask].max(axis=0) for mask in members]) - low
+    for mask, corner, place in zip(members, low, pack_on_shelves(sizes, UV_GAP, UV_WIDTH), strict=True):
         uv[mask] += place - corner
     return uv
 
@@ -108,10 +108,10 @@ def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
     lines += [f"vt {u:.7f} {v:.7f}" for u, v in uv_layout(garment).tolist()]
     lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertex_normals(nodes, garment.faces).tolist()]
     for index, panel in enumerate(garment.pattern.panels):
-        own = np.flatnonzero(garment.panel_of_face == index)
+        ids = np.flatnonzero(garment.panel_of_face == index)
         # Panel names are the file author's: only plain characters are written to the OBJ.
         lines.append("g " + (re.sub(r"[^A-Za-z0-9_.-]+", "_", panel.name) or f"panel_{index}"))
-        for corners, flat in zip((garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist(), strict=True):
+        for corners, flat in zip((garment.faces[ids] + 1).tolist(), (garment.uv_faces[ids] + 1).tolist(), strict=True):
             lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, flat, strict=True)))
     return "\n".join(lines) + "\n"
 

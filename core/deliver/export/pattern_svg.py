@@ -12,7 +12,7 @@ import numpy as np
 from ...garment.curves import edge_points, panel_outline
 from ...garment.meshing import points_in_polygon
 from ...garment.pattern import Panel, Pattern
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...garment.svg_path import edge_path
 
 PATTERN_SVG_SHEET_WIDTH = 1.4

@@ -97,10 +97,10 @@ def render_meshes(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarra
         if len(surface.faces):
             _rasterise_mesh(surface, camera, depth, colour, normal)
     lights = np.array([np.asarray(d) / np.linalg.norm(d) * strength for d, strength in STUDIO_LIGHTS])
-    rgb, cover, near = _resolve(
+    rgb, cover, nearest = _resolve(
         depth, colour, normal, lights, AMBIENT_LIGHT_STRENGTH, RIM_LIGHT_STRENGTH, OVERSAMPLING_FACTOR
     )
-    rgb *= _cavity(near, cover > 0.0, camera)[..., None]
+    rgb *= _cavity(nearest, cover > 0.0, camera)[..., None]
     return (np.concatenate([np.clip(rgb, 0.0, 1.0), cover[..., None]], axis=2) * 255.0 + 0.5).astype(np.uint8)
 
 
@@ -192,7 +192,7 @@ def _resolve(
     height, width = depth.shape[0] // n, depth.shape[1] // n
     rgb = np.zeros((height, width, 3))
     cover = np.zeros((height, width))
-    near = np.full((height, width), -np.inf)
+    nearest = np.full((height, width), -np.inf)
     for row in range(height * n):
         for column in range(width * n):
             if depth[row, column] == -np.inf:
@@ -208,7 +208,7 @@ def _resolve(
             edge = rim * (1.0 - z) ** 3
             r, c = row // n, column // n
             cover[r, c] += 1.0
-            near[r, c] = max(near[r, c], depth[row, column])
+            nearest[r, c] = max(nearest[r, c], depth[row, column])
             for axis in range(3):
                 rgb[r, c, axis] += colour[row, column, axis] * light + edge
     for r in range(height):
@@ -217,7 +217,7 @@ def _resolve(
                 for axis in range(3):
                     rgb[r, c, axis] /= cover[r, c]
                 cover[r, c] /= n * n
-    return rgb, cover, near
+    return rgb, cover, nearest
 
 
 def _cavity(depth: np.ndarray, seen: np.ndarray, camera: Camera) -> np.ndarray:

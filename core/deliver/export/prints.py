@@ -45,8 +45,8 @@ def list_prints(pattern: Pattern) -> list[tuple[str, list[PrintPlace]]]:
         names = sanitise_names([panel.name for panel in pattern.panels])
         return [(name, [PrintPlace(n, np.eye(2), np.zeros(2))]) for n, name in enumerate(names)]
     for piece in pieces:
-        own = [place for place in piece.places if np.linalg.det(place.rotation) > 0.0]
-        prints.append((piece.name, [PrintPlace(index[p.panel], p.rotation, p.translation) for p in own]))
+        upright = [place for place in piece.places if np.linalg.det(place.rotation) > 0.0]
+        prints.append((piece.name, [PrintPlace(index[p.panel], p.rotation, p.translation) for p in upright]))
         copy = [place for place in piece.places if np.linalg.det(place.rotation) < 0.0]
         if piece.pair and copy:
             turned = [
@@ -72,9 +72,9 @@ def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace]
     laid = np.zeros((len(garment.uv), 2))
     used = np.zeros(len(garment.uv), dtype=bool)
     for place in places:
-        own = garment.panel_of_uv == place.panel
-        laid[own] = garment.uv[own] @ place.rotation.T + place.translation
-        used |= own
+        in_panel = garment.panel_of_uv == place.panel
+        laid[in_panel] = garment.uv[in_panel] @ place.rotation.T + place.translation
+        used |= in_panel
     faces = garment.uv_faces[used[garment.uv_faces[:, 0]]]
     low = laid[used].min(axis=0) - PRINT_BLEED_WIDTH
     width, height = (int(np.ceil(length / texel)) for length in laid[used].max(axis=0) + PRINT_BLEED_WIDTH - low)
@@ -85,8 +85,8 @@ def draw_print(mesh: SewnMesh, baked: BakedTexture, places: Sequence[PrintPlace]
     row = texels.row - (size - height)  # rows count from the top, and the panels are at the lower end
     image, known = np.zeros((height, width, 3)), np.zeros((height, width), dtype=bool)
     image[row, texels.column], known[row, texels.column] = sample_image(baked.image, uv), True
-    image, near = spread_border(image, known, PRINT_BLEED_WIDTH / texel)
+    image, in_bleed = spread_border(image, known, PRINT_BLEED_WIDTH / texel)
     drawn = np.zeros((height, width, 4), dtype=np.uint8)
-    drawn[..., :3] = np.where(near[..., None], np.clip(np.round(image), 0, 255), 255)
-    drawn[..., 3] = np.where(near, 255, 0)
+    drawn[..., :3] = np.where(in_bleed[..., None], np.clip(np.round(image), 0, 255), 255)
+    drawn[..., 3] = np.where(in_bleed, 255, 0)
     return drawn

@@ -183,9 +183,9 @@ def _meshes(recovery: Recovery) -> str:
     """Return the table of the meshes with their purpose and distance from the scan."""
     rows = []
     for prefix, name, use in MESHES:
-        ways = [recovery.report.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
-        if any(way is not None for way in ways):
-            there, back = (format_number(way) for way in ways)
+        ways = [recovery.report.metrics.get(f"{prefix}surface_rms_mm.{direction}") for direction in ("s2t", "t2s")]
+        if any(direction is not None for direction in ways):
+            there, back = (format_number(direction) for direction in ways)
             rows.append(f"<tr><td>{name}</td><td class=num>{there} / {back}</td><td>{use}</td></tr>")
     head = "<tr><th>Mesh</th><th class=num>To the scan / back, RMS [mm]</th><th>What it is</th></tr>"
     return f'<table class="meshes">{head}{"".join(rows)}</table>' if rows else ""
@@ -236,15 +236,15 @@ def _fabric(recovery: Recovery) -> str:
         return ""
     rows = []
     for each in recovery.estimates:
-        told, sure = "–", "not identifiable"
+        text, certainty = "–", "not identifiable"
         if each.identifiable:
             low, high = each.value * np.exp(-each.std), each.value * np.exp(each.std)
-            told = f"{each.value:.1e} {UNITS[each.name]}<br><small>{low:.1e} to {high:.1e}</small>"
-            sure = "identified"
+            text = f"{each.value:.1e} {UNITS[each.name]}<br><small>{low:.1e} to {high:.1e}</small>"
+            certainty = "identified"
         rows.append(
             f"<tr><td><b>{escape(each.name)}</b><br><small>{MEANINGS.get(each.name, '')}</small></td>"
-            f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{sure}</span></td>"
-            f"<td class=num>{told}</td><td>{_draw_posterior(each)}</td><td>{escape(each.note)}</td></tr>"
+            f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{certainty}</span></td>"
+            f"<td class=num>{text}</td><td>{_draw_posterior(each)}</td><td>{escape(each.note)}</td></tr>"
         )
     points = ""
     if recovery.point_std is not None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...garment.curves import panel_outline
 from ...garment.pattern import Pattern
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...reuse.wear.worn import WornGarment
 from .person import composite_on_white
 from .picture import ColouredMesh, aim_camera, png_base64, render_meshes

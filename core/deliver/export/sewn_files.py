@@ -34,9 +34,9 @@ def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> lis
     lines += [f"vt {u:.7f} {v:.7f}" for u, v in flat.tolist()]
     lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.normals.tolist()]
     for index, name in enumerate(names):
-        own = np.flatnonzero(garment.panel_of_face == index)
+        rows = np.flatnonzero(garment.panel_of_face == index)
         lines += [f"g {name}", f"usemtl {name if image is None else 'cloth'}"]
-        corner_nodes, corner_uv = (garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist()
+        corner_nodes, corner_uv = (garment.faces[rows] + 1).tolist(), (garment.uv_faces[rows] + 1).tolist()
         for corners, places in zip(corner_nodes, corner_uv, strict=True):
             lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, places, strict=True)))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -46,12 +46,12 @@ def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> lis
     else:
         materials = [f"newmtl cloth\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {image.name}\n"]
     library.write_text("\n".join(materials), encoding="utf-8")
-    told = describe_cloth(mesh, image is not None)
-    told["metres_per_unit_of_uv"] = [scale]
-    for seam, kept in zip(garment.pattern.seams, told["seams"], strict=True):
-        kept["vertices"] = (garment.uv_node[garment.edge_uv[seam.a]] + 1).tolist()
-    told["contours"] = {contour.name: (contour.vertices + 1).tolist() for contour in garment.contours}
-    sidecar.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    described = describe_cloth(mesh, image is not None)
+    described["metres_per_unit_of_uv"] = [scale]
+    for seam, described_seam in zip(garment.pattern.seams, described["seams"], strict=True):
+        described_seam["vertices"] = (garment.uv_node[garment.edge_uv[seam.a]] + 1).tolist()
+    described["contours"] = {contour.name: (contour.vertices + 1).tolist() for contour in garment.contours}
+    sidecar.write_text(json.dumps(described, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return [path, library, sidecar]
 
 
@@ -83,12 +83,12 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
     names = sanitise_names([panel.name for panel in garment.pattern.panels])
     primitives: list[dict[str, Any]] = []
     for index, name in enumerate(names):
-        own = np.flatnonzero(garment.panel_of_uv == index)
+        rows = np.flatnonzero(garment.panel_of_uv == index)
         place = np.zeros(len(garment.uv), dtype=np.int64)
-        place[own] = np.arange(len(own))
+        place[rows] = np.arange(len(rows))
         corners = place[garment.uv_faces[garment.panel_of_face == index]]
         attributes = {
-            key: buffer.add(np.ascontiguousarray(array[own].astype("<f4")), GL_ARRAY_BUFFER, bounds=key == "POSITION")
+            key: buffer.add(np.ascontiguousarray(array[rows].astype("<f4")), GL_ARRAY_BUFFER, bounds=key == "POSITION")
             for key, array in values.items()
         }
         primitives.append(
@@ -99,13 +99,13 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
                 "extras": {"panel": index, "name": name},
             }
         )
-    told = describe_cloth(mesh, image is not None)
+    described = describe_cloth(mesh, image is not None)
     scene: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "garmentq"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": mesh.name}],
-        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": told}}],
+        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": described}}],
     }
     if image is None:
         colours = [{"baseColorFactor": [*panel_colour(n, len(names)), 1.0]} for n in range(len(names))]

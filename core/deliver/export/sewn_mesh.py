@@ -14,7 +14,7 @@ from ...cloth.fabric import Fabric
 from ...garment.curves import edge_length
 from ...garment.garment import Garment
 from ...garment.pattern import EdgeRef
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...geometry.geometry import vertex_normals
 from .meshes import UV_GAP, uv_layout
 
@@ -86,9 +86,9 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
     """
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
-    own = [garment.panel_of_uv == panel for panel in panels]
-    low = np.array([uv[mask].min(axis=0) for mask in own])
-    sizes = np.array([uv[mask].max(axis=0) for mask in own]) - low
+    members = [garment.panel_of_uv == panel for panel in panels]
+    low = np.array([uv[mask].min(axis=0) for mask in members])
+    sizes = np.array([uv[mask].max(axis=0) for mask in members]) - low
     widest = float(sizes[:, 0].max())
     best, side = np.zeros_like(low), np.inf
     for width in widest * 1.02 ** np.arange(LAYOUT_WIDTH_COUNT):
@@ -96,7 +96,7 @@ def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
         needed = float((places + sizes).max())
         if needed < side - 1e-12:
             best, side = places, needed
-    for mask, corner, place in zip(own, low, best, strict=True):
+    for mask, corner, place in zip(members, low, best, strict=True):
         uv[mask] += place - corner + 0.5 * UV_GAP
     side = LAYOUT_SIDE_STEP * np.ceil((side + UV_GAP) / LAYOUT_SIDE_STEP - 1e-9)
     return uv / side, float(side)
@@ -107,10 +107,10 @@ def seams_of_uv(garment: Garment) -> np.ndarray:
     found = np.full((len(garment.uv), 2), -1, dtype=np.int64)
     for index, seam in enumerate(garment.pattern.seams):
         for side in (seam.a, seam.b):
-            own = garment.edge_uv[side]
-            free = found[own, 0] < 0
-            found[own[free], 0] = index
-            second = own[~free]
+            uv = garment.edge_uv[side]
+            free = found[uv, 0] < 0
+            found[uv[free], 0] = index
+            second = uv[~free]
             found[second[found[second, 0] != index], 1] = index
     return found
 

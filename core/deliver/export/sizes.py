@@ -41,21 +41,21 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
         return files
     worn, base = production.worn, production.measures
     sizes = grade_sizes(worn.pattern, worn.template, base, production.height, production.options)
-    told: list[dict[str, Any]] = []
+    described: list[dict[str, Any]] = []
     pictures: list[np.ndarray] = []
     for number, size in enumerate(sizes):
         production.hooks.progress("write", number / len(sizes), f"draping size {size.name}")
         try:
             dressed = drape_size(worn, size, base, production.hooks.quiet())
         except MeasureRange as error:
-            told.append(_describe_draped_size(size, None, error.message))
+            described.append(_describe_draped_size(size, None, error.message))
             continue
         garment, body = dressed.worn.garment, dressed.worn.body
         files.append(write_ply(garment.nodes, garment.faces, folder / f"draped_{size.name}.ply"))
         files.append(write_ply(body.vertices, body.faces, folder / f"body_{size.name}.ply"))
-        told.append(_describe_draped_size(size, dressed))
+        described.append(_describe_draped_size(size, dressed))
         pictures.append(_draw(dressed))
-    files.append(write_json({"sizes": told}, folder / "sizes.json"))
+    files.append(write_json({"sizes": described}, folder / "sizes.json"))
     if pictures:
         picture = folder / "sizes.png"
         picture.write_bytes(base64.b64decode(png_base64(np.concatenate(pictures, axis=1))))
@@ -63,16 +63,16 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
     return files
 
 
-def _describe_draped_size(size: Size, dressed: DressedGarment | None, why: str = "") -> dict[str, Any]:
+def _describe_draped_size(size: Size, dressed: DressedGarment | None, reason: str = "") -> dict[str, Any]:
     """Describe a size: girths [cm], verdict, warnings, numbers; the reason if it was not draped."""
     girths = {name: round(100.0 * getattr(size.measures, name), 1) for name in ("bust", "waist", "hip")}
-    told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
+    values: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
     if dressed is None:
-        return {**told, "verdict": Verdict.FAIL, "warnings": [why], "metrics": {}}
+        return {**values, "verdict": Verdict.FAIL, "warnings": [reason], "metrics": {}}
     report = dressed.report
     gates = [{"name": gate.name, "verdict": gate.verdict, "message": gate.message} for gate in report.gates]
     verdict = worst_verdict(gate.verdict for gate in report.gates)
-    return {**told, "verdict": verdict, "gates": gates, "warnings": report.warnings, "metrics": report.metrics}
+    return {**values, "verdict": verdict, "gates": gates, "warnings": report.warnings, "metrics": report.metrics}
 
 
 def _draw(dressed: DressedGarment) -> np.ndarray:

@@ -48,7 +48,7 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
     image, mask = folder / f"{stem}_texture.png", folder / f"{stem}_texture_mask.png"
     content = _png(baked.image, texel)
     image.write_bytes(content)
-    levels = np.where(baked.seen, 255, np.where(baked.cloth, 128, 0)).astype(np.uint8)
+    levels = np.where(baked.covered, 255, np.where(baked.cloth, 128, 0)).astype(np.uint8)
     mask.write_bytes(_png(levels, texel))
     files = [image, mask, write_sewn_glb(mesh, folder / f"{stem}_textured.glb", content)]
     files += write_sewn_obj(mesh, folder / f"{stem}_textured.obj", image)

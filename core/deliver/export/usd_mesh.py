@@ -73,12 +73,12 @@ def make_stage(
         primvar.Set(Vt.Vec2fArray.FromNumpy(flat.astype(np.float32)))
         primvar.SetIndices(Vt.IntArray.FromNumpy(garment.uv_faces.astype(np.int32).ravel()))
     for index, panel in enumerate(garment.pattern.panels):
-        own = np.flatnonzero(garment.panel_of_face == index)
+        panel_faces = np.flatnonzero(garment.panel_of_face == index)
         # Panel names are the file author's: only plain characters are written, and the number makes them unique.
         name = Tf.MakeValidIdentifier(f"panel_{index}_" + re.sub(r"[^A-Za-z0-9]+", "_", panel.name))
-        if len(own):
+        if len(panel_faces):
             UsdGeom.Subset.CreateGeomSubset(
-                mesh, name, UsdGeom.Tokens.face, Vt.IntArray.FromNumpy(own.astype(np.int32)), "panel"
+                mesh, name, UsdGeom.Tokens.face, Vt.IntArray.FromNumpy(panel_faces.astype(np.int32)), "panel"
             )
     points, extent = mesh.CreatePointsAttr(), mesh.CreateExtentAttr()
     if fps is not None:

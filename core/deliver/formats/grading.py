@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...garment.measure_change import move_by_drafts, scale_panels
 from ...garment.measures import BodyMeasures
-from ...garment.moving import move_by_drafts, scale_panels
 from ...garment.pattern import Pattern
 from ...garment.templates import TemplateUnknown, draft_template
 from .errors import SizesBad
@@ -60,12 +60,12 @@ def grade_sizes(
     Raises:
         SizesBad: where two sizes have one name.
     """
-    wanted = [(line.name, table_measures(base, height, line)) for line in options.sizes]
-    if not wanted:
+    requested = [(line.name, table_measures(base, height, line)) for line in options.sizes]
+    if not requested:
         steps = range(options.first, options.last + 1)
         grown = [step_measures(base, step * options.step / 100.0) for step in steps]
-        wanted = list(zip(_name_steps(grown, options), grown, strict=True))
-    named = [(_normalise_size_name(name), measures) for name, measures in wanted]
+        requested = list(zip(_name_steps(grown, options), grown, strict=True))
+    named = [(_normalise_size_name(name), measures) for name, measures in requested]
     if not any(measures == base for _, measures in named):
         named.append(("BASE", base))
     if len({name for name, _ in named}) < len(named) or not all(name for name, _ in named):
@@ -91,11 +91,11 @@ def step_measures(base: BodyMeasures, growth: float) -> BodyMeasures:
 def table_measures(base: BodyMeasures, height: float, line: SizeLine) -> BodyMeasures:
     """Return the measures of a line of a table; missing ones are the wearer's, and heights scale with the height."""
     girths = {name: getattr(line, name) for name in ("bust", "waist", "hip")}
-    given = {name: value / 100.0 for name, value in girths.items() if value is not None}
-    grown = step_measures(base, given.get("bust", base.bust) - base.bust)
+    lengths = {name: value / 100.0 for name, value in girths.items() if value is not None}
+    grown = step_measures(base, lengths.get("bust", base.bust) - base.bust)
     ratio = 1.0 if line.height is None else line.height / 100.0 / height
     heights = {name: ratio * getattr(base, name) for name in HEIGHTS}
-    return replace(grown, **{"waist": base.waist, "hip": base.hip, **given, **heights})
+    return replace(grown, **{"waist": base.waist, "hip": base.hip, **lengths, **heights})
 
 
 def _name_steps(grown: list[BodyMeasures], options: ExportOptions) -> list[str]:

@@ -40,7 +40,7 @@ def write(production: Production, folder: Path) -> list[Path]:
 def marker_svg(lay: Lay, name: str) -> str:
     """Return the SVG text of a lay; 1 user unit is 1 mm, the warp runs upwards."""
     width, height = 1e3 * lay.width, 1e3 * lay.length
-    told = f"{keep_ascii(name)}: {lay.length:.2f} m of cloth {1e2 * lay.width:.0f} cm wide, {1e2 * lay.used:.0f} % used"
+    text = f"{keep_ascii(name)}: {lay.length:.2f} m of cloth {1e2 * lay.width:.0f} cm wide, {1e2 * lay.used:.0f} % used"
     parts = [f'<path class="cloth" d="M 0 0 H {width:.1f} V {height:.1f} H 0 Z"/>']
     for copy in lay.copies:
         places = np.asarray(1e3 * copy.outline * [1.0, -1.0] + [0.0, height])
@@ -55,5 +55,5 @@ def marker_svg(lay: Lay, name: str) -> str:
     size = f'width="{width:.3f}mm" height="{height:.3f}mm" viewBox="0 0 {width:.3f} {height:.3f}"'
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<svg xmlns="http://www.w3.org/2000/svg" {size}>\n'
-        f"<title>{escape(told)}</title>\n<style>{style}</style>\n" + "\n".join(parts) + "\n</svg>\n"
+        f"<title>{escape(text)}</title>\n<style>{style}</style>\n" + "\n".join(parts) + "\n</svg>\n"
     )

@@ -11,7 +11,7 @@ import numpy as np
 from ...garment.garmentcode_writer import save_pattern
 from ...garment.pieces.make import make_pieces
 from ...garment.pieces.piece import Piece, PieceSet
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from .dialects import DIALECTS_BY_NAME
 from .drawing import draw_lines, keep_ascii, list_texts, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
@@ -63,11 +63,11 @@ def write(production: Production, folder: Path) -> list[Path]:
         for piece in one.pieces
     ]
     moves, rules = find_rules(pieces, base)
-    own = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].pieces]
+    base_blocks = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].pieces]
     names = tuple(size.name for size in sizes)
     texts = {
         f"nest_{dialect.name}.dxf": dxf_text(pieces[base], blocks, dialect),
-        f"graded_{dialect.name}.dxf": dxf_text(pieces[base], own, dialect, rules),
+        f"graded_{dialect.name}.dxf": dxf_text(pieces[base], base_blocks, dialect, rules),
         f"graded_{dialect.name}.rul": rule_text(dialect, names, moves, sizes[base].name),
     }
     return [*files, nest, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
@@ -124,11 +124,11 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
     for n in range(count):
         for k, one in enumerate(pieces):
             parts.append(f"{_pen(k, base)} {_path(1e3 * one.pieces[n].cut.points + shifts[n], True)}\n")
-        own = pieces[base].pieces[n]
-        for line in draw_lines(own):
+        piece = pieces[base].pieces[n]
+        for line in draw_lines(piece):
             if line.layer in ("notch", "grain", "fold"):
                 parts.append(f"0.25 w [] 0 d {_path(1e3 * line.points + shifts[n], False)}\n")
-        for text in place_texts(own, list_texts(pieces[base], n)):
+        for text in place_texts(piece, list_texts(pieces[base], n)):
             x, y = 1e3 * text.centre + shifts[n]
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
     parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_ascii(pieces[base].name)}: sizes", True))

@@ -12,12 +12,12 @@ FORMATS: Mapping[str, str] = MappingProxyType({
     "marker": "garmentq.core.deliver.formats.marker:write",
     "sizes": "garmentq.core.deliver.export.sizes:write_sizes",
     "garmentcode": "garmentq.core.deliver.formats.production:write_garmentcode",
-    "clo": "garmentq.core.deliver.export.for_programs:write_clo_files",
-    "blender": "garmentq.core.deliver.export.for_programs:write_blender_files",
-    "obj": "garmentq.core.deliver.export.for_programs:write_obj",
-    "glb": "garmentq.core.deliver.export.for_programs:write_glb",
-    "usd": "garmentq.core.deliver.export.for_programs:write_usd",
-    "texture": "garmentq.core.deliver.export.for_programs:write_texture",
+    "clo": "garmentq.core.deliver.export.program_formats:write_clo_files",
+    "blender": "garmentq.core.deliver.export.program_formats:write_blender_files",
+    "obj": "garmentq.core.deliver.export.program_formats:write_obj",
+    "glb": "garmentq.core.deliver.export.program_formats:write_glb",
+    "usd": "garmentq.core.deliver.export.program_formats:write_usd",
+    "texture": "garmentq.core.deliver.export.program_formats:write_texture",
 })  # fmt: skip
 """Dotted path of the writer of each format, which is loaded on first use. A writer takes a `Production` and a folder
 and returns its files. A new format is one entry here."""

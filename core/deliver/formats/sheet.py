@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...garment.pieces.piece import PieceSet
-from ...garment.pieces.shelves import pack_on_shelves
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from .drawing import Line, Text, draw_lines, list_texts, place_texts
 
 SHEET_PIECE_GAP = 0.01

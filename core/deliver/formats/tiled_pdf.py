@@ -9,7 +9,7 @@ import numpy as np
 
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.piece import PieceSet
-from .cover import cover_content, legend_content
+from .cover_page import cover_content, legend_content
 from .drawing import Layer, keep_ascii
 from .papers import Paper, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
@@ -123,27 +123,27 @@ def roll_page(sheet: Sheet, width: float) -> Page:
 
 def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
     """Return one sheet of paper: its part of the drawing, alignment marks at its neighbours, and its label."""
-    here = tiling.tiles[number]
+    tile = tiling.tiles[number]
     (wide, tall), (across, down) = tiling.window, tiling.step
-    left, top = here.column * across, float(sheet.size[1]) * 1e3 - here.row * down
+    left, top = tile.column * across, float(sheet.size[1]) * 1e3 - tile.row * down
     parts = [
         f"q {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re W n\n",
         f"q 1 0 0 1 {TILE_MARGIN_MM - left:.3f} {TILE_MARGIN_MM + tall - top:.3f} cm /Drawing Do Q\n",
-        _draw_overlaps(tiling, here),
+        _draw_overlaps(tiling, tile),
         "Q\n",
         f"0.6 G 0.15 w [] 0 d {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re S 0 G\n",
-        show_text(TILE_MARGIN_MM, 4.5, 3.5, f"{here.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
+        show_text(TILE_MARGIN_MM, 4.5, 3.5, f"{tile.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
         show_text(TILE_MARGIN_MM + 45.0, 4.5, 3.0, f"{keep_ascii(sheet.pieces.name)}, print at 100 %, no fit to page"),
     ]
     return Page(tiling.paper.width, tiling.paper.height, "".join(parts))
 
 
-def _draw_overlaps(tiling: Tiling, here: Tile) -> str:
+def _draw_overlaps(tiling: Tiling, tile: Tile) -> str:
     """Return the strips shared with neighbours as light lines, and the halves of diamonds that meet on them."""
     (wide, tall), (across, down) = tiling.window, tiling.step
     parts = []
     for dr, dc in ((0, -1), (0, 1), (-1, 0), (1, 0)):
-        other = Tile(here.row + dr, here.column + dc)
+        other = Tile(tile.row + dr, tile.column + dc)
         if other not in tiling.tiles:
             continue
         if dc:
@@ -154,7 +154,7 @@ def _draw_overlaps(tiling: Tiling, here: Tile) -> str:
             x = TILE_MARGIN_MM + across / 2
             y = TILE_MARGIN_MM + tall - (down if dr > 0 else 0.0)
             ends = (TILE_MARGIN_MM, y, TILE_MARGIN_MM + wide, y)
-        label = Tile(min(here.row, other.row), min(here.column, other.column)).name.lower()
+        label = Tile(min(tile.row, other.row), min(tile.column, other.column)).name.lower()
         diamond = np.array(
             [
                 [x - DIAMOND_HALF_DIAGONAL_MM, y],

@@ -37,19 +37,19 @@ class BakedTexture:
     Attributes:
         image: RGB bytes from the top, shape [size, size, 3]; white where neither cloth nor its gutter is.
         cloth: Which texels show cloth, shape [size, size].
-        seen: Which of them show the scan, shape [size, size]; the others were filled from around them.
+        covered: Which of them show the scan, shape [size, size]; the others were filled from around them.
         texel: Width of a texel [m].
     """
 
     image: np.ndarray
     cloth: np.ndarray
-    seen: np.ndarray
+    covered: np.ndarray
     texel: float
 
     @property
     def coverage(self) -> float:
         """Return the share of the cloth that shows the scan."""
-        return float(self.seen.sum() / max(int(self.cloth.sum()), 1))
+        return float(self.covered.sum() / max(int(self.cloth.sum()), 1))
 
 
 def check_texel(texel_mm: float) -> float:
@@ -110,15 +110,15 @@ def _fill_panels(
     size = len(image)
     found = np.full(image.shape, 255, dtype=np.uint8)
     for panel in np.unique(garment.panel_of_uv):
-        own = flat[garment.panel_of_uv == panel]
-        left, right = own[:, 0].min() * size, own[:, 0].max() * size
-        top, low = (1.0 - own[:, 1].max()) * size, (1.0 - own[:, 1].min()) * size
+        corners = flat[garment.panel_of_uv == panel]
+        left, right = corners[:, 0].min() * size, corners[:, 0].max() * size
+        top, low = (1.0 - corners[:, 1].max()) * size, (1.0 - corners[:, 1].min()) * size
         box = (
             slice(max(int(top) - GUTTER_WIDTH_TEXELS, 0), min(int(np.ceil(low)) + GUTTER_WIDTH_TEXELS, size)),
             slice(max(int(left) - GUTTER_WIDTH_TEXELS, 0), min(int(np.ceil(right)) + GUTTER_WIDTH_TEXELS, size)),
         )
         filled = fill_gaps(image[box], known[box]) if known[box].any() else np.full(image[box].shape, 128.0)
-        filled, near = spread_border(filled, cloth[box] | known[box], GUTTER_WIDTH_TEXELS)
+        filled, in_gutter = spread_border(filled, cloth[box] | known[box], GUTTER_WIDTH_TEXELS)
         part = found[box]
-        part[near] = np.clip(np.round(filled[near]), 0, 255).astype(np.uint8)
+        part[in_gutter] = np.clip(np.round(filled[in_gutter]), 0, 255).astype(np.uint8)
     return found

@@ -7,7 +7,7 @@ import numpy as np
 from ...geometry.geometry import vertex_normals
 from ...geometry.surface import TriangleSurface
 from ...scan.coloured import ColouredScan
-from .beyond import find_foreign_vertices
+from .foreign_vertices import find_foreign_vertices
 
 MAX_COLOUR_LOOKUP_DISTANCE = 0.01
 """Largest distance between the garment and the surface of the scan whose colour it takes [m]."""
@@ -40,29 +40,29 @@ def look_up_colours(scan: ColouredScan, points: np.ndarray, facing: np.ndarray) 
     beyond = (
         find_foreign_vertices(scan)[scan.faces].any(axis=1) if scan.is_cut else np.zeros(len(scan.faces), dtype=bool)
     )
-    own = np.flatnonzero(scan.is_coloured)
-    surface = TriangleSurface(scan.vertices, scan.faces[own])
+    ids = np.flatnonzero(scan.is_coloured)
+    surface = TriangleSurface(scan.vertices, scan.faces[ids])
     found = surface.closest(points)
     face, place, distance = found.face.copy(), found.barycentric.copy(), found.distance.copy()
-    away = points - found.foot
+    offset = points - found.foot
     cosine = np.einsum("nd,nd->n", facing, surface.face_normals[face])
     sign = _orientation_sign(surface)
     lost = np.flatnonzero((distance <= 2.0 * MAX_COLOUR_LOOKUP_DISTANCE) & (sign * cosine < MIN_LOOKUP_NORMAL_COSINE))
     for axis in range(3):
         for side in (1.0, -1.0):
-            mine = lost[np.argmax(np.abs(facing[lost]), axis=1) == axis]
-            mine = mine[np.sign(facing[mine, axis]) == side]
+            on_axis = lost[np.argmax(np.abs(facing[lost]), axis=1) == axis]
+            on_axis = on_axis[np.sign(facing[on_axis, axis]) == side]
             alike = np.flatnonzero(sign * side * surface.face_normals[:, axis] > MIN_LOOKUP_NORMAL_COSINE)
-            if len(mine) and len(alike):
-                again = TriangleSurface(surface.vertices, surface.faces[alike]).closest(points[mine])
-                face[mine], place[mine], distance[mine] = alike[again.face], again.barycentric, again.distance
-                away[mine] = points[mine] - again.foot
+            if len(on_axis) and len(alike):
+                again = TriangleSurface(surface.vertices, surface.faces[alike]).closest(points[on_axis])
+                face[on_axis], place[on_axis], distance[on_axis] = alike[again.face], again.barycentric, again.distance
+                offset[on_axis] = points[on_axis] - again.foot
     normal = surface.face_normals[face]
     cosine = sign * np.einsum("nd,nd->n", facing, normal)
-    aside = np.linalg.norm(away - np.einsum("nd,nd->n", away, normal)[:, None] * normal, axis=1)
-    hole = surface.border_faces[face] & (aside > MAX_RIM_OVERHANG)
-    shown = (distance <= MAX_COLOUR_LOOKUP_DISTANCE) & (cosine >= MIN_LOOKUP_NORMAL_COSINE) & ~hole & ~beyond[own[face]]
-    return scan.colours_at(own[face], place), shown
+    lateral = np.linalg.norm(offset - np.einsum("nd,nd->n", offset, normal)[:, None] * normal, axis=1)
+    hole = surface.border_faces[face] & (lateral > MAX_RIM_OVERHANG)
+    shown = (distance <= MAX_COLOUR_LOOKUP_DISTANCE) & (cosine >= MIN_LOOKUP_NORMAL_COSINE) & ~hole & ~beyond[ids[face]]
+    return scan.colours_at(ids[face], place), shown
 
 
 def colour_vertices(vertices: np.ndarray, faces: np.ndarray, scan: ColouredScan) -> np.ndarray:

@@ -34,7 +34,7 @@ class Texels:
     inside: np.ndarray
 
 
-def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -> Texels:
+def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, border_width: float) -> Texels:
     """Find the texels whose centres are in a face, and those outside near the border, in the extended border face.
 
     The centre of texel (row, column) is u = (column + 1/2) / size, v = 1 - (row + 1/2) / size.
@@ -43,7 +43,7 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
         flat: Coordinates within 0..1, shape [n, 2]; no two faces overlap, and all run counter-clockwise.
         faces: Indices into `flat`, shape [m, 3].
         size: Texels of a side.
-        beside: Distance from the border up to which texels are found [texel].
+        border_width: Distance from the border up to which texels are found [texel].
 
     Returns:
         The texels, row after row.
@@ -54,22 +54,22 @@ def find_texels(flat: np.ndarray, faces: np.ndarray, size: int, beside: float) -
     low, high = np.ceil(corners.min(axis=1) - 1e-9), np.floor(corners.max(axis=1) + 1e-9)
     for boxes, cell in _cells(low, high, size):
         weights = _barycentric_coordinates(corners[boxes], cell)
-        held = (weights >= -TEXEL_BARYCENTRIC_TOLERANCE).all(axis=1)
-        owner[cell[held, 1].astype(np.int64) * size + cell[held, 0].astype(np.int64)] = boxes[held]
+        contained = (weights >= -TEXEL_BARYCENTRIC_TOLERANCE).all(axis=1)
+        owner[cell[contained, 1].astype(np.int64) * size + cell[contained, 0].astype(np.int64)] = boxes[contained]
     inside = owner >= 0
-    near = np.full(size * size, np.inf)
+    best_distance = np.full(size * size, np.inf)
     half = HalfEdges.of(faces, len(flat))
     border = np.flatnonzero(half.twin < 0)
     tail, head = place[half.tail[border]], place[half.head[border]]
-    low, high = np.minimum(tail, head) - beside, np.maximum(tail, head) + beside
+    low, high = np.minimum(tail, head) - border_width, np.maximum(tail, head) + border_width
     for boxes, cell in _cells(np.ceil(low), np.floor(high), size):
         index = cell[:, 1].astype(np.int64) * size + cell[:, 0].astype(np.int64)
         distance = _distance(cell, tail[boxes], head[boxes])
-        kept = ~inside[index] & (distance <= beside)
+        kept = ~inside[index] & (distance <= border_width)
         index, distance, boxes = index[kept], distance[kept], boxes[kept]
         order = np.lexsort((boxes, distance))[::-1]  # the nearest is written last
-        order = order[distance[order] < near[index[order]]]
-        near[index[order]] = distance[order]
+        order = order[distance[order] < best_distance[index[order]]]
+        best_distance[index[order]] = distance[order]
         owner[index[order]] = border[boxes[order]] // 3
     found = np.flatnonzero(owner >= 0)
     row, column = found // size, found % size

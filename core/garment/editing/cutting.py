@@ -10,7 +10,7 @@ import numpy as np
 from ..curves import chord, edge_points, panel_area, place_on_chord, split_edge
 from ..errors import Place
 from ..pattern import Edge, EdgeRef, Panel, Pattern, Seam
-from .dividing import MIN_SPLIT_SHARE, divide, forget_edges
+from .edge_division import MIN_SPLIT_SHARE, divide, forget_edges
 from .errors import EditBad
 from .partners import find_panel
 
@@ -126,8 +126,8 @@ def _separate(pattern: Pattern, panel: Panel, first: int, last: int) -> Pattern:
     }
     panels: list[Panel] = []
     for one in pattern.panels:
-        mine = [replace(piece, name=name) for piece, name in zip(pieces, names, strict=True)]
-        panels += [mine[large], mine[1 - large]] if one.name == panel.name else [one]
+        named = [replace(piece, name=name) for piece, name in zip(pieces, names, strict=True)]
+        panels += [named[large], named[1 - large]] if one.name == panel.name else [one]
     seams = [replace(seam, a=numbers.get(seam.a, seam.a), b=numbers.get(seam.b, seam.b)) for seam in pattern.seams]
     seams.append(Seam(EdgeRef(names[0], len(loops[0])), EdgeRef(names[1], len(loops[1]))))
     cut = replace(pattern, panels=tuple(panels), seams=tuple(seams))
@@ -153,8 +153,8 @@ def _free_name(pattern: Pattern, name: str) -> str:
 
 def reorder(pattern: Pattern) -> Pattern:
     """Return a pattern whose `panel_order` lists its present panels."""
-    kept = pattern.extra.get("pattern", {})
-    if "panel_order" not in kept:
+    stored = pattern.extra.get("pattern", {})
+    if "panel_order" not in stored:
         return pattern
     order = [panel.name for panel in pattern.panels]
-    return replace(pattern, extra={**pattern.extra, "pattern": {**kept, "panel_order": order}})
+    return replace(pattern, extra={**pattern.extra, "pattern": {**stored, "panel_order": order}})

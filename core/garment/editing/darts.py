@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..pattern import Edge, EdgeRef, Pattern, Seam
-from .dividing import divide, forget_edges
+from .edge_division import divide, forget_edges
 from .partners import find_sewn_partners
 
 MIN_FOUND_DART_LENGTH = 1e-3
@@ -114,8 +114,8 @@ def close_dart(pattern: Pattern, dart: Dart) -> Pattern:
     panel = pattern.panel(dart.panel)
     count = len(panel.points)
     first, _, last = dart.ends(pattern)
-    gone = {(dart.first + 1) % count, (dart.first + 2) % count}
-    kept = [i for i in range(count) if i not in gone]
+    removed = {(dart.first + 1) % count, (dart.first + 2) % count}
+    kept = [i for i in range(count) if i not in removed]
     points = panel.points.copy()
     points[dart.first] = 0.5 * (first + last)
     # The edge after the mouth now begins at its middle; both edges of the dart are removed.
@@ -127,9 +127,9 @@ def close_dart(pattern: Pattern, dart: Dart) -> Pattern:
     def renumber(ref: EdgeRef) -> EdgeRef:
         return EdgeRef(ref.panel, numbers[ref.edge]) if ref.panel == panel.name else ref
 
-    own = {EdgeRef(panel.name, dart.first), EdgeRef(panel.name, (dart.first + 1) % count)}
+    sides = {EdgeRef(panel.name, dart.first), EdgeRef(panel.name, (dart.first + 1) % count)}
     seams = tuple(
-        replace(seam, a=renumber(seam.a), b=renumber(seam.b)) for seam in pattern.seams if {seam.a, seam.b} != own
+        replace(seam, a=renumber(seam.a), b=renumber(seam.b)) for seam in pattern.seams if {seam.a, seam.b} != sides
     )
     panels = tuple(closed if each is panel else each for each in pattern.panels)
     return forget_edges(replace(pattern, panels=panels, seams=seams), {panel.name})

@@ -8,10 +8,10 @@ import numpy as np
 
 from ..curves import chord, edge_length
 from ..errors import Place
-from ..laying import align_chords
+from ..node_transfer import align_chords
 from ..pattern import EdgeRef, Panel, Pattern
 from .cutting import reorder
-from .dividing import forget_edges
+from .edge_division import forget_edges
 from .errors import EditBad
 
 PANEL_JOIN_TOLERANCE = 1e-3
@@ -39,12 +39,12 @@ def join_panels(pattern: Pattern, seam: int) -> Pattern:
     _check_seam(pattern, seam, places)
     moved = _align_to_seam(one, found.a.edge, other, found.b.edge)
     counts = len(one.points), len(other.points)
-    ours = [(found.a.edge + 1 + k) % counts[0] for k in range(counts[0] - 1)]
-    theirs = [(found.b.edge + 1 + k) % counts[1] for k in range(counts[1] - 1)]
-    points = np.concatenate([one.points[[*ours, found.a.edge]], moved[theirs[1:]]])
-    numbers = {EdgeRef(one.name, edge): EdgeRef(one.name, at) for at, edge in enumerate(ours)}
-    numbers |= {EdgeRef(other.name, edge): EdgeRef(one.name, len(ours) + at) for at, edge in enumerate(theirs)}
-    edges = (*(one.edges[edge] for edge in ours), *(other.edges[edge] for edge in theirs))
+    first = [(found.a.edge + 1 + k) % counts[0] for k in range(counts[0] - 1)]
+    second = [(found.b.edge + 1 + k) % counts[1] for k in range(counts[1] - 1)]
+    points = np.concatenate([one.points[[*first, found.a.edge]], moved[second[1:]]])
+    numbers = {EdgeRef(one.name, edge): EdgeRef(one.name, at) for at, edge in enumerate(first)}
+    numbers |= {EdgeRef(other.name, edge): EdgeRef(one.name, len(first) + at) for at, edge in enumerate(second)}
+    edges = (*(one.edges[edge] for edge in first), *(other.edges[edge] for edge in second))
     notches = tuple(
         sorted(
             (numbers[EdgeRef(panel.name, edge)].edge, at)

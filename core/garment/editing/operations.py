@@ -17,10 +17,10 @@ from ..json_values import get_index, get_list, get_number, get_object, get_text,
 from ..pattern import Pattern
 from ..seams import equalise_seams
 from .cutting import cut_panel
-from .dividing import merge_edges, split_edges
+from .edge_division import merge_edges, split_edges
 from .errors import EditBad
 from .joining import join_panels
-from .moving import move_points
+from .move_points import move_points
 from .partners import check_number, find_panel
 from .reshaping import sharpen_corner, smooth_corner, straighten_edges
 
@@ -50,9 +50,9 @@ def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
     """
     if len(operations) > MAX_EDIT_OPERATIONS:
         raise EditBad(f"{len(operations)} operations; at most {MAX_EDIT_OPERATIONS} are done at once.")
-    for number, given in enumerate(operations):
+    for number, operation in enumerate(operations):
         where = f"operation {number}"
-        one = get_object(given, where)
+        one = get_object(operation, where)
         name = get_text(one.get("op", ""), f"{where} op")
         if name not in OPERATIONS:
             raise EditBad(f"{where}: there is no '{name[:40]}'; there are {', '.join(OPERATIONS)}.")
@@ -81,17 +81,17 @@ def edit_file(source: str, operations: str) -> dict[str, Any]:
         `pattern`, the new document, with the results of `examine_file` for it; or `refused`, a finding with the
             operation that cannot be done, and its place, or with what is wrong with the document.
     """
-    wanted = json.loads(Path(operations).read_text(encoding="utf-8"))
+    parsed = json.loads(Path(operations).read_text(encoding="utf-8"))
     try:
-        document = write_pattern(apply_operations(load_pattern(source), get_list(wanted, "operations")))
+        document = write_pattern(apply_operations(load_pattern(source), get_list(parsed, "operations")))
     except PatternFault as fault:
         return {"refused": asdict(Finding.of(fault))}
     return {"pattern": document} | examine_pattern(document)
 
 
-def _corner(pattern: Pattern, given: OperationFields) -> tuple[str, int]:
-    panel = find_panel(pattern, get_text(given["panel"], "panel"))
-    number = get_index(given["vertex"], MAX_OPERATION_NUMBER, "vertex")
+def _corner(pattern: Pattern, fields: OperationFields) -> tuple[str, int]:
+    panel = find_panel(pattern, get_text(fields["panel"], "panel"))
+    number = get_index(fields["vertex"], MAX_OPERATION_NUMBER, "vertex")
     check_number(panel, number)
     return panel.name, number
 
@@ -104,67 +104,67 @@ def _to_panel_axes(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.
     return moves
 
 
-def _move(pattern: Pattern, given: OperationFields) -> Pattern:
-    corners = [_corner(pattern, get_object(one, "point")) for one in get_list(given["points"], "points")]
+def _move(pattern: Pattern, fields: OperationFields) -> Pattern:
+    corners = [_corner(pattern, get_object(one, "point")) for one in get_list(fields["points"], "points")]
     names = {name for name, _ in corners}
     if len({pattern.panel(name).mirrored for name in names}) > 1:
         raise EditBad("panels that the file draws from different sides are moved one after the other.")
     if not corners:
         return pattern
-    way = _to_panel_axes(pattern, corners[0][0], given["by_mm"], "by_mm")
-    return move_points(pattern, corners, way, *_read_keep_flags(given))
+    displacement = _to_panel_axes(pattern, corners[0][0], fields["by_mm"], "by_mm")
+    return move_points(pattern, corners, displacement, *_read_keep_flags(fields))
 
 
-def _read_keep_flags(given: OperationFields) -> tuple[bool, bool]:
+def _read_keep_flags(fields: OperationFields) -> tuple[bool, bool]:
     """Return whether mirror images follow, and whether the seams stay equal; both default to True."""
     found = []
     for name in ("keep_symmetry", "keep_seams"):
-        value = given.get(name, True)
+        value = fields.get(name, True)
         if not isinstance(value, bool):
             raise EditBad(f"{name} is true or false.")
         found.append(value)
     return found[0], found[1]
 
 
-def _straighten(pattern: Pattern, given: OperationFields) -> Pattern:
-    panel = get_text(given["panel"], "panel")
-    first, last = (get_index(given[name], MAX_OPERATION_NUMBER, name) for name in ("from", "to"))
-    return straighten_edges(pattern, panel, first, last, *_read_keep_flags(given))
+def _straighten(pattern: Pattern, fields: OperationFields) -> Pattern:
+    panel = get_text(fields["panel"], "panel")
+    first, last = (get_index(fields[name], MAX_OPERATION_NUMBER, name) for name in ("from", "to"))
+    return straighten_edges(pattern, panel, first, last, *_read_keep_flags(fields))
 
 
-def _smooth(pattern: Pattern, given: OperationFields) -> Pattern:
-    return smooth_corner(pattern, *_corner(pattern, given), *_read_keep_flags(given))
+def _smooth(pattern: Pattern, fields: OperationFields) -> Pattern:
+    return smooth_corner(pattern, *_corner(pattern, fields), *_read_keep_flags(fields))
 
 
-def _sharpen(pattern: Pattern, given: OperationFields) -> Pattern:
-    return sharpen_corner(pattern, *_corner(pattern, given), *_read_keep_flags(given))
+def _sharpen(pattern: Pattern, fields: OperationFields) -> Pattern:
+    return sharpen_corner(pattern, *_corner(pattern, fields), *_read_keep_flags(fields))
 
 
-def _split(pattern: Pattern, given: OperationFields) -> Pattern:
-    panel, edge = get_text(given["panel"], "panel"), get_index(given["edge"], MAX_OPERATION_NUMBER, "edge")
+def _split(pattern: Pattern, fields: OperationFields) -> Pattern:
+    panel, edge = get_text(fields["panel"], "panel"), get_index(fields["edge"], MAX_OPERATION_NUMBER, "edge")
     return split_edges(
-        pattern, panel, edge, get_number(given.get("at", 0.5), "at", 0.0, 1.0), _read_keep_flags(given)[0]
+        pattern, panel, edge, get_number(fields.get("at", 0.5), "at", 0.0, 1.0), _read_keep_flags(fields)[0]
     )
 
 
-def _merge(pattern: Pattern, given: OperationFields) -> Pattern:
-    return merge_edges(pattern, *_corner(pattern, given), _read_keep_flags(given)[0])
+def _merge(pattern: Pattern, fields: OperationFields) -> Pattern:
+    return merge_edges(pattern, *_corner(pattern, fields), _read_keep_flags(fields)[0])
 
 
-def _cut(pattern: Pattern, given: OperationFields) -> Pattern:
-    panel = get_text(given["panel"], "panel")
-    ends = get_list(given["line_mm"], "line_mm")
+def _cut(pattern: Pattern, fields: OperationFields) -> Pattern:
+    panel = get_text(fields["panel"], "panel")
+    ends = get_list(fields["line_mm"], "line_mm")
     if len(ends) != 2:
         raise EditBad("line_mm has two points.", Place(panel))
     return cut_panel(pattern, panel, np.array([_to_panel_axes(pattern, panel, end, "line_mm") for end in ends]))
 
 
-def _join(pattern: Pattern, given: OperationFields) -> Pattern:
-    return join_panels(pattern, get_index(given["seam"], MAX_OPERATION_NUMBER, "seam"))
+def _join(pattern: Pattern, fields: OperationFields) -> Pattern:
+    return join_panels(pattern, get_index(fields["seam"], MAX_OPERATION_NUMBER, "seam"))
 
 
-def _equalise(pattern: Pattern, given: OperationFields) -> Pattern:
-    fixed = [_corner(pattern, get_object(one, "fixed")) for one in get_list(given.get("fixed", []), "fixed")]
+def _equalise(pattern: Pattern, fields: OperationFields) -> Pattern:
+    fixed = [_corner(pattern, get_object(one, "fixed")) for one in get_list(fields.get("fixed", []), "fixed")]
     return equalise_seams(pattern, fixed=fixed)
 
 

@@ -86,4 +86,4 @@ def restore_seam_lengths(
         return edited
     free = replace(edited, symmetric=False)
     symmetry: Symmetry = find_symmetry(edited if keep_symmetry else free)
-    return equalise_seams(edited, fixed=fixed, like=before, symmetry=symmetry)
+    return equalise_seams(edited, fixed=fixed, base=before, symmetry=symmetry)

@@ -51,8 +51,8 @@ def straighten_edges(
     count = len(found.points)
     if first == last:
         raise EditBad("straighten takes two different vertices.")
-    ahead, back = (last - first) % count, (first - last) % count
-    start, steps = (first, ahead) if ahead <= back else (last, back)
+    forward_count, backward_count = (last - first) % count, (first - last) % count
+    start, steps = (first, forward_count) if forward_count <= backward_count else (last, backward_count)
     chosen = {EdgeRef(panel, (start + k) % count) for k in range(steps)}
     if keep_symmetry:
         images = mirror_edges(pattern)
@@ -116,7 +116,7 @@ def _reshape(pattern: Pattern, corner: Corner, keep_symmetry: bool, keep_seams: 
 def _turn_handles(pattern: Pattern, panel: Panel, vertex: int, is_smooth: bool) -> Pattern:
     """Return a pattern whose two edges at a control point leave it along a common line, or along their chords."""
     count = len(panel.points)
-    before, here, after = (panel.points[(vertex + k) % count] for k in (-1, 0, 1))
+    before, corner, after = (panel.points[(vertex + k) % count] for k in (-1, 0, 1))
     line = after - before
     size = float(np.linalg.norm(line))
     if is_smooth and size == 0.0:
@@ -127,7 +127,7 @@ def _turn_handles(pattern: Pattern, panel: Panel, vertex: int, is_smooth: bool) 
         handles = _as_cubic(panel.edges[edge])
         at = 1 if sign < 0 else 0
         if is_smooth:
-            handle = here + sign * line / size * SMOOTH_HANDLE_SHARE * float(np.linalg.norm(end - start))
+            handle = corner + sign * line / size * SMOOTH_HANDLE_SHARE * float(np.linalg.norm(end - start))
             handles[at] = relative_to_chord(handle[None], start, end)[0]
         else:
             handles[at] = [1.0 - SMOOTH_HANDLE_SHARE, 0.0] if at else [SMOOTH_HANDLE_SHARE, 0.0]

@@ -92,10 +92,10 @@ def _draw_top(edge: UpperEdge, face: str, offset: float, top: float) -> list[Str
     if not edge.name:
         return [Stroke((-top, 0.0), contour="waist")]
     labels = edge.labels(face)
-    own = labels[int(abs(offset))]
+    label = labels[int(abs(offset))]
     if offset:
-        return [Stroke((-top, 0.0), label=own if offset > 0.0 else swap_side_label(own))]
-    first, second = (own, swap_side_label(own)) if face == "front" else (swap_side_label(own), own)
+        return [Stroke((-top, 0.0), label=label if offset > 0.0 else swap_side_label(label))]
+    first, second = (label, swap_side_label(label)) if face == "front" else (swap_side_label(label), label)
     return [Stroke((0.0, 0.0), label=first), Stroke((-top, 0.0), label=second)]
 
 

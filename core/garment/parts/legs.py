@@ -95,8 +95,8 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels = [_sew_to_waistband(panel) for panel in panels]
         for side in FACES:
             waist = next(panel for panel in panels if panel.name == f"{side}_left")
-            held = next(i for i, edge in enumerate(waist.edges) if edge.label.startswith("band"))
-            panels.append(draw_band(side, edge_length(waist, held), base + top))
+            waist_edge = next(i for i, edge in enumerate(waist.edges) if edge.label.startswith("band"))
+            panels.append(draw_band(side, edge_length(waist, waist_edge), base + top))
     return panels
 
 
@@ -171,15 +171,15 @@ def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Pan
 
     if cut.legs is Legs.SHORT:
         raise PartsConflict("short legs are not cut with a bodice; choose straight, tapered, flared or wide.")
-    knee, hem = (own - usual for own, usual in zip(LEG_GIRTHS[cut.legs], LEG_GIRTHS[Legs.STRAIGHT], strict=True))
+    knee, hem = (girth - usual for girth, usual in zip(LEG_GIRTHS[cut.legs], LEG_GIRTHS[Legs.STRAIGHT], strict=True))
     wider = (knee / 8, hem / 8)
     front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, above, wider)
-    wanted = labelled_length(front, "inseam.0")
+    length = labelled_length(front, "inseam.0")
 
     def back(drop: float) -> Outline:
         return _half_suit(m, 1, m.hip / 8 - 0.025, drop, above, wider)
 
-    drop = brentq(lambda moved: labelled_length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
+    drop = brentq(lambda moved: labelled_length(back(moved), "inseam.0") - length, -0.05, 0.15, xtol=1e-12)
     panels = []
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
@@ -203,7 +203,7 @@ def _half_suit(
         ((m.hip + 0.12) / 4, m.hip_height - base),
     ]
     if isinstance(above, Shoulder):
-        sides += [((m.waist + 0.16) / 4, waist), above.under]
+        sides += [((m.waist + 0.16) / 4, waist), above.underarm]
         upper, centre = above.strokes(face), [Stroke((0.0, waist), label=f"centre.{side}.0")]
     else:
         sides.append((above, waist))

@@ -71,16 +71,16 @@ def side_neck(kinds: tuple[Neckline, Neckline], neck: Point, tip: Point) -> Poin
     return (neck[0] + BOAT_SHARE * (tip[0] - neck[0]), neck[1] + BOAT_SHARE * (tip[1] - neck[1]))
 
 
-def draw_neckline(throat: NecklineCut, neck: Point) -> list[Stroke]:
+def draw_neckline(cut: NecklineCut, neck: Point) -> list[Stroke]:
     """Draw half a neckline from the side neck point to the middle, x = 0."""
-    low = neck[1] - throat.depth
+    low = neck[1] - cut.depth
     middle = (0.0, low)
-    if throat.kind is Neckline.V:
-        return [Stroke(middle, _parabola_handles(neck, middle, throat.bow), contour="neck")]
-    if throat.kind is Neckline.SQUARE:
+    if cut.kind is Neckline.V:
+        return [Stroke(middle, _parabola_handles(neck, middle, cut.bow), contour="neck")]
+    if cut.kind is Neckline.SQUARE:
         corner = ((1.0 - SQUARE_SLANT) * neck[0], low)
         return [Stroke(corner, contour="neck"), Stroke(middle, contour="neck")]
-    handles = ((neck[0] - 0.1 * neck[0], neck[1] - 0.55 * throat.depth), (0.55 * neck[0], low))
+    handles = ((neck[0] - 0.1 * neck[0], neck[1] - 0.55 * cut.depth), (0.55 * neck[0], low))
     return [Stroke(middle, handles, contour="neck")]
 
 
@@ -95,18 +95,18 @@ def _parabola_handles(start: Point, end: Point, bow: float) -> tuple[Point, Poin
     return (first, second)
 
 
-def neckline_points(throat: NecklineCut, half_width: float, segments: int = 32) -> np.ndarray:
+def neckline_points(cut: NecklineCut, half_width: float, segments: int = 32) -> np.ndarray:
     """Return points of half a neckline, from (half_width, 0) to (0, -depth), uniform on each stroke [m]."""
-    here: Point = (half_width, 0.0)
+    start: Point = (half_width, 0.0)
     lines = []
-    for stroke in draw_neckline(throat, here):
-        lines.append(stroke_points(here, stroke, segments))
-        here = stroke.end
+    for stroke in draw_neckline(cut, start):
+        lines.append(stroke_points(start, stroke, segments))
+        start = stroke.end
     return np.concatenate(lines)
 
 
-def corner_turn(throat: NecklineCut, half_width: float) -> float:
+def corner_turn(cut: NecklineCut, half_width: float) -> float:
     """Return the turn of a whole neckline at its middle [rad]: 0 where it is level there, positive in a V."""
-    ends = neckline_points(throat, half_width)[-2:]
+    ends = neckline_points(cut, half_width)[-2:]
     across, down = np.abs(ends[1] - ends[0])
     return float(2 * np.arctan2(down, across))

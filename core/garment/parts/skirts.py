@@ -174,8 +174,8 @@ def _rename(stroke: Stroke, edge: UpperEdge) -> Stroke:
 def _own_darts(edge: UpperEdge, cut: Cut, hip: float) -> Waistline:
     """Return a skirt's waist, with darts where these shape it."""
     if cut.shaping is Shaping.DARTS and cut.skirt in DARTED_SKIRTS:
-        own = Waistline.of(cut, edge.quarter + (hip - edge.quarter) / 2, edge.quarter)
-        return replace(own, dart=min(own.dart, 0.03))
+        waistline = Waistline.of(cut, edge.quarter + (hip - edge.quarter) / 2, edge.quarter)
+        return replace(waistline, dart=min(waistline.dart, 0.03))
     return Waistline(edge.quarter, 0.0, 0.0)
 
 

@@ -161,9 +161,9 @@ def two_piece_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) ->
 
 def _bow(start: Point, end: Point, left: float) -> tuple[Point, Point]:
     """Return the handles of a cubic whose middle is `left` [m] to the left of its chord."""
-    way = np.subtract(end, start)
-    across = np.array([-way[1], way[0]]) / np.linalg.norm(way) * left * 4.0 / 3.0
-    return to_point(start + way / 3.0 + across), to_point(start + 2.0 * way / 3.0 + across)
+    chord = np.subtract(end, start)
+    across = np.array([-chord[1], chord[0]]) / np.linalg.norm(chord) * left * 4.0 / 3.0
+    return to_point(start + chord / 3.0 + across), to_point(start + 2.0 * chord / 3.0 + across)
 
 
 def raglan_sleeves(end: SleeveEnd, neck: Point, upper: tuple[Stroke, ...], height: float) -> list[Panel]:

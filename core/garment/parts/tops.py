@@ -68,7 +68,7 @@ class Shoulder:
     Attributes:
         neck: Side neck point [m].
         tip: Shoulder's tip [m].
-        under: Underarm point, where the side seam ends [m].
+        underarm: Underarm point, where the side seam ends [m].
         armholes: From the underarm point to the shoulder's tip, of the front and of the back.
         necklines: From the side neck point to the middle, of the front and of the back.
         head: How sleeves meet it.
@@ -76,7 +76,7 @@ class Shoulder:
 
     neck: Point
     tip: Point
-    under: Point
+    underarm: Point
     armholes: tuple[tuple[Stroke, ...], tuple[Stroke, ...]]
     necklines: tuple[tuple[Stroke, ...], tuple[Stroke, ...]]
     head: SleeveHead = SleeveHead.FLAT
@@ -98,15 +98,15 @@ class Shoulder:
             return []
         panels = []
         ends = [SleeveEnd(self.tip, SLEEVES[cut.sleeve], side, cut.cuff is Cuff.BAND) for side in FACES]
-        caps: list[tuple[Stroke, ...]] = [reverse_strokes(Outline(self.under, armhole)) for armhole in self.armholes]
+        caps: list[tuple[Stroke, ...]] = [reverse_strokes(Outline(self.underarm, armhole)) for armhole in self.armholes]
         if self.head is SleeveHead.SET_IN:
-            front, back = (labelled_length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
-            own = set_in_caps(ends[0], (front, back))
-            caps = [_label_cap(cap, armhole, self) for cap, armhole in zip(own, caps, strict=True)]
+            front, back = (labelled_length(Outline(self.underarm, armhole), "scye") for armhole in self.armholes)
+            set_in = set_in_caps(ends[0], (front, back))
+            caps = [_label_cap(cap, armhole, self) for cap, armhole in zip(set_in, caps, strict=True)]
         for face, end in enumerate(ends):
             if self.head is SleeveHead.RAGLAN:
                 neck, line = self._raglan(face)
-                upper = (neck[0], *reverse_strokes(Outline(self.under, (line,))))
+                upper = (neck[0], *reverse_strokes(Outline(self.underarm, (line,))))
                 panels += raglan_sleeves(end, self.neck, upper, height)
             elif cut.sleeve_pieces is SleevePieces.TWO:
                 panels += two_piece_sleeves(end, caps[face], height)
@@ -118,7 +118,7 @@ class Shoulder:
         """Return the neckline, cut where the raglan line meets it, and that line from the underarm point."""
         first, *others = self.necklines[face]
         neck = cut_stroke(self.neck, first, RAGLAN_SHARE[face], ("", ""))
-        (x, y), (u, v) = neck[0].end, self.under
+        (x, y), (u, v) = neck[0].end, self.underarm
         handles = ((u - 0.05, v + 0.03), (x + 0.35 * (u - x), y + 0.30 * (v - y)))
         return (*neck, *others), Stroke(neck[0].end, handles, f"scye.{FACES[face]}.left", notch=0.45)
 
@@ -190,9 +190,9 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
 
-def _halter_armhole_handles(under: Point, tip: Point) -> tuple[Point, Point]:
+def _halter_armhole_handles(underarm: Point, tip: Point) -> tuple[Point, Point]:
     """Return the handles of a halter's armhole, which reaches the neck and is hollowed by a tenth of its length."""
-    (u, v), (x, y) = under, tip
+    (u, v), (x, y) = underarm, tip
     return (u - 0.40 * (u - x), v + 0.15 * (y - v)), (x + 0.15 * (u - x), y - 0.40 * (y - v))
 
 
@@ -205,13 +205,13 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     if cut.bodice is Bodice.STRAPLESS:
         return _draw_strapless(cut, m)
     shoulder = draw_shoulder(cut, m)
-    line = Waistline.of(cut, shoulder.under[0], half_waist(cut, m) / 2)
-    side = _side_seam(cut, m, shoulder.under, line)
+    line = Waistline.of(cut, shoulder.underarm[0], half_waist(cut, m) / 2)
+    side = _side_seam(cut, m, shoulder.underarm, line)
     if cut.shaping is not Shaping.NONE:
         _check_shaping(cut)
     panels = []
     for face, name in enumerate(FACES):
-        upper, apex = shoulder.strokes(face), shoulder.under[1] - APEX_BELOW[face]
+        upper, apex = shoulder.strokes(face), shoulder.underarm[1] - APEX_BELOW[face]
         if name in cut.yoke.faces:
             upper, pieces = cut_yoke(name, upper)
             panels += [place_panel(part, outline, m.nape_height) for part, outline in pieces]
@@ -267,7 +267,7 @@ def _check_shaping(cut: Cut) -> None:
         raise PartsConflict("a bodice's darts begin at a waist seam; add waist=seam, or choose shaping=princess.")
 
 
-def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list[Stroke]:
+def _side_seam(cut: Cut, m: BodyMeasures, underarm: Point, line: Waistline) -> list[Stroke]:
     """Draw the side seam from the hem, the end of the first stroke, to the underarm point. A boxy top is straight to 2
     cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm, no darts). A dress without a
     zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and reaches the knee; an A-line one is flared
@@ -276,14 +276,14 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list
     sleeved = cut.sleeve is not Sleeve.NONE
     if cut.waist is Waist.SEAM:
         corner = (line.half, m.waist_height - m.nape_height)
-        return [Stroke(corner), Stroke(under, label="side.left", notch=0.5)]
+        return [Stroke(corner), Stroke(underarm, label="side.left", notch=0.5)]
     if cut.bodice is Bodice.BOXY and cut.skirt is Skirt.NONE:
-        hem = (under[0], m.hip_height - 0.02 - m.nape_height)
-        return [Stroke(hem), Stroke(under, label="side.left", notch=0.5)]
+        hem = (underarm[0], m.hip_height - 0.02 - m.nape_height)
+        return [Stroke(hem), Stroke(underarm, label="side.left", notch=0.5)]
     ease = (0.12, 0.10) if sleeved else (0.10, 0.08)
     hip, waist = (m.hip + ease[1]) / 4, (m.waist + ease[0]) / 4
     if cut.bodice is Bodice.BOXY:
-        hip = waist = max(hip, under[0])
+        hip = waist = max(hip, underarm[0])
     knee = m.crotch_height - 0.29
     widths = {Skirt.A_LINE: 0.34, Skirt.STRAIGHT: hip, Skirt.PENCIL: hip - 0.015}
     if cut.skirt is Skirt.NONE and cut.bodice in (Bodice.SKIMMING, Bodice.HALTER, Bodice.STRAPLESS):
@@ -298,5 +298,5 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list
         sides[-1] = (line.half, m.waist_height)
         if len(sides) > 2:
             sides[0] = (sides[0][0] - PRINCESS_SEAM_FLARE / 2, sides[0][1])
-    points = [*((x, y - m.nape_height) for x, y in sides), under]
+    points = [*((x, y - m.nape_height) for x, y in sides), underarm]
     return [Stroke(points[0]), *draw_monotone_spline(points, [f"side.{i}.left" for i in range(len(points) - 1)])]

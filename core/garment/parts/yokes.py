@@ -19,7 +19,7 @@ STROKE_SEGMENT_COUNT = 256
 
 
 def divide_armhole(
-    cut: Cut, face: str, under: Point, armhole: Stroke, neckline: tuple[Stroke, ...]
+    cut: Cut, face: str, underarm: Point, armhole: Stroke, neckline: tuple[Stroke, ...]
 ) -> tuple[Stroke, Stroke]:
     """Return an armhole cut where the yoke of a front or back meets it. Where the neckline would end within
     `MIN_YOKE_NECK_DISTANCE` of the yoke's seam, the seam is moved down to that distance below it.
@@ -27,7 +27,7 @@ def divide_armhole(
     Args:
         cut: The garment's.
         face: `front` or `back`.
-        under: Underarm point, from which the armhole is drawn [m].
+        underarm: Underarm point, from which the armhole is drawn [m].
         armhole: From there to the shoulder's tip.
         neckline: From the side neck point to the middle.
 
@@ -39,10 +39,10 @@ def divide_armhole(
     if cut.shaping is Shaping.PRINCESS or cut.legs is not Legs.NONE:
         raise PartsConflict("a bodice's yoke is not drafted across princess seams or above legs; choose yoke=none.")
     labels = ("", "") if armhole.contour else (f"scye.{face}.left", f"scye.{face}.yoke.left")
-    divided, deep = cut_stroke(under, armhole, YOKE_SHARE, labels), neckline[-1].end[1]
+    divided, deep = cut_stroke(underarm, armhole, YOKE_SHARE, labels), neckline[-1].end[1]
     if abs(deep - divided[0].end[1]) >= MIN_YOKE_NECK_DISTANCE:
         return divided
-    return cut_stroke(under, armhole, _share_at(under, armhole, deep - MIN_YOKE_NECK_DISTANCE), labels)
+    return cut_stroke(underarm, armhole, _share_at(underarm, armhole, deep - MIN_YOKE_NECK_DISTANCE), labels)
 
 
 def cut_yoke(face: str, upper: list[Stroke]) -> tuple[list[Stroke], list[tuple[str, Outline]]]:

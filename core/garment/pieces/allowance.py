@@ -74,8 +74,8 @@ def _pairs(text: str) -> list[tuple[str, str]]:
             raise AllowanceBad from error
         return [(str(name), str(value)) for name, value in found.items()]
     if "=" in text:
-        given = [one.partition("=") for one in text.replace("\n", ",").split(",") if one.strip()]
-        return [(name.strip(), value.strip()) for name, _, value in given]
+        pairs = [one.partition("=") for one in text.replace("\n", ",").split(",") if one.strip()]
+        return [(name.strip(), value.strip()) for name, _, value in pairs]
     try:
         rows = [row for row in csv.reader(io.StringIO(text)) if row]
     except csv.Error as error:

@@ -119,8 +119,8 @@ def _mitre(first: Side, second: Side, before: np.ndarray, after: np.ndarray) -> 
         (first.width - second.width * np.cos(turn)) / np.sin(turn),
     )
     end, start = p + first.width * _right(a), p + second.width * _right(b)
-    far = float(np.hypot(first.width, on))
-    if far <= MITRE_LIMIT * width:
+    diagonal = float(np.hypot(first.width, on))
+    if diagonal <= MITRE_LIMIT * width:
         tip = end + on * a
         return Corner(_begin_at(before[::-1], p, -a, tip)[::-1], nothing, _begin_at(after, p, b, tip))
     if on <= 0.0 or back <= 0.0:
@@ -176,25 +176,25 @@ class Fold:
         """Return the distance of points inside the fold [m], shape [n]."""
         return np.asarray((points - self.corner) @ self.inward)
 
-    def _up_to_depth(self, way: np.ndarray) -> np.ndarray:
+    def _up_to_depth(self, line: np.ndarray) -> np.ndarray:
         """Return the start of a line up to the hem's depth, extended straight where it is shorter."""
-        height = self.height(way)
+        height = self.height(line)
         over = np.flatnonzero(height >= self.depth)
         if not len(over):
-            lean = unit(way[-1] - way[-2])
+            lean = unit(line[-1] - line[-2])
             rise = max(float(lean @ self.inward), MIN_FOLD_SIDE_COSINE)
-            return np.concatenate([way, (way[-1] + lean * (self.depth - height[-1]) / rise)[None]])
+            return np.concatenate([line, (line[-1] + lean * (self.depth - height[-1]) / rise)[None]])
         k = int(over[0])
         if k == 0:
-            return way[:1]
+            return line[:1]
         share = (self.depth - height[k - 1]) / (height[k] - height[k - 1])
-        return np.concatenate([way[:k], (way[k - 1] + share * (way[k] - way[k - 1]))[None]])
+        return np.concatenate([line[:k], (line[k - 1] + share * (line[k] - line[k - 1]))[None]])
 
 
 def _begin_at(line: np.ndarray, corner: np.ndarray, along: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Return an offset line from a new start on, without the points before it along its edge's tangent."""
-    ahead = (line - corner) @ along > (start - corner) @ along + 1e-9
-    first = int(np.argmax(ahead)) if ahead.any() else len(line) - 1
+    is_ahead = (line - corner) @ along > (start - corner) @ along + 1e-9
+    first = int(np.argmax(is_ahead)) if is_ahead.any() else len(line) - 1
     return np.concatenate([start[None], line[first:]])
 
 

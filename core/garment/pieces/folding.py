@@ -28,8 +28,8 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
     axis = mirrored.translation[0] / 2.0
     if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * MAX_FOLD_AXIS_ANGLE) or mirrored.rotation[0, 0] > 0.0:
         return None
-    own = {edge.source: i for i, edge in enumerate(piece.edges)}
-    twins = [own.get(ref, -1) for ref in mirrored.twins]
+    by_source = {edge.source: i for i, edge in enumerate(piece.edges)}
+    twins = [by_source.get(ref, -1) for ref in mirrored.mirrors]
     points, edges, parts = _halve_edges(piece, twins, axis)
     middle = [(points[i] + points[(i + 1) % len(points)])[0] / 2.0 for i in range(len(points))]
     right = np.array([x > axis for x in middle])
@@ -38,12 +38,12 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
     if len(first) != 1 or cut is None:
         return None
     chain = [(int(first[0]) + k) % len(points) for k in range(int(right.sum()))]
-    kept = [*chain, (chain[-1] + 1) % len(points)]
-    outline = points[kept]
+    half = [*chain, (chain[-1] + 1) % len(points)]
+    outline = points[half]
     outline[[0, -1], 0] = axis
     refs = [parts[i] for i in chain]
     numbers = {number: k for k, (number, _, _) in enumerate(refs)}
-    listed = tuple(replace(piece.edges[number], part=part, twin=mirrored.twins[number]) for number, part, _ in refs)
+    listed = tuple(replace(piece.edges[number], part=part, mirror=mirrored.mirrors[number]) for number, part, _ in refs)
     grain = piece.grain
     if grain[:, 0].min() < axis + 0.02:
         inside = cut.points[:, 0].max()
@@ -62,14 +62,14 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
 
 
 def _halve_edges(
-    piece: Piece, twins: list[int], axis: float
+    piece: Piece, mirrors: list[int], axis: float
 ) -> tuple[np.ndarray, list[Edge], list[tuple[int, tuple[float, float], bool]]]:
     """Return control points and edges, symmetric edges cut at the axis, and the source of each edge."""
     net = piece.net
     points, edges, parts = [], [], []
     for i, edge in enumerate(net.edges):
         points.append(net.points[i])
-        if twins[i] != i:
+        if mirrors[i] != i:
             edges.append(edge)
             parts.append((i, (0.0, 1.0), False))
             continue

@@ -77,10 +77,10 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
     na, nb = len(a.points), len(b.points)
     start, end = a.points[i], a.points[(i + 1) % na]
     own_start, own_end = b.points[(j + 1) % nb], b.points[j]
-    along, own = end - start, own_end - own_start
-    if abs(np.linalg.norm(along) - np.linalg.norm(own)) > HALF_JOIN_TOLERANCE:
+    along, other = end - start, own_end - own_start
+    if abs(np.linalg.norm(along) - np.linalg.norm(other)) > HALF_JOIN_TOLERANCE:
         return None
-    angle = np.arctan2(along[1], along[0]) - np.arctan2(own[1], own[0])
+    angle = np.arctan2(along[1], along[0]) - np.arctan2(other[1], other[0])
     turn = plane_rotation(angle)
     apart = (a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2
     if abs(apart) > MAX_JOINED_GRAIN_ANGLE:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..polygon import polygon_area
 from .piece import Piece
-from .shelves import pack_on_shelves
+from .shelf_packing import pack_on_shelves
 
 CLOTH_WIDTH = 1.40
 """Usual usable width of cloth [m]."""

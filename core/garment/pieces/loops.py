@@ -46,8 +46,8 @@ def _find_crossings(points: np.ndarray) -> list[tuple[int, float, int, float]]:
     step = np.roll(points, -1, axis=0) - points
     low = np.minimum(points, points + step)
     high = np.maximum(points, points + step)
-    near = np.all((low[:, None] <= high[None]) & (low[None] <= high[:, None]), axis=2)
-    i, j = np.nonzero(np.triu(near, 2))
+    overlaps = np.all((low[:, None] <= high[None]) & (low[None] <= high[:, None]), axis=2)
+    i, j = np.nonzero(np.triu(overlaps, 2))
     keep = (j - i) % n != n - 1
     i, j = i[keep], j[keep]
     cross = step[i, 0] * step[j, 1] - step[i, 1] * step[j, 0]

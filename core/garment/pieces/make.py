@@ -14,7 +14,7 @@ from .flatten import flatten_edge, flatten_outline
 from .folding import fold_piece
 from .joining import Group, join_halves, turn_group
 from .marks import Mark, collect_marks, turn_marks
-from .missing import list_missing
+from .missing_parts import list_missing
 from .naming import name_pieces
 from .notches import place_notches
 from .offset import offset_outline
@@ -61,7 +61,7 @@ def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: 
     settings, style = settings or PieceSettings(), style or Style()
     groups = tuple(turn_group(group) for group in join_halves(pattern))
     drawn = sorted(pair_groups(pattern, groups), key=lambda one: _rank(pattern, _group(one)))
-    both = [isinstance(one, MirroredGroup) and not one.own for one in drawn]
+    both = [isinstance(one, MirroredGroup) and not one.is_symmetric for one in drawn]
     members = [
         (tuple(place.panel for place in _group(one).places), pair) for one, pair in zip(drawn, both, strict=True)
     ]
@@ -105,9 +105,9 @@ def _make_piece(
     marks: dict[EdgeRef, tuple[Mark, ...]],
 ) -> Piece:
     group = _group(drawn)
-    pair = isinstance(drawn, MirroredGroup) and not drawn.own
+    pair = isinstance(drawn, MirroredGroup) and not drawn.is_symmetric
     twins: tuple[EdgeRef | None, ...] = (
-        drawn.twins if isinstance(drawn, MirroredGroup) and pair else (None,) * len(group.sources)
+        drawn.mirrors if isinstance(drawn, MirroredGroup) and pair else (None,) * len(group.sources)
     )
     sewn = _find_inner_seams(pattern, group)
     darts = find_darts(group.net, sewn)
@@ -133,7 +133,7 @@ def _make_piece(
         drills=tips,
         grain=_draw_grain(group.net),
     )
-    if settings.fold and isinstance(drawn, MirroredGroup) and drawn.own:
+    if settings.fold and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
         return fold_piece(piece, drawn) or piece
     return piece
 
@@ -149,7 +149,7 @@ def _find_inner_seams(pattern: Pattern, group: Group) -> dict[int, int]:
 
 
 def _describe_edge(
-    pattern: Pattern, ref: EdgeRef, twin: EdgeRef | None, in_dart: bool, settings: PieceSettings
+    pattern: Pattern, ref: EdgeRef, mirror: EdgeRef | None, in_dart: bool, settings: PieceSettings
 ) -> PieceEdge:
     seams = [seam for seam in pattern.seams if ref in (seam.a, seam.b)]
     if in_dart:
@@ -159,15 +159,15 @@ def _describe_edge(
     else:
         contour = pattern.panel(ref.panel).edges[ref.edge].contour
         use = CONTOURS.get(contour.split(".")[0], EdgeUse.OPEN)
-    return PieceEdge(use, settings.allowances.widths[use], ref, twin=twin)
+    return PieceEdge(use, settings.allowances.widths[use], ref, mirror=mirror)
 
 
 def _edge_marks(marks: dict[EdgeRef, tuple[Mark, ...]], edge: PieceEdge) -> tuple[Mark, ...]:
     """Return the marks of an edge and of its mirrored copy, which differ where only one side has a mark."""
-    own = marks.get(edge.source, ()) if edge.source else ()
-    other = turn_marks(marks.get(edge.twin, ())) if edge.twin else ()
-    more = tuple(mark for mark in other if all(abs(mark.at - known.at) > 1e-6 for known in own))
-    return tuple(sorted((*own, *more), key=lambda mark: mark.at))
+    marks_of_edge = marks.get(edge.source, ()) if edge.source else ()
+    other = turn_marks(marks.get(edge.mirror, ())) if edge.mirror else ()
+    more = tuple(mark for mark in other if all(abs(mark.at - known.at) > 1e-6 for known in marks_of_edge))
+    return tuple(sorted((*marks_of_edge, *more), key=lambda mark: mark.at))
 
 
 def _draw_grain(net: Panel) -> np.ndarray:

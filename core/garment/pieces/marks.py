@@ -27,14 +27,14 @@ class Mark:
 def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
     """Return the notches of each edge that has some: those of either side of its seam, and those of gathers. Notches of
     a seam of the back are double, which distinguishes back from front."""
-    own: dict[EdgeRef, list[float]] = {}
+    by_edge: dict[EdgeRef, list[float]] = {}
     for panel in pattern.panels:
         for edge, at in panel.notches:
-            own.setdefault(EdgeRef(panel.name, edge), []).append(float(at))
-    marks = {ref: tuple(Mark(at, NotchPurpose.MATCH, 1) for at in ats) for ref, ats in own.items()}
+            by_edge.setdefault(EdgeRef(panel.name, edge), []).append(float(at))
+    marks = {ref: tuple(Mark(at, NotchPurpose.MATCH, 1) for at in ats) for ref, ats in by_edge.items()}
     for seam in pattern.seams:
-        turned = [1.0 - at if seam.reversed else at for at in own.get(seam.b, [])]
-        found = [(at, NotchPurpose.MATCH) for at in (*own.get(seam.a, []), *turned)]
+        turned = [1.0 - at if seam.reversed else at for at in by_edge.get(seam.b, [])]
+        found = [(at, NotchPurpose.MATCH) for at in (*by_edge.get(seam.a, []), *turned)]
         if seam.gathered:
             found += [(at, NotchPurpose.GATHER) for at in GATHER_PARTS]
         count = 2 if _is_of_back(pattern, seam.a.panel, seam.b.panel) else 1

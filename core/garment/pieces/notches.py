@@ -145,12 +145,12 @@ def _project_on_cut_line(cut: CutLine, place: _Place, width: float) -> tuple[Cut
     apart = cut.points - place.sew
     cross = out[0] * step[:, 1] - out[1] * step[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        far = (apart[:, 0] * step[:, 1] - apart[:, 1] * step[:, 0]) / cross
+        distance = (apart[:, 0] * step[:, 1] - apart[:, 1] * step[:, 0]) / cross
         share = (apart[:, 0] * out[1] - apart[:, 1] * out[0]) / cross
-    hit = np.flatnonzero((far > -1e-7) & (share >= -1e-9) & (share <= 1.0 + 1e-9))
+    hit = np.flatnonzero((distance > -1e-7) & (share >= -1e-9) & (share <= 1.0 + 1e-9))
     if not len(hit):
         return cut, []
-    side = hit[np.argmin(far[hit])]
+    side = hit[np.argmin(distance[hit])]
     cut, at = _insert(cut, cut.points[side] + np.clip(share[side], 0.0, 1.0) * step[side])
     inward = place.sew - at
     size = float(np.linalg.norm(inward))

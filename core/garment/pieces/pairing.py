@@ -26,19 +26,19 @@ class MirroredGroup:
     """Describe that a group of panels is the mirror image of another, or of itself.
 
     Attributes:
-        twins: For each of its edges, the pattern's edge whose mirror image it is, reversed.
+        mirrors: For each of its edges, the pattern's edge whose mirror image it is, reversed.
         places: Placement of the panels of the mirrored copy; none where the group is its own mirror image.
         rotation, translation: The mirror map of the group's own points onto itself [m], shapes [2, 2], [2]; only where
             it is its own mirror image.
-        own: True where the group is its own mirror image.
+        is_symmetric: True where the group is its own mirror image.
     """
 
     group: Group
-    twins: tuple[EdgeRef, ...]
+    mirrors: tuple[EdgeRef, ...]
     places: tuple[PanelPlace, ...]
     rotation: np.ndarray
     translation: np.ndarray
-    own: bool
+    is_symmetric: bool
 
 
 def pair_groups(pattern: Pattern, groups: tuple[Group, ...]) -> tuple[Group | MirroredGroup, ...]:
@@ -76,22 +76,22 @@ def find_twins(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
     return twins
 
 
-def _match_mirrored_group(group: Group, other: Group, twins: tuple[EdgeRef, ...]) -> MirroredGroup | None:
+def _match_mirrored_group(group: Group, other: Group, mirrors: tuple[EdgeRef, ...]) -> MirroredGroup | None:
     """Return the mirror image of one group fitted to another; None where outlines or orders of edges differ."""
-    numbers = [other.sources.index(ref) if ref in other.sources else -1 for ref in twins]
+    numbers = [other.sources.index(ref) if ref in other.sources else -1 for ref in mirrors]
     steps = {(a - b) % len(numbers) for a, b in zip(numbers, np.roll(numbers, -1), strict=True)}
     if len(numbers) != len(other.sources) or steps != {1} or -1 in numbers:
         return None
-    mine = np.concatenate([edge_points(group.net, i, MIRROR_EDGE_SEGMENT_COUNT) for i in range(len(numbers))])
+    points = np.concatenate([edge_points(group.net, i, MIRROR_EDGE_SEGMENT_COUNT) for i in range(len(numbers))])
     its = np.concatenate([edge_points(other.net, number, MIRROR_EDGE_SEGMENT_COUNT)[::-1] for number in numbers])
-    motion = fit_rigid(its, mine, mirrored=True)
-    misfit = float(np.linalg.norm(motion.apply(its) - mine, axis=1).max())
+    motion = fit_rigid(its, points, mirrored=True)
+    misfit = float(np.linalg.norm(motion.apply(its) - points, axis=1).max())
     if misfit > PIECE_MIRROR_TOLERANCE:
         return None
     rotation, move = motion.rotation, motion.translation
     if other is group:
-        return MirroredGroup(group, twins, (), rotation, move, own=True)
+        return MirroredGroup(group, mirrors, (), rotation, move, is_symmetric=True)
     places = tuple(
         PanelPlace(p.panel, rotation @ p.rotation, rotation @ p.translation + move, misfit) for p in other.places
     )
-    return MirroredGroup(group, twins, places, rotation, move, own=False)
+    return MirroredGroup(group, mirrors, places, rotation, move, is_symmetric=False)

@@ -51,15 +51,15 @@ class PieceEdge:
         width: Seam allowance [m].
         source: The pattern's edge that it is, or a part of; None for a fold.
         part: Fractions of the source's length at which it begins and ends.
-        twin: The pattern's edge of which the mirrored copy (of a pair) or the other half (of a fold) is a mirror image,
-            reversed; None where there is no copy.
+        mirror: The pattern's edge of which the mirrored copy (of a pair) or the other half (of a fold) is a mirror
+            image, reversed; None where there is no copy.
     """
 
     use: EdgeUse
     width: float
     source: EdgeRef | None
     part: tuple[float, float] = (0.0, 1.0)
-    twin: EdgeRef | None = None
+    mirror: EdgeRef | None = None
 
 
 @dataclass(frozen=True)

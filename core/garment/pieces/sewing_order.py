@@ -15,7 +15,7 @@ Key = frozenset[tuple[str, int]]
 Sides = Mapping[EdgeRef, tuple[PieceSide, ...]]
 
 
-def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
+def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
     """Return the seams to be sewn, in order, without those inside a joined piece. Darts come first. Then, from the top
     of the garment down, seams that join pieces which are not connected yet: they are sewn flat. Then, from the top
     down, those that close the connected pieces to tubes. Mirrored seams are one step.
@@ -23,13 +23,13 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], twins: Mapping[Edge
     Args:
         pattern: The pattern.
         pieces: Its pieces.
-        twins: For each edge its mirror image.
+        mirror: For each edge its mirror image.
     """
     homes = find_sides(pieces)
     steps: dict[Key, list[Seam]] = {}
     for seam in pattern.seams:
         if seam.a in homes and seam.b in homes:
-            steps.setdefault(_key(seam, twins), []).append(seam)
+            steps.setdefault(_key(seam, mirror), []).append(seam)
     waiting = sorted(steps, key=lambda key: (-_height(pattern, steps[key][0]), sorted(key)))
     ordered = [key for key in waiting if _is_dart(pattern, steps[key][0])]
     waiting = [key for key in waiting if key not in ordered]
@@ -54,15 +54,15 @@ def find_sides(pieces: tuple[Piece, ...]) -> dict[EdgeRef, tuple[PieceSide, ...]
         for i, edge in enumerate(piece.edges):
             if edge.source is not None:
                 found.setdefault(edge.source, []).append((edge.part[0], PieceSide(number, i, False)))
-            if edge.twin is not None:
-                found.setdefault(edge.twin, []).append((1.0 - edge.part[1], PieceSide(number, i, True)))
+            if edge.mirror is not None:
+                found.setdefault(edge.mirror, []).append((1.0 - edge.part[1], PieceSide(number, i, True)))
     return {ref: tuple(side for _, side in sorted(parts, key=lambda one: one[0])) for ref, parts in found.items()}
 
 
-def _key(seam: Seam, twins: Mapping[EdgeRef, EdgeRef]) -> Key:
-    own = sorted((ref.panel, ref.edge) for ref in (seam.a, seam.b))
-    other = sorted((ref.panel, ref.edge) for ref in (twins.get(seam.a, seam.a), twins.get(seam.b, seam.b)))
-    return frozenset(min(own, other))
+def _key(seam: Seam, mirror: Mapping[EdgeRef, EdgeRef]) -> Key:
+    sides = sorted((ref.panel, ref.edge) for ref in (seam.a, seam.b))
+    other = sorted((ref.panel, ref.edge) for ref in (mirror.get(seam.a, seam.a), mirror.get(seam.b, seam.b)))
+    return frozenset(min(sides, other))
 
 
 def _height(pattern: Pattern, seam: Seam) -> float:

@@ -8,8 +8,8 @@ import scipy.sparse as sp
 from ...body.exposed import ExposedSurface
 from ...geometry.geometry import bending_matrix, vertex_areas
 from ...geometry.linear import factor_symmetric
-from .easing import find_strain_violations
 from .settings import ClearanceSettings
+from .strain_limits import find_strain_violations
 
 PUSH_REVERSAL_COSINE = -0.5
 """Cosine between two successive pushes of one point below which the second reverses the first."""
@@ -35,12 +35,12 @@ class ProximityCache:
         if self._places is None:
             self._places, self._known = points.copy(), np.full(len(points), -np.inf)
             self._margins, self._ways = np.full(len(points), self.margin), np.zeros_like(points)
-        away = self._known - np.linalg.norm(points - self._places, axis=1)
-        asked = np.flatnonzero(away < self._margins)
-        distance, out = self._body.measure(points[asked])
-        self._places[asked], self._known[asked] = points[asked], distance
-        below = distance < self._margins[asked]
-        low, distance, out = asked[below], distance[below], out[below]
+        certain = self._known - np.linalg.norm(points - self._places, axis=1)
+        queried = np.flatnonzero(certain < self._margins)
+        distance, out = self._body.measure(points[queried])
+        self._places[queried], self._known[queried] = points[queried], distance
+        below = distance < self._margins[queried]
+        low, distance, out = queried[below], distance[below], out[below]
         back = low[(out * self._ways[low]).sum(1) < PUSH_REVERSAL_COSINE]
         self._margins[back] *= 0.5
         self._ways[low] = out

@@ -50,15 +50,15 @@ class ContourMatch:
         if not self._curves:
             return None
         parts: list[tuple[np.ndarray, ...]] = []
-        for loop, own, goal, samples in self._curves:
+        for loop, at, goal, samples in self._curves:
             share = goal.length / self._total
             ahead = np.roll(loop, -1)
-            first, second = loop[own.segment], ahead[own.segment]
-            points = nodes[first] * (1 - own.along)[:, None] + nodes[second] * own.along[:, None]
-            parts.append((first, second, own.along, goal.closest(points).foot, np.full(len(first), share / len(first))))
-            near = ClosedCurve(nodes[loop]).closest(samples)
+            first, second = loop[at.segment], ahead[at.segment]
+            points = nodes[first] * (1 - at.along)[:, None] + nodes[second] * at.along[:, None]
+            parts.append((first, second, at.along, goal.closest(points).foot, np.full(len(first), share / len(first))))
+            closest = ClosedCurve(nodes[loop]).closest(samples)
             weight = np.full(len(samples), share / len(samples))
-            parts.append((loop[near.segment], ahead[near.segment], near.along, samples, weight))
+            parts.append((loop[closest.segment], ahead[closest.segment], closest.along, samples, weight))
         return CurveRows(*(np.concatenate([p[k] for p in parts]) for k in range(5)))
 
 

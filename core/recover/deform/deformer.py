@@ -10,19 +10,19 @@ from ...body.untangling import untangle_outside
 from ...garment.garment import Garment
 from ...geometry.geometry import gradient_operator, shape_gradients
 from ...geometry.intersections import self_intersections
-from ...geometry.moving_towards import move_towards
+from ...geometry.move_towards import move_towards
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours.target import Target
 from .acceptance import accept_polish, find_crossing_faces, find_flipped_faces
 from .clearance import ProximityCache, enforce_clearance
 from .deformation import Deformation
-from .easing import limit_strain, smooth_crossings
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
 from .polish import polish_nodes
 from .rest_metric import RestMetric
 from .settings import DeformSettings
+from .strain_limits import limit_strain, smooth_crossings
 from .target_repair import PreparedTarget, prepare_target
 
 DEFAULT_DEFORM_SETTINGS = DeformSettings()
@@ -75,8 +75,8 @@ def deform(
         finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
         allowed = int(find_crossing_faces(nodes, faces).sum())
-        ironed = smooth_crossings(x, gradient, areas, faces, allowed, settings.easing)
-        x = ironed if find_crossing_faces(ironed, faces).any() else move_towards(ironed, x, faces)
+        smoothed = smooth_crossings(x, gradient, areas, faces, allowed, settings.easing)
+        x = smoothed if find_crossing_faces(smoothed, faces).any() else move_towards(smoothed, x, faces)
         eased = limit_strain(x, gradient, areas, faces, settings.easing)
         least = max(allowed, int(find_crossing_faces(x, faces).sum()))
         tried = {"limited": eased, "as it was": x}

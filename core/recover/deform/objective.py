@@ -131,7 +131,7 @@ class Objective:
         cover = (x[index] * weights).sum(1)
         cover_normal = normalize((vertex_normal[index] * weights).sum(1), dim=1, eps=1e-12)
         share = torch.from_numpy(matches.source_share)
-        ahead = ((x - foot) ** 2).sum(1)
+        squared = ((x - foot) ** 2).sum(1)
         back = ((cover - self._goal) ** 2).sum(1)
         cosine = (vertex_normal * foot_normal).sum(1)
         cosine_back = (cover_normal * self._goal_normals).sum(1)
@@ -139,9 +139,9 @@ class Objective:
             cosine, cosine_back = cosine.abs(), cosine_back.abs()
         turned = (share * (1 - cosine)).sum() + (self._goal_share * (1 - cosine_back)).sum()
         if self._settings.reduction == "sum":
-            distance = ahead.sum() + back.sum()
+            distance = squared.sum() + back.sum()
         else:
-            distance = (share * ahead).sum() + (self._goal_share * back).sum()
+            distance = (share * squared).sum() + (self._goal_share * back).sum()
         return {"distance": distance, "normal": self._settings.normal * turned}
 
     def _contour(self, x: torch.Tensor, rows: CurveRows) -> torch.Tensor:
@@ -175,18 +175,18 @@ class Objective:
         """Update the planes of the body at the nodes near it, every `BODY_SEARCH_INTERVAL` searches."""
         if self._searches % BODY_SEARCH_INTERVAL == 0 and self._settings.body > 0:
             distance, out = self._body.measure(nodes)
-            near = np.flatnonzero(distance < BODY_REACH)
-            height = (out[near] * nodes[near]).sum(1) - distance[near]
-            self._near = (near, out[near], height) if len(near) else None
+            watched = np.flatnonzero(distance < BODY_REACH)
+            height = (out[watched] * nodes[watched]).sum(1) - distance[watched]
+            self._near = (watched, out[watched], height) if len(watched) else None
         self._searches += 1
 
     def _collision(self, x: torch.Tensor, planes: tuple[np.ndarray, np.ndarray, np.ndarray]) -> torch.Tensor:
         """Return the cubed shortfalls from the margin (eq. 4.6), mean over the area, or sum over nodes."""
-        near, out, height = (torch.from_numpy(part) for part in planes)
-        missing = torch.relu(self._settings.body_margin + height - (x[near] * out).sum(1)) ** 3
+        points, out, height = (torch.from_numpy(part) for part in planes)
+        missing = torch.relu(self._settings.body_margin + height - (x[points] * out).sum(1)) ** 3
         if self._settings.reduction == "sum":
             return missing.sum()
-        return (missing * torch.from_numpy(self._share)[near]).sum()
+        return (missing * torch.from_numpy(self._share)[points]).sum()
 
 
 def subsample_by_grid(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:

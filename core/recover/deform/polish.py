@@ -152,5 +152,5 @@ def _find_body_violations(
     out, height = planes
     missing = margin + height - (x * out).sum(1)
     # a plane is not valid for a node that has left its neighbourhood
-    near = (missing > 0) & (missing < 0.02)
-    return near, out * (missing * near)[:, None]
+    violated = (missing > 0) & (missing < 0.02)
+    return violated, out * (missing * violated)[:, None]

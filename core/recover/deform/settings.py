@@ -159,7 +159,7 @@ class DeformSettings:
         if self.metric_every < 1 or self.match_every < 1:
             raise DeformSettingsBad("metric_every and match_every are at least 1.")
 
-    def going_on(self) -> DeformSettings:
+    def for_folds(self) -> DeformSettings:
         """Return the settings for a garment already on the target that only has to follow its folds.
 
         A third of the steps at half the rate: at the full rate the first steps undo the present fit. Of four garments,

@@ -44,7 +44,7 @@ class PreparedTarget:
 
     def on_rim(self, points: ClosestPoints) -> np.ndarray:
         """Return which closest points are on a rim: there the source covers a hole or extends beyond a cut."""
-        return self.rim.holds(points)
+        return self.rim.contains(points)
 
 
 def prepare_target(
@@ -66,8 +66,8 @@ def prepare_target(
         vertices, spikes = flatten_spikes(vertices, target.faces)
         vertices, noise = smooth_noise(vertices, target.faces)
     normals = vertex_normals(vertices, target.faces)
-    given = np.asarray(target.normals, dtype=np.float64)
-    against = (normals * given).sum(1) < 0
+    file_normals = np.asarray(target.normals, dtype=np.float64)
+    against = (normals * file_normals).sum(1) < 0
     if noise == 0.0:  # a noisy surface's own normals are not valid for the smoothed one
         normals[against & ~spikes] *= -1
     surface = TriangleSurface(vertices, target.faces)
@@ -93,8 +93,8 @@ def vote_orientation(
     surface: TriangleSurface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray
 ) -> tuple[bool, bool]:
     """Find whether the target's normals are reversed as a whole, and whether their signs are inconsistent."""
-    own = vertex_normals(nodes, faces)
-    cosine = (own * unit(surface.closest(nodes).interpolate(normals, surface.faces))).sum(axis=1)
+    mesh_normals = vertex_normals(nodes, faces)
+    cosine = (mesh_normals * unit(surface.closest(nodes).interpolate(normals, surface.faces))).sum(axis=1)
     reversed_ = bool(cosine.mean() < 0)
     share = float(((-cosine if reversed_ else cosine) < 0).mean())
     # signs may also differ between neighbours: then they average out at the closest points

@@ -17,12 +17,12 @@ from ...garment.parts.tops import STRAPLESS_DROP
 from ...geometry.connectivity import HalfEdges
 from ...geometry.linear import factor_symmetric
 from ...run.hooks import SILENT_HOOKS, Hooks
-from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .gores import fan_out, find_sides
-from .ironing import unfold_crossings
 from .layer_contact import LayerContact
+from .leg_alignment import align_legs
+from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .sleeves import turn_sleeves
-from .stance import align_legs
+from .unfolding import unfold_crossings
 from .waist import flat_length, waist_loop
 
 SHOULDER_LIFT_HEIGHT = 0.03
@@ -42,8 +42,8 @@ class DressSettings:
         relax: Number of steps that relax the welded panels' edges in their planes; 60 suffice from 5 times too long.
         settle: Number of steps under gravity at the end.
         outline: Keep the seams between front and back outside the body's outline in the middle plane.
-        iron: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it crotches
-            came out with half as many crossing faces again.
+        unfold: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it
+            crotches came out with half as many crossing faces again.
         follow: The position-based steps.
     """
 
@@ -53,7 +53,7 @@ class DressSettings:
     relax: int = 60
     settle: int = 60
     outline: bool = True
-    iron: bool = True
+    unfold: bool = True
     follow: PbdSettings = field(default_factory=PbdSettings)
 
 
@@ -111,9 +111,9 @@ def waistband_height(girth: float, body: Body) -> float:
     tape = TapeMeasure(body)
     girths = np.array([tape.trunk(height).value for height in heights])
     narrowest = int(np.argmin(girths))
-    held = np.nonzero(girths[: narrowest + 1] <= girth)[0]
-    first = int(held[0]) if len(held) else narrowest
-    if first == 0 or not len(held):
+    narrow = np.nonzero(girths[: narrowest + 1] <= girth)[0]
+    first = int(narrow[0]) if len(narrow) else narrowest
+    if first == 0 or not len(narrow):
         return float(heights[first])
     return float(np.interp(girth, girths[[first, first - 1]], heights[[first, first - 1]]))
 
@@ -277,9 +277,9 @@ class TwoSidedObstacle:
         sign = np.sign(self.side)
         distance, gradient = self.body.measure(points)
         slope = np.maximum(np.linalg.norm(gradient, axis=1), 1.0)
-        ahead = sign * (points[:, 2] - self.middle)
-        nearer = off_seam & (ahead < distance / slope)
-        distance[nearer] = ahead[nearer]
+        depth = sign * (points[:, 2] - self.middle)
+        nearer = off_seam & (depth < distance / slope)
+        distance[nearer] = depth[nearer]
         gradient[nearer] = sign[nearer, None] * np.array([0.0, 0.0, 1.0])
         if self.outline is not None and len(on_seam):
             distance[on_seam], gradient[on_seam] = self.outline.measure(points[on_seam])
@@ -356,9 +356,9 @@ def dress(
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()
         hooks.check()
-    if settings.iron:
-        nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
+    if settings.unfold:
+        nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, pins=waist)
     start, weight, layers = PbdState.at_rest(nodes), -STANDARD_GRAVITY[1], LayerContact()
     return simulate_pbd(
-        threads, start, distance, settings.settle, settings=settings.follow, gravity=weight, held=waist, layers=layers
+        threads, start, distance, settings.settle, settings=settings.follow, gravity=weight, pins=waist, layers=layers
     ).nodes

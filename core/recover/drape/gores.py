@@ -65,12 +65,12 @@ def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:
     side = find_sides(garment)
     fans = [fan for sign in (1.0, -1.0) if (fan := _unroll(garment, ring, side, sign)) is not None]
     if len(fans) == 2:
-        fans[1] = fans[1].laid_on(fans[0], garment.uv_node)
+        fans[1] = fans[1].aligned_to(fans[0], garment.uv_node)
     fan = _Fan.joined(fans)
     places = (fan.places - fan.places.mean(axis=0)) @ plane_rotation(-float(fan.angles.mean())).T
-    places += flat[fan.mine].mean(axis=0)
-    total, count = np.zeros_like(flat), np.bincount(fan.mine, minlength=len(flat))
-    np.add.at(total, fan.mine, places)
+    places += flat[fan.vertices].mean(axis=0)
+    total, count = np.zeros_like(flat), np.bincount(fan.vertices, minlength=len(flat))
+    np.add.at(total, fan.vertices, places)
     return np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], flat)
 
 
@@ -79,7 +79,7 @@ class _Ring:
     """Describe panels that stand around the wearer: their indices, and the pairs that an upright seam joins."""
 
     panels: tuple[int, ...]
-    beside: frozenset[tuple[int, int]]
+    adjacent: frozenset[tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -87,28 +87,28 @@ class _Fan:
     """Describe the flat panels in front, or behind, seen from the front.
 
     Attributes:
-        mine: Its flat vertices, shape [k].
+        vertices: Its flat vertices, shape [k].
         places: Their positions [m], shape [k, 2].
         angles: Angle by which their panels are turned [rad], shape [k].
     """
 
-    mine: np.ndarray
+    vertices: np.ndarray
     places: np.ndarray
     angles: np.ndarray
 
     @classmethod
     def joined(cls, fans: list[_Fan]) -> _Fan:
         """Return some fans as one."""
-        return cls(*(np.concatenate([getattr(fan, name) for fan in fans]) for name in ("mine", "places", "angles")))
+        return cls(*(np.concatenate([getattr(fan, name) for fan in fans]) for name in ("vertices", "places", "angles")))
 
-    def laid_on(self, other: _Fan, uv_node: np.ndarray) -> _Fan:
+    def aligned_to(self, other: _Fan, uv_node: np.ndarray) -> _Fan:
         """Return the fan moved so that the points it shares with another, or is sewn to, fit best."""
-        _, a, b = np.intersect1d(uv_node[self.mine], uv_node[other.mine], return_indices=True)
+        _, a, b = np.intersect1d(uv_node[self.vertices], uv_node[other.vertices], return_indices=True)
         if not len(a):
             return self
         start, goal = self.places[a].mean(axis=0), other.places[b].mean(axis=0)
         angle = _angle_between(self.places[a] - start, other.places[b] - goal)
-        return _Fan(self.mine, (self.places - start) @ plane_rotation(angle).T + goal, self.angles + angle)
+        return _Fan(self.vertices, (self.places - start) @ plane_rotation(angle).T + goal, self.angles + angle)
 
 
 def _facing_cosines(garment: Garment) -> np.ndarray:
@@ -126,8 +126,8 @@ def _placed_vertices(garment: Garment) -> np.ndarray:
     """Return the flat vertices where the pattern's file places them [m], shape [n, 3]."""
     placed = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):
-        mine = garment.panel_of_uv == index
-        placed[mine] = place_points(panel, garment.uv[mine])
+        in_panel = garment.panel_of_uv == index
+        placed[in_panel] = place_points(panel, garment.uv[in_panel])
     return placed
 
 
@@ -151,9 +151,9 @@ def _unroll(garment: Garment, ring: _Ring, side: np.ndarray, sign: float) -> _Fa
     """Lay the front (sign 1) or back (-1) of a ring side by side; None where it has no vertices there."""
     pieces, outward = {}, sign * _facing_cosines(garment)
     for panel in ring.panels:
-        mine = np.flatnonzero((garment.panel_of_uv == panel) & (sign * side >= 0.0))
-        if (sign * side[mine] > 0.0).any():
-            pieces[panel] = mine
+        vertices = np.flatnonzero((garment.panel_of_uv == panel) & (sign * side >= 0.0))
+        if (sign * side[vertices] > 0.0).any():
+            pieces[panel] = vertices
     laid: dict[int, _Fan] = {}
     waiting = [(panel, panel) for panel in sorted(pieces, key=lambda panel: -outward[panel])[:1]]
     while waiting:
@@ -163,9 +163,9 @@ def _unroll(garment: Garment, ring: _Ring, side: np.ndarray, sign: float) -> _Fa
         upward = garment.pattern.panels[panel].rotation[1, :2]
         upward = upward / np.linalg.norm(upward)
         places = garment.uv[pieces[panel]] @ np.array([[sign * upward[1], -sign * upward[0]], upward]).T
-        own = _Fan(pieces[panel], places, np.zeros(len(places)))
-        laid[panel] = own.laid_on(laid[before], garment.uv_node) if laid else own
-        waiting += [(other, panel) for other in sorted(pieces) if (panel, other) in ring.beside]
+        fan = _Fan(pieces[panel], places, np.zeros(len(places)))
+        laid[panel] = fan.aligned_to(laid[before], garment.uv_node) if laid else fan
+        waiting += [(other, panel) for other in sorted(pieces) if (panel, other) in ring.adjacent]
     if not laid:
         return None
     return _Fan.joined(list(laid.values()))

@@ -15,13 +15,13 @@ class LayerContact:
     """Describe how layers of cloth are kept apart.
 
     Attributes:
-        creep: Let layers that would cross move as far as they have room; otherwise their steps are undone.
+        partial_steps: Let layers that would cross move as far as they have room; otherwise their steps are undone.
         gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
         reach: Distance up to which pairs of layers are found [m]; longer steps that cross are undone.
         push: Largest push of the body on a node in a step [m]; below half the reach, so that layers above are found.
     """
 
-    creep: bool = False
+    partial_steps: bool = False
     gap: float = 2e-3
     reach: float = 10e-3
     push: float = 4e-3
@@ -57,5 +57,5 @@ class LayerTracker:
 
     def finish(self, nodes: np.ndarray, before: np.ndarray) -> None:
         """Shorten, in place, the moves of a step that cross; both positions [m], shape [node_count, 3]."""
-        room = self.between.room(before, self.settings.reach) if self.settings.creep else None
+        room = self.between.room(before, self.settings.reach) if self.settings.partial_steps else None
         self.crossed = undo_crossings(nodes, before, self.faces, self.crossed, room)

@@ -30,21 +30,21 @@ class MotionSettings:
         rates: Angular velocities tried [rad/s], from a slow turn to two turns a second; the centrifugal force at 30 cm
             is 0.8, 2.0 and 4.4 times the weight. Beyond, only the stretch grows.
         explained: Share of the distance at rest above which a rotation does not explain it; 0.7 halves the squares.
-        alike: Share by which rotations' distances may differ for the slowest to be taken: more speed pulls on a flounce
-            that stands out without changing its shape.
+        tolerance: Share by which rotations' distances may differ for the slowest to be taken: more speed pulls on a
+            flounce that stands out without changing its shape.
         vertices: Number of vertices of the meshes on which rotations are compared; 1000 come to rest in 1 to 2 s.
-        patience: Number of factorisations after which a drape is stopped that misses the scan by `hopeless`: of eight
+        patience: Number of factorisations after which a drape is stopped that misses the scan by `stop_ratio`: of eight
             garments seven were at rest by then or nearer than 20 mm; the skirt in motion was 40 mm away.
-        hopeless: Ratio of that distance to `missed`: cloth that still moves may come nearer by some millimetres.
+        stop_ratio: Ratio of that distance to `missed`: cloth that still moves may come nearer by some millimetres.
     """
 
     missed: float = 0.025
     rates: tuple[float, ...] = (5.0, 8.0, 12.0)
     explained: float = 0.7
-    alike: float = 0.1
+    tolerance: float = 0.1
     vertices: int = 1000
     patience: int = 40
-    hopeless: float = 1.2
+    stop_ratio: float = 1.2
 
 
 def drape_as_scanned(
@@ -86,9 +86,9 @@ def drape_as_scanned(
         return drape_graded(mesh, wearer, fabric, target, rotation=rotation, stop=stop, settings=settings, hooks=quiet)
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
-        if legs != motion.patience or (away := surface_rms(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:
+        if legs != motion.patience or (rms := surface_rms(mesh.at(nodes), target)) <= motion.stop_ratio * motion.missed:
             return False
-        found.append(find_rotation(graded, wearer, fabric, target, away, settings, coarse, hooks))
+        found.append(find_rotation(graded, wearer, fabric, target, rms, settings, coarse, hooks))
         return found[-1] is not None
 
     garment, drape = drape_at(None, moves)
@@ -131,7 +131,7 @@ def find_rotation(
     best = min(distance for distance, _ in found)
     if best > motion.explained * rest:
         return None
-    return next(rotation for distance, rotation in found if distance <= (1.0 + motion.alike) * best)
+    return next(rotation for distance, rotation in found if distance <= (1.0 + motion.tolerance) * best)
 
 
 def rotation_of(body: Body, rate: float) -> SteadyRotation:

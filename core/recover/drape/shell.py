@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from ...body.signed_distance import SignedDistance
 from ...body.solid import Solid
 from ...geometry.geometry import edge_curvature, vertex_normals
-from .follow import PbdSettings
+from .pbd import PbdSettings
 
 OPPOSITE_CANDIDATE_COUNT = 12
 """Number of nearest vertices that are searched for an opposite surface: a disk of 3 cm around the nearest on bodies of

@@ -14,8 +14,8 @@ from ...garment.sewing import mesh_pattern
 from ...garment.templates import DRAPED_VERTICES, LIBRARY, list_templates, load_template, save_draped_template
 from ...scan.contours.contours import name_contours
 from .dress import dress
-from .tie import pin_waist
 from .waist import waist_loop
+from .waist_placement import pin_waist
 from .wearer import WearerGeometry
 
 TEMPLATE_WEARER = "builtin:female,height=1.70"

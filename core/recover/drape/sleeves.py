@@ -49,11 +49,11 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
     place = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
     centre = 0.5 * (place[:, 0].min() + place[:, 0].max())
     shoulder = 0.5 * abs(float(body.joint("left_shoulder")[0] - body.joint("right_shoulder")[0]))
-    middle = np.array([0.5 * np.ptp(place[mine, 0]) + place[mine, 0].min() for mine in _members(garment)])
+    middle = np.array([0.5 * np.ptp(place[members, 0]) + place[members, 0].min() for members in _members(garment)])
     loops = find_loops(garment.faces)
     for side, name in ((1.0, "left"), (-1.0, "right")):
-        way = body.joint(f"{name}_wrist") - body.joint(f"{name}_shoulder")
-        arm = np.arctan2(-way[1], side * way[0])
+        direction = body.joint(f"{name}_wrist") - body.joint(f"{name}_shoulder")
+        arm = np.arctan2(-direction[1], side * direction[0])
         upward = np.array([side * np.sin(arm), np.cos(arm)])
         half = _half_thickness(body, name)
         for group in _groups(pattern, side * (middle - centre) > shoulder):
@@ -63,14 +63,14 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
             cap, cuff = (points.mean(axis=0) for points in ends)
             axis = cuff - cap
             droop = np.arctan2(-axis[1], side * axis[0])
-            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + MAX_CUFF_SINK_SHARE * half
+            is_sinking = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + MAX_CUFF_SINK_SHARE * half
             if (
-                (abs(droop - arm) <= MAX_SLEEVE_ARM_ANGLE and not sinks)
+                (abs(droop - arm) <= MAX_SLEEVE_ARM_ANGLE and not is_sinking)
                 or abs(droop) >= MIN_HANGING_TUBE_ANGLE
                 or arm - droop >= MAX_SLEEVE_RAISE_ANGLE
             ):
                 continue
-            raised = max(droop - arm, _raise_above(ends, side, upward, lift)) if sinks else droop - arm
+            raised = max(droop - arm, _raise_above(ends, side, upward, lift)) if is_sinking else droop - arm
             turned = plane_rotation(side * raised)
             rotation[group] = turned @ rotation[group]
             origin[group] = (origin[group] - cap) @ turned.T + cap
@@ -110,8 +110,8 @@ def _half_thickness(body: Body, name: str) -> float:
     """Return half the height of an upper arm of a body in its T-pose [m], within 1 cm of its middle."""
     shoulder, elbow = body.joint(f"{name}_shoulder"), body.joint(f"{name}_elbow")
     middle = 0.5 * (shoulder + elbow)
-    near = (np.abs(body.vertices[:, 0] - middle[0]) < 0.01) & (np.abs(body.vertices[:, 1] - middle[1]) < 0.1)
-    return 0.5 * float(np.ptp(body.vertices[near, 1])) if near.any() else 0.0
+    is_near = (np.abs(body.vertices[:, 0] - middle[0]) < 0.01) & (np.abs(body.vertices[:, 1] - middle[1]) < 0.1)
+    return 0.5 * float(np.ptp(body.vertices[is_near, 1])) if is_near.any() else 0.0
 
 
 def _ends(
@@ -120,9 +120,9 @@ def _ends(
     """Return a sleeve's vertices at cap and cuff [m], shape [n, 2] each, or None where a group lacks one."""
     inside = np.isin(garment.panel_of_uv, group)
     count = np.bincount(garment.uv_node)
-    own = np.bincount(garment.uv_node[inside], minlength=len(count))
-    cuffs = [loop for loop in loops if (own[loop] == count[loop]).all()]
-    cap = inside & (own[garment.uv_node] < count[garment.uv_node])
+    counted = np.bincount(garment.uv_node[inside], minlength=len(count))
+    cuffs = [loop for loop in loops if (counted[loop] == count[loop]).all()]
+    cap = inside & (counted[garment.uv_node] < count[garment.uv_node])
     if len(cuffs) != 1 or not cap.any():
         return None
     cuff = inside & np.isin(garment.uv_node, cuffs[0])

@@ -28,11 +28,11 @@ from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours.contours import name_contours
 from ...scan.contours.loop import find_loops, smoothed_length
 from ...scan.contours.target import Target
-from .carry import pose_cloth
 from .dress import DressSettings, dress, place_panels
-from .follow import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
-from .tie import pin_waist, place_waist
+from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
+from .pose_path import pose_cloth
 from .waist import flat_lengths, waist_loop
+from .waist_placement import pin_waist, place_waist
 from .wearer import WearerGeometry
 
 MIDDLE_PLANE_DISTANCE = 0.1
@@ -62,7 +62,7 @@ class DrapeSettings:
         settle_steps: Number of position-based steps without weight before Newton. The registered mesh is stretched by
             up to half in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not
             converge on 4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
-        apart: The cloth does not pass through itself at rest. Off where a pattern is still to be graded or fitted.
+        self_contact: The cloth does not pass through itself at rest. Off where a pattern is graded or fitted later.
         dress: The first drape.
         follow: The position-based steps in the pose.
         solve: The equilibrium.
@@ -72,7 +72,7 @@ class DrapeSettings:
     pose_steps: int = 60
     ease_steps: int = 0
     settle_steps: int = 15
-    apart: bool = False
+    self_contact: bool = False
     dress: DressSettings = field(default_factory=DressSettings)
     follow: PbdSettings = field(default_factory=PbdSettings)
     solve: SolveSettings = field(default_factory=SolveSettings)
@@ -126,8 +126,8 @@ def drape_template(
     # Posing is expensive, so openings are counted before it.
     if settings.dress.outline and _count_openings(hung, garment, wearer.rest) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then surrounds nothing.
-        freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
-        tried = {"outline held": hung, "outline free": freed}
+        free = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
+        tried = {"outline held": hung, "outline free": free}
         hung = choose_best("dressing", tried, lambda nodes: -float(_count_openings(nodes, garment, wearer.rest)), hooks)
     worn = _pose_garment(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
@@ -153,7 +153,7 @@ def _dress(
         wearer.rest,
         wearer.rest_grid,
         waist_height=None if target is None else waist_height(target, wearer.body),
-        settings=settings if target is None else replace(settings, iron=False),
+        settings=settings if target is None else replace(settings, unfold=False),
         hooks=hooks,
         threads=threads,
     )
@@ -174,19 +174,19 @@ def _pose_garment(
     body = wearer.body
     waist = waist_loop(garment)
     if target is None or carry or (waist is None and not has_hanging_sleeves(target, body)):
-        nodes, _ = pose_cloth(threads, nodes, wearer.way, wearer.grid, held=waist)
+        nodes, _ = pose_cloth(threads, nodes, wearer.way, wearer.grid, pins=waist)
     else:  # skinned: enough to start grading, though in places pinched between legs or under arms
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
         start, steps, weight = PbdState.at_rest(nodes), settings.pose_steps, -STANDARD_GRAVITY[1]
         nodes = simulate_pbd(
-            threads, start, wearer.grid, steps, settings=settings.follow, gravity=weight, held=waist
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=weight, pins=waist
         ).nodes
     if settings.ease_steps:
         start, steps = PbdState.at_rest(nodes), settings.ease_steps
         nodes = simulate_pbd(
-            threads, start, wearer.grid, steps, settings=settings.follow, gravity=EASED_GRAVITY, held=waist
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=EASED_GRAVITY, pins=waist
         ).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
@@ -249,16 +249,16 @@ def drape_graded(
         nodes[pins.nodes] = pins.points
     hooks.progress("drape", 0.1, "settling")
     threads = build_distance_constraints(garment, settings.follow.bending)
-    held = None if pins is None else pins.nodes
+    fixed = None if pins is None else pins.nodes
     start, steps = PbdState.at_rest(nodes), settings.settle_steps
-    nodes = simulate_pbd(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
+    nodes = simulate_pbd(threads, start, wearer.grid, steps, settings=settings.follow, pins=fixed).nodes
     hooks.progress("drape", 0.3, "equilibrium")
     topology = Topology.from_garment(garment)
-    contact = SelfContact.of(topology) if settings.apart else None
+    contact = SelfContact.of(topology) if settings.self_contact else None
     scene = Scene(topology, reduce_membrane_stiffness(fabric), wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
-    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.apart else nodes
+    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.self_contact else nodes
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape
 
@@ -276,7 +276,7 @@ def redrape(
     target: Target,
     *,
     rotation: SteadyRotation | None = None,
-    settings: DrapeSettings = DrapeSettings(apart=True),
+    settings: DrapeSettings = DrapeSettings(self_contact=True),
     hooks: Hooks = SILENT_HOOKS,
 ) -> tuple[Garment, Drape]:
     """Dress the wearer in a recovered pattern from its rest placement, as if only the pattern were known.

@@ -11,7 +11,7 @@ from ...body.body import Body
 from ...body.distance import DistanceGrid
 from ...body.exposed import ExposedSurface
 from ...body.skinning import rest_body
-from .carry import PosePath
+from .pose_path import PosePath
 
 
 @dataclass(frozen=True)

@@ -108,8 +108,8 @@ def _lower_protrusions(
         low = distance < settings.clearance
         if not low.any():
             break
-        away, nearest = cKDTree(raised.exposed.closest(cloth[low]).foot).query(raised.body.vertices)
-        nearness = np.exp(-0.5 * (away / settings.kernel_stds[-1]) ** 2)
+        body_distance, nearest = cKDTree(raised.exposed.closest(cloth[low]).foot).query(raised.body.vertices)
+        nearness = np.exp(-0.5 * (body_distance / settings.kernel_stds[-1]) ** 2)
         heights = heights + (distance[low] - settings.clearance)[nearest] * nearness
     return heights
 
@@ -118,9 +118,9 @@ def _average_nearby(
     vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float, half_weight: float
 ) -> np.ndarray:
     """Average distances [m] given at points [m], shape [n, 3], of areas [m2], over those near each vertex."""
-    near = cKDTree(vertices).sparse_distance_matrix(
+    pairs = cKDTree(vertices).sparse_distance_matrix(
         cKDTree(points), OFFSET_KERNEL_SIGMA_COUNT * radius, output_type="coo_matrix"
     )
-    nearness = np.exp(-0.5 * (near.data / radius) ** 2) * areas[near.col]
-    weight, moved = (np.bincount(near.row, each, len(vertices)) for each in (nearness, nearness * out[near.col]))
+    nearness = np.exp(-0.5 * (pairs.data / radius) ** 2) * areas[pairs.col]
+    weight, moved = (np.bincount(pairs.row, each, len(vertices)) for each in (nearness, nearness * out[pairs.col]))
     return np.asarray(moved / (weight + half_weight * 2.0 * np.pi * radius**2))

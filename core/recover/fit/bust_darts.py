@@ -99,8 +99,8 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
     if mirror is None or not mirror.source == mirror.target == other:
         return None
     left, right = garment.uv[nearest[0]], reflect_point(mirror, garment.uv[nearest[1]])
-    own = garment.uv[garment.panel_of_uv == index]
-    inner = own[find_depths(garment, index) >= MIN_APEX_DEPTH]
+    uv = garment.uv[garment.panel_of_uv == index]
+    inner = uv[find_depths(garment, index) >= MIN_APEX_DEPTH]
     mouths = _side_mouths(garment, index)
     if np.linalg.norm(left - right) > MIRROR_POINT_TOLERANCE or not len(inner) or not mouths:
         return None

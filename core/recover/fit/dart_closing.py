@@ -46,27 +46,27 @@ def close_darts(garment: Garment, strain: np.ndarray, base: Pattern, darts: Coll
         darts: Darts of both patterns.
     """
     names = {dart.panel for dart in darts}
-    pattern, like = relax_panels(garment, strain, base, names)
+    pattern, template = relax_panels(garment, strain, base, names)
     for dart in sorted(darts, key=lambda dart: (dart.panel, dart.first), reverse=True):
-        pattern, like = close_dart(pattern, dart), _straighten_mouth(close_dart(like, dart), dart)
+        pattern, template = close_dart(pattern, dart), _straighten_mouth(close_dart(template, dart), dart)
     opened = {}
     for index, panel in enumerate(garment.pattern.panels):
         if panel.name in names:
             flat = relax_panel(garment, strain, index)
             motion = flat.motion
             opened[index] = OpenPanel(flat, (), 0.0, motion, flat.uv + motion, flat.faces, np.arange(len(flat.uv)))
-    symmetry = find_symmetry(like)
-    even = equalise_seams(pattern, like=like, symmetry=symmetry)
-    return CutGarment(garment, opened, pattern, even, equalise_seams(like, symmetry=symmetry), (), ())
+    symmetry = find_symmetry(template)
+    even = equalise_seams(pattern, base=template, symmetry=symmetry)
+    return CutGarment(garment, opened, pattern, even, equalise_seams(template, symmetry=symmetry), (), ())
 
 
 def _straighten_mouth(pattern: Pattern, dart: Dart) -> Pattern:
     """Return a pattern whose control point at a closed mouth is on the line between its neighbours."""
     points = pattern.panel(dart.panel).points
     number = dart.first if dart.first < len(points) else dart.first - 1
-    before, here, after = (points[(number + k) % len(points)] for k in (-1, 0, 1))
-    way = after - before
-    along = float((here - before) @ way) / float(way @ way)
+    before, corner, after = (points[(number + k) % len(points)] for k in (-1, 0, 1))
+    chord = after - before
+    along = float((corner - before) @ chord) / float(chord @ chord)
     moved = points.copy()
-    moved[number] = before + along * way
+    moved[number] = before + along * chord
     return pattern.with_points({dart.panel: moved})

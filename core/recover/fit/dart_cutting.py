@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from ...garment.control import map_controls, mean_value_coordinates
 from ...garment.curves import edge_length, edge_points
 from ...garment.editing.darts import DART_LABEL, Dart, find_darts, insert_dart
-from ...garment.editing.dividing import MIN_SPLIT_SHARE
+from ...garment.editing.edge_division import MIN_SPLIT_SHARE
 from ...garment.garment import Garment
 from ...garment.pattern import EdgeRef, Pattern
 from ...garment.resampling import locate
@@ -53,8 +53,8 @@ class OpenPanel:
     def of(cls, panel: FlatPanel, wedges: tuple[Wedge, ...], angle: float) -> OpenPanel:
         """Open a panel at wedges of one angle with the least strain."""
         load = angle * panel.loads(wedges).sum(axis=1)
-        wanted = panel.left + panel.operator @ panel.motion.ravel() + load
-        motion = panel.factor.solve(panel.operator.T @ wanted).reshape(-1, 2)
+        target = panel.left + panel.operator @ panel.motion.ravel() + load
+        motion = panel.factor.solve(panel.operator.T @ target).reshape(-1, 2)
         moved = panel.uv + motion
         whole = np.ones(len(panel.faces), dtype=bool)
         uv, faces, corner = [moved], [], [np.arange(len(moved))]
@@ -64,9 +64,9 @@ class OpenPanel:
             whole[cut] = False
             at = panel.uv[panel.faces[cut]]
             follows = (np.linalg.norm(jump, axis=2) == 0.0) & ((at - wedge.apex) @ (wedge.apex - wedge.mouth) < 0.0)
-            own = moved[panel.faces[cut]]
-            right = own - angle * jump
-            left = own + np.where(follows[..., None], angle * _rotation_about_apex(at, wedge), 0.0)
+            corners = moved[panel.faces[cut]]
+            right = corners - angle * jump
+            left = corners + np.where(follows[..., None], angle * _rotation_about_apex(at, wedge), 0.0)
             for side in (right, left):
                 uv.append(side.reshape(-1, 2))
                 faces.append(count + np.arange(3 * len(cut)).reshape(-1, 3))
@@ -78,12 +78,12 @@ class OpenPanel:
     def mouth(self, wedge: Wedge) -> tuple[np.ndarray, np.ndarray]:
         """Return the left and right end of an opened mouth [m], seen from it towards the apex, shape [2] each."""
         axis = (wedge.apex - wedge.mouth) / wedge.length
-        away = self.panel.uv - wedge.mouth
-        near = np.argsort(np.linalg.norm(away, axis=1))[:2]
-        side = axis[0] * away[near, 1] - axis[1] * away[near, 0]
+        offset = self.panel.uv - wedge.mouth
+        ends = np.argsort(np.linalg.norm(offset, axis=1))[:2]
+        side = axis[0] * offset[ends, 1] - axis[1] * offset[ends, 0]
         jump = self.angle * _rotation_about_apex(wedge.mouth[None], wedge)[0]
         # two vertices of the outline are nearest to the mouth, one of them, or both, to its left
-        base = np.mean([self.motion[i] - (jump if left else 0.0) for i, left in zip(near, side > 0.0, strict=True)], 0)
+        base = np.mean([self.motion[i] - (jump if left else 0.0) for i, left in zip(ends, side > 0.0, strict=True)], 0)
         return wedge.mouth + base + jump, wedge.mouth + base
 
     def apex(self, wedge: Wedge) -> np.ndarray:
@@ -93,8 +93,8 @@ class OpenPanel:
 
 def _rotation_about_apex(points: np.ndarray, wedge: Wedge) -> np.ndarray:
     """Return the displacements of points by a clockwise turn of one radian about a wedge's apex [m], shape [..., 2]."""
-    away = points - wedge.apex
-    return np.stack([away[..., 1], -away[..., 0]], axis=-1)
+    offset = points - wedge.apex
+    return np.stack([offset[..., 1], -offset[..., 0]], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -127,13 +127,13 @@ class CutGarment:
             nodes: Its nodes [m], shape [source node_count, 3].
             target: A mesh of the pattern with them, for any control points.
         """
-        own = map_controls(source).apply(self.before.pattern.points)
-        asked = self._unopened(target, map_controls(target).apply(self.drawn.points), target.panel_of_uv)
+        mapped = map_controls(source).apply(self.before.pattern.points)
+        queries = self._unopened(target, map_controls(target).apply(self.drawn.points), target.panel_of_uv)
         found = np.zeros((len(target.uv), 3))
         for index in range(len(self.drawn.panels)):
-            here = target.panel_of_uv == index
-            corner, weight = locate(own, source.uv_faces[source.panel_of_face == index], asked[here])
-            found[here] = np.einsum("nk,nkd->nd", weight, nodes[source.uv_node[corner]])
+            in_panel = target.panel_of_uv == index
+            corner, weight = locate(mapped, source.uv_faces[source.panel_of_face == index], queries[in_panel])
+            found[in_panel] = np.einsum("nk,nkd->nd", weight, nodes[source.uv_node[corner]])
         count = len(target.nodes)
         sum_of = [np.bincount(target.uv_node, found[:, k], count) for k in range(3)]
         return np.stack(sum_of, axis=1) / np.bincount(target.uv_node, minlength=count)[:, None]
@@ -146,20 +146,20 @@ class CutGarment:
             target: A mesh of the pattern with them, for any control points.
         """
         flat = map_controls(target).apply(self.drawn.points)
-        asked = self._unopened(target, flat[target.uv_faces].mean(axis=1), target.panel_of_face)
+        queries = self._unopened(target, flat[target.uv_faces].mean(axis=1), target.panel_of_face)
         middles, found = self.before.rest.mean(axis=1), np.zeros((len(target.faces), 2, 2))
         for index in range(len(self.drawn.panels)):
-            there, here = np.flatnonzero(self.before.panel_of_face == index), target.panel_of_face == index
-            found[here] = strain[there[cKDTree(middles[there]).query(asked[here])[1]]]
+            old, new = np.flatnonzero(self.before.panel_of_face == index), target.panel_of_face == index
+            found[new] = strain[old[cKDTree(middles[old]).query(queries[new])[1]]]
         return found
 
     def _unopened(self, target: Garment, points: np.ndarray, panel_of: np.ndarray) -> np.ndarray:
         """Return points of the opened panels as before opening [m], shape [n, 2]."""
         found = points.copy()
         for index, opened in self.opened.items():
-            here = panel_of == index
-            corner, weight = locate(opened.uv, opened.faces, points[here], is_within=False)
-            found[here] = np.einsum("nk,nkd->nd", weight, opened.panel.uv[opened.corner[corner]])
+            in_panel = panel_of == index
+            corner, weight = locate(opened.uv, opened.faces, points[in_panel], is_within=False)
+            found[in_panel] = np.einsum("nk,nkd->nd", weight, opened.panel.uv[opened.corner[corner]])
         return found
 
 
@@ -172,7 +172,7 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
         base: The base pattern.
         planned: The darts, at most one a panel and none in a panel's mirror image.
     """
-    pattern, like = garment.pattern, base
+    pattern, template = garment.pattern, base
     opened: dict[int, OpenPanel] = {}
     ends: dict[tuple[str, tuple[float, ...]], tuple[OpenPanel, Wedge]] = {}
     owners: dict[tuple[str, tuple[float, ...]], int] = {}
@@ -183,18 +183,18 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
             for wedge in wedges:
                 edge, at = _find_mouth(pattern, name, wedge.mouth)
                 there = mean_value_coordinates(garment.pattern.panel(name).points, wedge.apex[None])[0]
-                like, _ = insert_dart(like, edge, at, there @ base.panel(name).points)
+                template, _ = insert_dart(template, edge, at, there @ base.panel(name).points)
                 pattern, _ = insert_dart(pattern, edge, at, wedge.apex)
                 ends[name, tuple(wedge.apex)] = opened[index], wedge
                 owners[name, tuple(wedge.apex)] = number
     keys = [(dart.panel, tuple(dart.ends(pattern)[1])) for dart in find_darts(pattern)]
     darts = tuple(dart for dart, key in zip(find_darts(pattern), keys, strict=True) if key in ends)
-    symmetry = find_symmetry(like)
+    symmetry = find_symmetry(template)
     drawn = _open_darts(pattern, opened, {dart: ends[dart.panel, tuple(dart.ends(pattern)[1])] for dart in darts})
     drawn = drawn.with_points(symmetry.expand(symmetry.reduce(drawn.points)))
-    even = equalise_seams(drawn, like=like, symmetry=symmetry)
+    even = equalise_seams(drawn, base=template, symmetry=symmetry)
     owner = tuple(owners[key] for key in keys if key in ends)
-    return CutGarment(garment, opened, drawn, even, _transfer_opening(like, pattern, drawn), darts, owner)
+    return CutGarment(garment, opened, drawn, even, _transfer_opening(template, pattern, drawn), darts, owner)
 
 
 def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: set[str]) -> tuple[Pattern, Pattern]:
@@ -215,7 +215,7 @@ def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: se
     symmetry = find_symmetry(base)
     drawn = garment.pattern.with_points(points)
     drawn = drawn.with_points(symmetry.expand(symmetry.reduce(drawn.points)))
-    return equalise_seams(drawn, like=base, symmetry=symmetry), _transfer_opening(base, garment.pattern, drawn)
+    return equalise_seams(drawn, base=base, symmetry=symmetry), _transfer_opening(base, garment.pattern, drawn)
 
 
 def _wedges_of(garment: Garment, plan: PlannedDart) -> dict[int, tuple[Wedge, ...]]:
@@ -252,11 +252,11 @@ def _meets_dart(pattern: Pattern, edge: EdgeRef) -> bool:
     """Return whether a dart begins on the other side of the seam where an edge begins, and none on this side."""
     sewn = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
     before = EdgeRef(edge.panel, (edge.edge - 1) % len(pattern.panel(edge.panel).edges))
-    ours, theirs = sewn.get(edge), sewn.get(before)
-    if ours is None or theirs is None or ours.panel != theirs.panel or ours.panel == edge.panel:
+    one, other = sewn.get(edge), sewn.get(before)
+    if one is None or other is None or one.panel != other.panel or one.panel == edge.panel:
         return False
-    count = len(pattern.panel(ours.panel).points)
-    return Dart(ours.panel, (ours.edge + 1) % count) in find_darts(pattern)
+    count = len(pattern.panel(one.panel).points)
+    return Dart(one.panel, (one.edge + 1) % count) in find_darts(pattern)
 
 
 def _open_darts(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart, tuple[OpenPanel, Wedge]]) -> Pattern:
@@ -267,22 +267,22 @@ def _open_darts(pattern: Pattern, opened: dict[int, OpenPanel], ends: dict[Dart,
         corner, weight = locate(panel.panel.uv, panel.panel.faces, drawn.points)
         points[drawn.name] = drawn.points + np.einsum("nk,nkd->nd", weight, panel.motion[corner])
     for dart, (panel, wedge) in ends.items():
-        own = points[dart.panel]
-        at, count = pattern.panel(dart.panel).points, len(own)
+        panel_points = points[dart.panel]
+        at, count = pattern.panel(dart.panel).points, len(panel_points)
         left, right = panel.mouth(wedge)
         first, apex, last = ((dart.first + k) % count for k in range(3))
-        own[first], own[last] = at[first] + left - wedge.mouth, at[last] + right - wedge.mouth
-        own[apex] = panel.apex(wedge)
+        panel_points[first], panel_points[last] = at[first] + left - wedge.mouth, at[last] + right - wedge.mouth
+        panel_points[apex] = panel.apex(wedge)
     return pattern.with_points(points)
 
 
-def _transfer_opening(like: Pattern, closed: Pattern, opened: Pattern) -> Pattern:
+def _transfer_opening(fitted: Pattern, closed: Pattern, opened: Pattern) -> Pattern:
     """Return a base pattern opened as a fitted pattern, whose panels may be rotated against its own."""
     points = {}
-    for base, before, after in zip(like.panels, closed.panels, opened.panels, strict=True):
+    for base, before, after in zip(fitted.panels, closed.panels, opened.panels, strict=True):
         turn = fit_rigid(before.points, base.points).rotation
         points[base.name] = base.points + (after.points - before.points) @ turn.T
-    moved = like.with_points(points)
-    symmetry = find_symmetry(like)
+    moved = fitted.with_points(points)
+    symmetry = find_symmetry(fitted)
     moved = moved.with_points(symmetry.expand(symmetry.reduce(moved.points)))
-    return equalise_seams(moved, like=like, symmetry=symmetry)
+    return equalise_seams(moved, base=fitted, symmetry=symmetry)

@@ -103,8 +103,8 @@ def relax_panel(garment: Garment, strain: np.ndarray, index: int) -> FlatPanel:
         index: The panel's index.
     """
     first = int(np.flatnonzero(garment.panel_of_uv == index)[0])
-    own, faces = garment.panel_of_uv == index, garment.panel_of_face == index
-    return FlatPanel.of(garment.uv[own], garment.uv_faces[faces] - first, strain[faces])
+    in_panel, faces = garment.panel_of_uv == index, garment.panel_of_face == index
+    return FlatPanel.of(garment.uv[in_panel], garment.uv_faces[faces] - first, strain[faces])
 
 
 def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
@@ -201,11 +201,11 @@ def find_corners(garment: Garment, index: int) -> np.ndarray:
     """Return the corners of a panel's meshed outline [m], shape [count, 2]."""
     panel, found = garment.pattern.panels[index], []
     for i in range(len(panel.edges)):
-        here = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
+        border = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
         before = garment.uv[garment.edge_uv[EdgeRef(panel.name, (i - 1) % len(panel.edges))]]
-        (a, b), (c, d) = here[1] - here[0], before[-1] - before[-2]
+        (a, b), (c, d) = border[1] - border[0], before[-1] - before[-2]
         if abs(np.arctan2(c * b - d * a, a * c + b * d)) > MIN_OUTLINE_CORNER_ANGLE:
-            found.append(here[0])
+            found.append(border[0])
     return np.array(found).reshape(-1, 2)
 
 
@@ -216,10 +216,10 @@ def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth) ->
     along = line[mouth.segment + 1] - line[mouth.segment]
     inward = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
-    away = panel.uv - mouth.place
-    length = np.linalg.norm(away, axis=1)
-    fits = (length >= MIN_DART_LENGTH) & (length <= MAX_DART_LENGTH) & (away @ inward > 0.5 * length)
-    fits &= np.abs(away @ warp) >= np.cos(MAX_DART_WARP_ANGLE) * length
+    offset = panel.uv - mouth.place
+    length = np.linalg.norm(offset, axis=1)
+    fits = (length >= MIN_DART_LENGTH) & (length <= MAX_DART_LENGTH) & (offset @ inward > 0.5 * length)
+    fits &= np.abs(offset @ warp) >= np.cos(MAX_DART_WARP_ANGLE) * length
     fits &= find_depths(garment, index) >= MIN_APEX_DEPTH
     return [Wedge(mouth.place, panel.uv[i]) for i in np.flatnonzero(fits)]
 
@@ -236,5 +236,5 @@ def find_depths(garment: Garment, index: int) -> np.ndarray:
     """Return the distance of a panel's vertices from those of its outline [m], shape [vertex_count]."""
     drawn = garment.pattern.panels[index]
     rim = garment.uv[np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)] for i in range(len(drawn.edges))])]
-    own = garment.uv[garment.panel_of_uv == index]
-    return np.asarray(np.linalg.norm(own[:, None] - rim[None], axis=2).min(axis=1))
+    uv = garment.uv[garment.panel_of_uv == index]
+    return np.asarray(np.linalg.norm(uv[:, None] - rim[None], axis=2).min(axis=1))

@@ -98,8 +98,8 @@ class DescentProblem:
             scene=scene,
             chamfer=ChamferLoss.of(garment, target.vertices, target.faces, settings.curvature),
             contour=ContourLoss.of(garment, target),
-            seam=SeamLoss.of(garment, scene.like),
-            panel=PanelLoss.of(garment, scene.like),
+            seam=SeamLoss.of(garment, scene.base),
+            panel=PanelLoss.of(garment, scene.base),
             material=RangeLoss.of(scene.fabric),
             settings=settings,
         )
@@ -121,9 +121,9 @@ class DescentProblem:
 
     def pattern_of(self, variables: np.ndarray) -> Pattern:
         """Return the final pattern: seams made equal unless gathered, locked coordinates restored."""
-        pattern = self.scene.like.with_points(self.points_of(variables))
+        pattern = self.scene.base.with_points(self.points_of(variables))
         if self.settings.seam > 0.0:
-            pattern = equalise_seams(pattern, like=pattern, symmetry=self.scene.symmetry)
+            pattern = equalise_seams(pattern, base=pattern, symmetry=self.scene.symmetry)
         return self.scene.with_locks(pattern)
 
     def at(self, variables: np.ndarray) -> Scene:
@@ -165,8 +165,8 @@ class DescentProblem:
     def take(self, variables: np.ndarray, move: np.ndarray) -> np.ndarray:
         """Take the largest part of a move (1, 1/2, 1/4, ...) that folds no panel; none where all do."""
         for _ in range(self.settings.trials):
-            ahead = self.scene.like.with_points(self.points_of(variables + move))
-            if self.scene.is_sound(ahead, self.settings.least_area):
+            trial = self.scene.base.with_points(self.points_of(variables + move))
+            if self.scene.is_sound(trial, self.settings.least_area):
                 taken: np.ndarray = variables + move
                 return taken
             move = 0.5 * move
@@ -203,12 +203,12 @@ class Descent:
 
     def reaches_end(self, settings: InverseSettings) -> bool:
         """Return whether the present stage is over: its steps are used up, or the loss has reached a plateau."""
-        own = self.losses[self.first :]
-        if len(own) > (settings.iterations, settings.fabric_iterations)[self.stage]:
+        losses = self.losses[self.first :]
+        if len(losses) > (settings.iterations, settings.fabric_iterations)[self.stage]:
             return True
-        if len(own) <= 2 * settings.patience:
+        if len(losses) <= 2 * settings.patience:
             return False
-        return bool(own[-settings.patience :].min() > (1.0 - settings.plateau) * own[: -settings.patience].min())
+        return bool(losses[-settings.patience :].min() > (1.0 - settings.plateau) * losses[: -settings.patience].min())
 
 
 def descend(problem: DescentProblem, hooks: Hooks = SILENT_HOOKS, fit_fabric: bool = True) -> Descent:

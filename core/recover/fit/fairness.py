@@ -16,7 +16,7 @@ from ..proved_corner import ProvedCorner
 from .locks import find_locked_points
 
 
-def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:
+def fair_garment(garment: Garment, base: Pattern, locked: np.ndarray, proved: Collection[ProvedCorner] = ()) -> Garment:
     """Return a garment whose boundary has no corner where its base pattern has none and the scan proves none.
 
     Nodes stay. Returned unchanged where nothing has to bend, or a panel would cross itself.
@@ -24,13 +24,13 @@ def fair_garment(garment: Garment, base: Pattern, held: np.ndarray, proved: Coll
     Args:
         garment: The recovered pattern, meshed.
         base: The base pattern.
-        held: Locked effective coordinates, bool, shape [p]; see `find_locked_coordinates`.
+        locked: Locked effective coordinates, bool, shape [p]; see `find_locked_coordinates`.
         proved: Corners that the scan proves.
     """
     pattern = garment.pattern
     corners = [(panel.name, i) for panel in pattern.panels for i in range(len(panel.points))]
-    still = {corner for corner, is_held in zip(corners, find_locked_points(base, held), strict=True) if is_held}
-    fair = fair_curves(pattern, base, still, {corner.join: corner.angle for corner in proved})
+    fixed = {corner for corner, is_held in zip(corners, find_locked_points(base, locked), strict=True) if is_held}
+    fair = fair_curves(pattern, base, fixed, {corner.join: corner.angle for corner in proved})
     if fair is pattern:
         return garment
     try:

@@ -17,7 +17,7 @@ from ...geometry.intersections import self_intersections
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
-from ..drape.tie import pin_waist
+from ..drape.waist_placement import pin_waist
 from ..grade.grading import move_pattern
 from ..state import RecoveryState, made
 from .body_offset import estimate_body_offset, is_body_estimated
@@ -59,13 +59,13 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    given, locks, material = state, locks_of(case, state), MaterialSettings()
+    start, locks, material = state, locks_of(case, state), MaterialSettings()
     reference = fit_reference(case, state)
     state = _fit_panels(case, replace(state, base=reference), hooks)
     is_same_cut = state.base is reference
-    held = find_locked_coordinates(made(state.graded).pattern, state.base, locks)
-    state = _register_fitted(case, state, held, hooks)
-    coarse = _build_problem(state, held, material.vertices, settings)
+    locked = find_locked_coordinates(made(state.graded).pattern, state.base, locks)
+    state = _register_fitted(case, state, locked, hooks)
+    coarse = _build_problem(state, locked, material.vertices, settings)
     if is_body_estimated(state.body):
         state, coarse = _raise_body(state, coarse, hooks)
     bending: tuple[FabricEstimate, ...] = ()
@@ -73,8 +73,8 @@ def fit_pattern(
         found, estimate = fit_bending(coarse, material, hooks)
         bending = (estimate,)
         state = replace(state, fabric=replace(state.fabric, k=found.k, title=found.title, sources=found.sources))
-    problem = _build_problem(state, held, settings.vertices, settings)
-    problem = replace(problem, scene=problem.scene.with_folds_held())
+    problem = _build_problem(state, locked, settings.vertices, settings)
+    problem = replace(problem, scene=problem.scene.with_fixed_folds())
     if bending and estimate.identifiable:
         problem = problem.fitting_bending(estimate.std)
     shape, fabric = fit_shape(problem, hooks), state.fabric
@@ -85,14 +85,14 @@ def fit_pattern(
         bending = (estimate,)
     state = replace(state, fabric=fabric, point_std=point_std, nearest=nearest_fabrics(fabric))
     state, second = replace(state, estimates=(*bending, *membrane, report_density(fabric))), made(state.garment)
-    state = _simulate(case, state, problem, shape, held, hooks)
+    state = _simulate(case, state, problem, shape, locked, hooks)
     if not is_same_cut:
         return state
     hooks.progress("fit", 0.98, "comparing both registrations")
-    first, meshes = made(given.graded).at(made(given.meshes).detail), made(state.meshes)
+    first, meshes = made(start.graded).at(made(start.meshes).detail), made(state.meshes)
     detail = choose_nearer_registration(first, second, case, state, hooks).nodes
     garment = made(state.garment).at(detail)
-    return replace(state, base=given.base, garment=garment, meshes=replace(meshes, detail=detail))
+    return replace(state, base=start.base, garment=garment, meshes=replace(meshes, detail=detail))
 
 
 def _fit_panels(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState:
@@ -104,12 +104,12 @@ def _fit_panels(case: Case, state: RecoveryState, hooks: Hooks) -> RecoveryState
     return change_panels(case, replace(state, garment=fitted), hooks)
 
 
-def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: Hooks) -> RecoveryState:
+def _register_fitted(case: Case, state: RecoveryState, locked: np.ndarray, hooks: Hooks) -> RecoveryState:
     """Mesh the fitted pattern finely and register it, from the nodes of the isometry fit."""
     graded, fitted = made(state.graded), made(state.garment)
     pattern = fitted.pattern
-    if held.any():
-        pattern = restore_locked(pattern, graded.pattern, state.base, held)
+    if locked.any():
+        pattern = restore_locked(pattern, graded.pattern, state.base, locked)
     garment = remesh_and_transfer(pattern, case.settings.vertex_count, fitted, fitted.nodes, state.body)
     hooks.progress("fit", 0.2, "registering again")
     garment, draped = register_again(garment, case, state, hooks), resample(graded, graded.nodes, garment)
@@ -117,7 +117,7 @@ def _register_fitted(case: Case, state: RecoveryState, held: np.ndarray, hooks: 
     return replace(state, garment=garment, meshes=Meshes(draped, garment.nodes))
 
 
-def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
+def _build_problem(state: RecoveryState, locked: np.ndarray, vertices: int, settings: ShapeSettings) -> ShapeProblem:
     """Build the fit of pattern and cloth on the registered mesh, or on a coarser one."""
     from ...cloth.locking import reduce_membrane_stiffness
     from ...cloth.scene import Scene
@@ -128,13 +128,13 @@ def _build_problem(state: RecoveryState, held: np.ndarray, vertices: int, settin
         mesh = remesh_and_transfer(mesh.pattern, vertices, mesh, mesh.nodes, state.body)
     cloth, rotation = reduce_membrane_stiffness(state.fabric), made(state.drape).rotation
     scene = Scene(Topology.from_garment(mesh), cloth, state.wearer.grid, pin_waist(mesh), rotation)
-    return ShapeProblem.of(FitScene.of(mesh, state.base, scene, locked=held), settings)
+    return ShapeProblem.of(FitScene.of(mesh, state.base, scene, locked=locked), settings)
 
 
 def _raise_body(state: RecoveryState, problem: ShapeProblem, hooks: Hooks) -> tuple[RecoveryState, ShapeProblem]:
     """Raise a body that was estimated below the cloth to where the cloth rests on it."""
     hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-    offset = estimate_body_offset(replace(problem, scene=problem.scene.with_folds_held()), state.wearer, hooks)
+    offset = estimate_body_offset(replace(problem, scene=problem.scene.with_fixed_folds()), state.wearer, hooks)
     wearer, garment = state.wearer.raised(offset), made(state.garment)
     skin, faces = wearer.exposed.sparing_pinched, garment.faces
     registered = untangle_outside(project_outside(garment.nodes, skin, faces), skin, faces)
@@ -144,13 +144,13 @@ def _raise_body(state: RecoveryState, problem: ShapeProblem, hooks: Hooks) -> tu
 
 
 def _simulate(
-    case: Case, state: RecoveryState, problem: ShapeProblem, shape: ShapeFit, held: np.ndarray, hooks: Hooks
+    case: Case, state: RecoveryState, problem: ShapeProblem, shape: ShapeFit, locked: np.ndarray, hooks: Hooks
 ) -> RecoveryState:
     """Make the fitted pattern's curves fair and bring it to rest: the simulation mesh."""
     registered, meshes = made(state.garment), made(state.meshes)
     fitted = move_pattern(registered, shape.pattern)
-    corners = prove_corners(fitted, registered.nodes, case.seen, state.base)
-    recovered = fair_garment(fitted, state.base, held, corners)
+    corners = prove_corners(fitted, registered.nodes, case.scan_target, state.base)
+    recovered = fair_garment(fitted, state.base, locked, corners)
     rest = shape.drape
     is_settled = problem.garment is registered and recovered is fitted and rest.converged
     if not is_settled or len(self_intersections(rest.nodes, recovered.faces)):

@@ -38,8 +38,8 @@ def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarra
         return float(len(places))
     picked = np.linspace(0, len(places) - 1, min(MAX_CORRELATION_SAMPLE_COUNT, len(places))).astype(np.int64)
     i, j = picked[cKDTree(places[picked]).query_pairs(MAX_CORRELATION_DISTANCE, output_type="ndarray").T]
-    near = (normals[i] * normals[j]).sum(1) > MIN_NEIGHBOUR_COSINE
-    i, j = i[near], j[near]
+    is_alike = (normals[i] * normals[j]).sum(1) > MIN_NEIGHBOUR_COSINE
+    i, j = i[is_alike], j[is_alike]
     kind = np.minimum(
         np.linalg.norm(places[i] - places[j], axis=1) / CORRELATION_BIN_WIDTH,
         MAX_CORRELATION_DISTANCE / CORRELATION_BIN_WIDTH - 1,

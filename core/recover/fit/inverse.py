@@ -9,7 +9,7 @@ from ...body.untangling import untangle_outside
 from ...cloth.fabric import Fabric, FabricEstimate
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
-from ..drape.tie import pin_waist
+from ..drape.waist_placement import pin_waist
 from ..state import RecoveryState, made
 from .descent import DescentProblem, InverseSettings, descend
 from .locks import find_locked_coordinates, fit_reference, locks_of
@@ -47,11 +47,11 @@ def fit_inverse(
 
     garment, target, wearer, fabric = made(state.graded), state.target, state.wearer, state.fabric
     locks, rotation, reference = locks_of(case, state), made(state.drape).rotation, fit_reference(case, state)
-    held = find_locked_coordinates(garment.pattern, reference, locks)
+    locked = find_locked_coordinates(garment.pattern, reference, locks)
     count = min(settings.vertices, len(garment.nodes))
     coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
     cloth = Scene(Topology.from_garment(coarse), fabric, wearer.grid, pin_waist(coarse, target), rotation)
-    problem = DescentProblem.of(FitScene.of(coarse, reference, cloth, STIFFNESSES, held), target, settings)
+    problem = DescentProblem.of(FitScene.of(coarse, reference, cloth, STIFFNESSES, locked), target, settings)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")

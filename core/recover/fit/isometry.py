@@ -16,7 +16,7 @@ from ..grade.isometry import Isometry, IsometrySettings
 from ..grade.sliding import solve_isometry
 from ..grade.strain import clamp_stretch, subgrid_stretch
 
-FIT_ISOMETRY_SETTINGS = IsometrySettings(stay_band=1.0, stay_hidden=1.0)
+FIT_ISOMETRY_SETTINGS = IsometrySettings(start_cost_band=1.0, start_cost_hidden=1.0)
 """As in `IsometrySettings`, but bands keep the graded shape: the place of their long seams on a smooth surface is not
 visible, and without it a stiff skirt's waistband lost half its width to the skirt. So does cloth that a hanging arm
 hides: fixed in the sagging drape, a T-shirt's armholes were 8 % too long and its sleeves 17 % too short."""
@@ -39,7 +39,7 @@ def fit_isometry(
     registered: np.ndarray,
     target: Target,
     body: Body,
-    like: Pattern,
+    base: Pattern,
     settings: IsometrySettings | None = None,
     hooks: Hooks = SILENT_HOOKS,
 ) -> Garment:
@@ -52,7 +52,7 @@ def fit_isometry(
         registered: The same nodes on the target [m], shape [node_count, 3].
         target: The scan's surface with named contours.
         body: The wearer, on whom the contours are named.
-        like: The template, which gives symmetry and proportions.
+        base: The template, which gives symmetry and proportions.
         settings: Weights and steps.
         hooks: Progress and cancellation.
 
@@ -61,7 +61,7 @@ def fit_isometry(
     """
     settings = settings or FIT_ISOMETRY_SETTINGS
     fitted, strain = mesh_on_target(garment, registered, settings)
-    problem = Isometry.of(fitted, target, body, like, strain, settings)
+    problem = Isometry.of(fitted, target, body, base, strain, settings)
 
     def tell(step: int) -> None:
         hooks.progress("fit", 0.2 * step / settings.steps, "sliding the seams into place")
@@ -84,19 +84,19 @@ def mesh_on_target(
     """
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
     fitted = coarse.at(resample(garment, registered, coarse))
-    return fitted, strain_on_target(fitted, garment, registered, settings.believed)
+    return fitted, strain_on_target(fitted, garment, registered, settings.max_strain)
 
 
 def strain_on_target(
-    laid: Garment, drape: Garment, registered: np.ndarray, believed: float = FIT_ISOMETRY_SETTINGS.believed
+    coarse: Garment, drape: Garment, registered: np.ndarray, max_strain: float = FIT_ISOMETRY_SETTINGS.max_strain
 ) -> np.ndarray:
     """Return the estimated strain of the cloth of a coarse mesh on the target, shape [face_count, 2, 2].
 
     Args:
-        laid: The coarse mesh, nodes on the target.
+        coarse: The coarse mesh, nodes on the target.
         drape: A fine mesh of the same pattern, nodes at its drape.
         registered: The fine mesh's nodes on the target [m], shape [node_count, 3].
-        believed: Bound to which the drape's strain is clipped.
+        max_strain: Bound to which the drape's strain is clipped.
     """
-    strain = clamp_stretch(laid, drape, believed) @ subgrid_stretch(laid, drape, registered)
+    strain = clamp_stretch(coarse, drape, max_strain) @ subgrid_stretch(coarse, drape, registered)
     return np.asarray(0.5 * (strain + np.swapaxes(strain, 1, 2)))

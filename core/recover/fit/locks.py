@@ -33,12 +33,12 @@ def fit_reference(case: Case, state: RecoveryState) -> Pattern:
     return made(state.graded).pattern if case.has_free_curves else state.base
 
 
-def find_locked_coordinates(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
+def find_locked_coordinates(pattern: Pattern, base: Pattern, locks: tuple[str, ...]) -> np.ndarray:
     """Return which effective coordinates are locked, shape [p]: of locked panels, points and their mirror images.
 
     Args:
         pattern: The pattern that is fitted.
-        like: The template, which gives the symmetry.
+        base: The template, which gives the symmetry.
         locks: `panel:NAME` and `point:PANEL/INDEX`, the point where edge INDEX begins, from 0; others are ignored.
 
     Raises:
@@ -58,7 +58,7 @@ def find_locked_coordinates(pattern: Pattern, like: Pattern, locks: tuple[str, .
                     f"the lock '{word}' names no control point: '{panel}' has those from 0 to {count - 1}."
                 )
             locked[points.start + int(index)] = True
-    rows = find_symmetry(like).matrix.toarray()[np.repeat(locked, 2)]
+    rows = find_symmetry(base).matrix.toarray()[np.repeat(locked, 2)]
     return np.asarray((rows != 0.0).any(axis=0))
 
 
@@ -71,39 +71,39 @@ def _points_of(pattern: Pattern, name: str, word: str) -> slice:
     return slice(int(pattern.point_starts[index]), int(pattern.point_starts[index + 1]))
 
 
-def restore_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+def restore_locked(pattern: Pattern, start: Pattern, base: Pattern, locked: np.ndarray) -> Pattern:
     """Return the pattern with locked effective coordinates as in `start`, its other seams made equal to them.
 
     A panel with some locked points is first moved rigidly onto them: its flat place has no meaning.
     """
-    symmetry = find_symmetry(like)
-    fixed = symmetry.reduce(start.points).ravel()[held]
-    pattern = _align_to_locked(pattern, start, like, held)
+    symmetry = find_symmetry(base)
+    fixed = symmetry.reduce(start.points).ravel()[locked]
+    pattern = _align_to_locked(pattern, start, base, locked)
     for _ in range(_MAX_LOCK_ITERATIONS):
         effective = symmetry.reduce(pattern.points).ravel()
-        away = float(np.abs(effective[held] - fixed).max())
-        effective[held] = fixed
-        held_pattern = like.with_points(symmetry.expand(effective))
-        if away < 1e-9:
-            return held_pattern
-        pattern = equalise_seams(held_pattern, like=like, symmetry=symmetry)
-    return held_pattern
+        error = float(np.abs(effective[locked] - fixed).max())
+        effective[locked] = fixed
+        with_locks = base.with_points(symmetry.expand(effective))
+        if error < 1e-9:
+            return with_locks
+        pattern = equalise_seams(with_locks, base=base, symmetry=symmetry)
+    return with_locks
 
 
-def find_locked_points(like: Pattern, held: np.ndarray) -> np.ndarray:
+def find_locked_points(base: Pattern, locked: np.ndarray) -> np.ndarray:
     """Return which control points locked effective coordinates leave no freedom, bool, shape [point_count]."""
-    follows = abs(find_symmetry(like).matrix) @ (~held).astype(float)
+    follows = abs(find_symmetry(base).matrix) @ (~locked).astype(float)
     found: np.ndarray = (follows.reshape(-1, 2) == 0.0).all(axis=1)
     return found
 
 
-def _align_to_locked(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
+def _align_to_locked(pattern: Pattern, start: Pattern, base: Pattern, locked: np.ndarray) -> Pattern:
     """Move each panel rigidly so that its locked points are nearest to those of `start`, by least squares."""
-    still = find_locked_points(like, held)
+    is_locked = find_locked_points(base, locked)
     points, goal = pattern.points.copy(), start.points
     for first, end in zip(pattern.point_starts[:-1], pattern.point_starts[1:], strict=True):
-        own = np.arange(first, end)[still[first:end]]
-        if not 0 < len(own) < end - first:
+        panel_points = np.arange(first, end)[is_locked[first:end]]
+        if not 0 < len(panel_points) < end - first:
             continue
-        points[first:end] = fit_rigid(points[own], goal[own]).apply(points[first:end])
+        points[first:end] = fit_rigid(points[panel_points], goal[panel_points]).apply(points[first:end])
     return pattern.with_points(points)

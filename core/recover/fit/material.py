@@ -80,7 +80,7 @@ def fit_bending(
     mean, spread = ratio_prior("k", settings)
     ratios = np.log([each.k / each.density for each in load_fabrics()])
     low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
-    wanted = np.log(measure_folding(problem, problem.garment.nodes))
+    target = np.log(measure_folding(problem, problem.garment.nodes))
     kept = load(hooks, "fit.fabric", _TriedStiffnesses, problem.garment.nodes)
     rows = [] if kept is None else list(kept.rows)
 
@@ -100,8 +100,8 @@ def fit_bending(
 
         known = np.array(sorted(rows))
         folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
-        away = (folds - wanted) / settings.folding_spread
-        return np.asarray(0.5 * away**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
+        misfit = (folds - target) / settings.folding_spread
+        return np.asarray(0.5 * misfit**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
 
     grid = np.linspace(low, high, settings.values)
     for n, at in enumerate(grid):
@@ -121,10 +121,10 @@ def fit_bending(
         return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    torn = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - wanted) / settings.folding_spread
-    if abs(torn) > _MAX_FOLDING_SIGMA_COUNT:
-        bound += f"; not identifiable: the nearest drape folds {'more' if torn > 0.0 else 'less'} than the scan"
-    return _report_bending(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _MAX_FOLDING_SIGMA_COUNT, bound))
+    bias = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - target) / settings.folding_spread
+    if abs(bias) > _MAX_FOLDING_SIGMA_COUNT:
+        bound += f"; not identifiable: the nearest drape folds {'more' if bias > 0.0 else 'less'} than the scan"
+    return _report_bending(fabric, k, FabricEstimate("k", k, std, spread, abs(bias) <= _MAX_FOLDING_SIGMA_COUNT, bound))
 
 
 def refine_bending(
@@ -180,7 +180,7 @@ def posterior(
     settings = settings or MaterialSettings()
     names = (*MEMBRANE_STIFFNESSES, "k")
     parameters = replace(problem.scene.parameters, fabric=names)
-    rest = problem.scene.linearise(problem.away(pattern, problem.fabric), drape.nodes, drape.anchors)
+    rest = problem.scene.linearise(problem.difference(pattern, problem.fabric), drape.nodes, drape.anchors)
     moves = rest.push(*parameters.rates(rest.scene))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
@@ -188,7 +188,7 @@ def posterior(
         spreads[-1] = problem.bending
     matrix = 0.5 * problem.observations(drape.nodes) / loss * problem.loss.curvature(moves)
     matrix += block_diag(problem.precision[:shape_count, :shape_count], np.diag(1.0 / spreads**2))
-    seams = seam_null_space(pattern, problem.scene.like, problem.scene.locked)
+    seams = seam_null_space(pattern, problem.scene.base, problem.scene.locked)
     free = np.zeros((parameters.count, seams.shape[1] + len(names)))
     free[:shape_count, : seams.shape[1]] = seams
     free[shape_count:, seams.shape[1] :] = np.eye(len(names))
@@ -204,12 +204,12 @@ def posterior(
 
 def _report_membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
     """Return the estimate of a membrane stiffness as given, which is not fitted."""
-    told = (
+    reason = (
         "the drape leaves it open"
         if std >= _MAX_IDENTIFIED_STD_SHARE * spread
         else "the drape depends on it, but it is not fitted"
     )
-    return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {told}")
+    return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {reason}")
 
 
 def report_density(fabric: Fabric) -> FabricEstimate:

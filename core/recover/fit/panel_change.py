@@ -78,52 +78,52 @@ def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS)
         return state
 
 
-def _close_darts(case: Case, given: StrainedState) -> StrainedState:
+def _close_darts(case: Case, start: StrainedState) -> StrainedState:
     """Close the darts that need less than `MIN_DART_WIDTH`, unless one would be proposed again."""
-    state, strain = given
+    state, strain = start
     garment = made(state.garment)
     if not find_darts(garment.pattern):
-        return given
-    relaxed, its_strain = _relax_darts(case, given, {dart.panel for dart in find_darts(garment.pattern)})
+        return start
+    relaxed, its_strain = _relax_darts(case, start, {dart.panel for dart in find_darts(garment.pattern)})
     loose = made(relaxed.garment)
-    wanted = wanted_strain(loose, its_strain)
-    widths = {dart: required_dart_width(loose, wanted, dart) for dart in find_darts(loose.pattern)}
+    target = wanted_strain(loose, its_strain)
+    widths = {dart: required_dart_width(loose, target, dart) for dart in find_darts(loose.pattern)}
     needless = [dart for dart, width in widths.items() if width < MIN_DART_WIDTH]
     needless = [dart for dart in needless if _mirror_images(loose.pattern, dart) <= set(needless)]
     if not needless:
-        return given
-    closed, after_strain = _refit(case, (relaxed, its_strain), close_darts(loose, wanted, relaxed.base, needless))
+        return start
+    closed, after_strain = _refit(case, (relaxed, its_strain), close_darts(loose, target, relaxed.base, needless))
     strains = panel_strains(garment, strain), panel_strains(made(closed.garment), after_strain)
     changes = []
     for dart in needless:
         before, after = (each[dart.panel] for each in strains)
         if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > MIN_PANEL_STRAIN:
-            return given  # without it one would be proposed
+            return start  # without it one would be proposed
         changes.append(describe_dart(garment.pattern, dart, "closed", widths[dart], (before, after)))
     return closed.with_findings(*changes), after_strain
 
 
-def _add_darts(case: Case, given: StrainedState) -> RecoveryState:
+def _add_darts(case: Case, start: StrainedState) -> RecoveryState:
     """Add the darts that take enough strain and are wide enough; others are removed again.
 
     The strain is then that of a drape with them: without them compression at a skirt's waist hides half the intake.
     """
-    state, strain = given
+    state, strain = start
     garment = made(state.garment)
-    wanted, before = wanted_strain(garment, strain), panel_strains(garment, strain)
+    target, before = wanted_strain(garment, strain), panel_strains(garment, strain)
     proposals = [
         one
         for index in range(len(garment.pattern.panels))
         if not is_mirror_image(garment, index)
-        and (one := propose_dart(garment, wanted, index)) is not None
+        and (one := propose_dart(garment, target, index)) is not None
         and one.before > MIN_PANEL_STRAIN
         and one.share > PROPOSED_SHARE
         and one.angle > MIN_DART_ANGLE
     ]
     while proposals:
-        cut = cut_darts(garment, wanted, state.base, tuple(proposals))
+        cut = cut_darts(garment, target, state.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
-        added, its_strain = _relax_darts(case, _drape_with_darts(case, _refit(case, given, cut)), names)
+        added, its_strain = _relax_darts(case, _drape_with_darts(case, _refit(case, start, cut)), names)
         pattern, after = made(added.garment).pattern, panel_strains(made(added.garment), its_strain)
         changes: dict[int, list[Finding]] = {}
         for number in range(len(proposals)):
@@ -142,9 +142,9 @@ def _add_darts(case: Case, given: StrainedState) -> RecoveryState:
     return state
 
 
-def _refit(case: Case, given: StrainedState, cut: CutGarment) -> StrainedState:
+def _refit(case: Case, before: StrainedState, cut: CutGarment) -> StrainedState:
     """Return the panels with other darts, meshed again and fitted to the target by isometry."""
-    state, strain = given
+    state, strain = before
     graded, nodes = made(state.graded), made(state.meshes)
     garment, carried = refit_with_darts(cut, made(state.garment), strain, state, _settings_of(case))
     fine = mesh_pattern(cut.pattern, len(graded.nodes))
@@ -153,12 +153,12 @@ def _refit(case: Case, given: StrainedState, cut: CutGarment) -> StrainedState:
     return replace(state, garment=garment, base=cut.base, graded=fine.at(placed), meshes=meshes), carried
 
 
-def _drape_with_darts(case: Case, given: StrainedState) -> StrainedState:
+def _drape_with_darts(case: Case, before: StrainedState) -> StrainedState:
     """Drape the panels on the wearer, and estimate their cloth's strain on the target from that drape."""
-    state, _ = given
+    state, _ = before
     garment, registered = made(state.garment), made(state.meshes).detail
     start, rotation = move_pattern(made(state.graded), garment.pattern), made(state.drape).rotation
-    settings = DrapeSettings(apart=has_hanging_sleeves(state.target, case.body))
+    settings = DrapeSettings(self_contact=has_hanging_sleeves(state.target, case.body))
     drape, _ = drape_graded(start, state.wearer, state.fabric, state.target, rotation=rotation, settings=settings)
     state = replace(state, graded=drape, meshes=Meshes(drape.nodes, registered))
     return state, strain_on_target(garment, drape, registered)
@@ -185,9 +185,9 @@ def refit_with_darts(
     return _fit(start, carried, cut.base, state, settings), carried
 
 
-def _relax_darts(case: Case, given: StrainedState, panels: set[str]) -> StrainedState:
+def _relax_darts(case: Case, before: StrainedState, panels: set[str]) -> StrainedState:
     """Open or close the darts of some panels by their strain, and fit again, `DART_RELAXATION_ITERATIONS` times."""
-    state, strain = given
+    state, strain = before
     for _ in range(DART_RELAXATION_ITERATIONS):
         garment = made(state.garment)
         pattern, base = relax_panels(garment, wanted_strain(garment, strain), state.base, panels)
@@ -214,9 +214,9 @@ def panel_strains(garment: Garment, strain: np.ndarray) -> dict[str, float]:
         garment: The flat panels and their nodes on the target.
         strain: Estimated strain of the cloth of each face, shape [face_count, 2, 2].
     """
-    wanted, strains = wanted_strain(garment, strain), {}
+    target, strains = wanted_strain(garment, strain), {}
     for index, panel in enumerate(garment.pattern.panels):
-        flat = relax_panel(garment, wanted, index)
+        flat = relax_panel(garment, target, index)
         strains[panel.name] = rms_strain([flat], float(flat.left @ flat.left))
     return strains
 

@@ -119,14 +119,14 @@ class _Rim:
         nearest = int(np.argmin(distance))
         return float(self.arc[nearest]) if distance[nearest] <= RIM_WINDOW_LENGTH else None
 
-    def apart(self, at: float) -> np.ndarray:
+    def distance(self, at: float) -> np.ndarray:
         """Return the distance of each vertex from an arc length along the rim [m], shape [count]."""
-        way = np.abs(self.arc - at)
-        return np.asarray(np.minimum(way, self.length - way))
+        distance = np.abs(self.arc - at)
+        return np.asarray(np.minimum(distance, self.length - distance))
 
     def corner(self, at: float) -> float:
         """Return the rim's turn within the window beyond the rate of its arms [rad]; NaN on too short a rim."""
-        apart = self.apart(at)
+        apart = self.distance(at)
         window, arms = (
             apart <= RIM_WINDOW_LENGTH,
             (apart > RIM_WINDOW_LENGTH) & (apart <= RIM_WINDOW_LENGTH + RIM_ARM_LENGTH),
@@ -140,7 +140,7 @@ class _Rim:
         """Return the corners [rad] at all vertices whose windows contain none of some places, with these smoothed."""
         turn, free = self.turn.copy(), np.ones(len(self.turn), dtype=bool)
         for at in places:
-            apart = self.apart(at)
+            apart = self.distance(at)
             window = apart <= RIM_WINDOW_LENGTH
             free &= apart > 2.0 * RIM_WINDOW_LENGTH
             corner = self.corner(at)

@@ -33,7 +33,7 @@ class FitScene:
 
     Attributes:
         garment: The mesh of the first pattern, contours named; nodes where the fit starts.
-        like: The template, which gives symmetry and the ratios of gathered seams.
+        base: The template, which gives symmetry and the ratios of gathered seams.
         first: The scene of the first pattern.
         parameters: The derivatives of rest shape and fabric.
         solver: Solver analysed for the mesh.
@@ -41,7 +41,7 @@ class FitScene:
     """
 
     garment: Garment
-    like: Pattern
+    base: Pattern
     first: Scene
     parameters: Parameters
     solver: Solver
@@ -51,7 +51,7 @@ class FitScene:
     def of(
         cls,
         garment: Garment,
-        like: Pattern,
+        base: Pattern,
         scene: Scene,
         fabric: tuple[str, ...] = (),
         locked: np.ndarray | None = None,
@@ -60,7 +60,7 @@ class FitScene:
 
         Args:
             garment: The first pattern's mesh, contours named, nodes where the fit starts.
-            like: The template.
+            base: The template.
             scene: The scene of the garment's own topology.
             fabric: Names of fabric parameters that are fitted, too.
             locked: Which effective coordinates stay, shape [shape_count]; None where none does.
@@ -68,16 +68,16 @@ class FitScene:
         from ...cloth.parameters import Parameters
         from ...cloth.solver import make_solver
 
-        symmetry = find_symmetry(like)
+        symmetry = find_symmetry(base)
         parameters = Parameters.of_garment(garment, map_controls(garment), symmetry, fabric)
         none = np.zeros(symmetry.matrix.shape[1], dtype=bool)
         solver = make_solver(scene.topology.pattern)
-        return cls(garment, like, scene, parameters, solver, none if locked is None else locked)
+        return cls(garment, base, scene, parameters, solver, none if locked is None else locked)
 
     @property
     def symmetry(self) -> Symmetry:
         """Return the template's symmetry."""
-        return find_symmetry(self.like)
+        return find_symmetry(self.base)
 
     @property
     def fabric(self) -> Fabric:
@@ -92,7 +92,7 @@ class FitScene:
         """Return the scene with another body."""
         return replace(self, first=replace(self.first, body=body))
 
-    def with_folds_held(self) -> FitScene:
+    def with_fixed_folds(self) -> FitScene:
         """Return the scene with bending friction that keeps the folds at the start of the fit."""
         from ...cloth.bending_friction import BendingFriction
 
@@ -103,19 +103,19 @@ class FitScene:
         """Return the effective control points x0, y0, x1, ... of a pattern [m], shape [shape_count]."""
         return self.symmetry.reduce(pattern.points).ravel()
 
-    def at(self, away: np.ndarray) -> Scene:
+    def at(self, delta: np.ndarray) -> Scene:
         """Return the scene at a difference from the first parameters, shape [p]."""
-        return self.parameters.move(self.first, away)
+        return self.parameters.move(self.first, delta)
 
-    def linearise(self, away: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> FactoredEquilibrium:
+    def linearise(self, delta: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> FactoredEquilibrium:
         """Return the derivative of the drape at nodes and friction's anchors [m], [node_count, 3] each."""
         from ...cloth.derivative import linearise_at
 
-        return linearise_at(self.at(away), nodes, anchors, self.solver)
+        return linearise_at(self.at(delta), nodes, anchors, self.solver)
 
     def with_locks(self, pattern: Pattern) -> Pattern:
         """Return a pattern with its locked coordinates restored."""
-        return restore_locked(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
+        return restore_locked(pattern, self.garment.pattern, self.base, self.locked) if self.locked.any() else pattern
 
     def is_sound(self, pattern: Pattern, least: float = 0.0) -> bool:
         """Check that no panel folds over, and that every triangle of the mesh keeps more than a share of its area."""

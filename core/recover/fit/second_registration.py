@@ -19,7 +19,7 @@ had 1.0, trousers 1.2, shorts 1.7; from the first registration shorts had 1.0, t
 
 def register_again(start: Garment, case: Case, state: RecoveryState, hooks: Hooks) -> Garment:
     """Return a garment already on the scan, registered again; its contours are named."""
-    settings = DeformSettings.of_preset(case.settings.preset).going_on()
+    settings = DeformSettings.of_preset(case.settings.preset).for_folds()
     return start.at(deform(start, state.target, state.wearer.exposed, settings=settings, hooks=hooks.quiet()).nodes)
 
 

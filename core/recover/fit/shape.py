@@ -70,7 +70,7 @@ class ShapeProblem:
     def of(cls, scene: FitScene, settings: ShapeSettings) -> ShapeProblem:
         """Prepare the fit of a garment on the target, contours named."""
         loss = RegisteredLoss.of(scene.garment, settings.slide)
-        return cls(scene, loss, settings, _precision(scene.garment.pattern, scene.like, settings))
+        return cls(scene, loss, settings, _precision(scene.garment.pattern, scene.base, settings))
 
     @property
     def garment(self) -> Garment:
@@ -92,14 +92,14 @@ class ShapeProblem:
         scene = replace(self.scene, parameters=parameters)
         return replace(self, scene=scene, precision=_append_diagonal(self.precision, std**-2), bending=std)
 
-    def away(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
+    def difference(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
         """Return the parameters' difference from the first ones [m; 1 for ln k], shape [p]."""
         points = self.scene.effective(pattern) - self.scene.effective(self.garment.pattern)
         return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
 
     def at(self, pattern: Pattern, fabric: Fabric | None = None) -> Scene:
         """Return the scene with a pattern and, where k is fitted, a fabric."""
-        return self.scene.at(self.away(pattern, fabric or self.fabric))
+        return self.scene.at(self.difference(pattern, fabric or self.fabric))
 
     def drape(
         self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT_HOOKS, fabric: Fabric | None = None
@@ -112,14 +112,14 @@ class ShapeProblem:
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Return gradient [p] and Gauss-Newton matrix [p, p] of the loss by the parameters (`linearise_at`)."""
-        rest = self.scene.linearise(self.away(pattern, fabric or self.fabric), drape.nodes, drape.anchors)
+        rest = self.scene.linearise(self.difference(pattern, fabric or self.fabric), drape.nodes, drape.anchors)
         moves = rest.push(*self.scene.parameters.rates(rest.scene))
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
         return gradient, self.loss.curvature(moves)
 
-    def objective(self, loss: float, count: float, away: np.ndarray) -> float:
+    def objective(self, loss: float, count: float, delta: np.ndarray) -> float:
         """Return n/2 ln L + (p - p0) P (p - p0) / 2: the negative log posterior, the size of the noise unknown."""
-        return 0.5 * count * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
+        return 0.5 * count * float(np.log(loss)) + 0.5 * float(delta @ self.precision @ delta)
 
     def observations(self, nodes: np.ndarray) -> float:
         """Return n, the number of independent observations of the target in a drape [m], shape [node_count, 3]."""
@@ -127,39 +127,39 @@ class ShapeProblem:
         return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(
-        self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
+        self, pattern: Pattern, delta: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
     ) -> tuple[np.ndarray, float]:
         """Return the Levenberg-Marquardt step [p], seams equal to first order, and its gain; `weight` is n / (2 L)."""
-        gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
+        gradient, matrix = weight * linear[0] + self.precision @ delta, weight * linear[1]
         curvature = matrix + self.precision
         matrix = curvature + damping * np.diag(np.diag(matrix))
-        free = seam_null_space(pattern, self.scene.like, self.scene.locked)
+        free = seam_null_space(pattern, self.scene.base, self.scene.locked)
         if self.bending is not None:
             free = _append_diagonal(free, 1.0)
         step = np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
         return step, -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
 
-    def cut(self, away: np.ndarray) -> tuple[Pattern | None, Fabric]:
+    def cut(self, delta: np.ndarray) -> tuple[Pattern | None, Fabric]:
         """Return pattern (seams equal; None if folded) and cloth at a difference [m; 1 for ln k], shape [p]."""
         scene, fabric = self.scene, self.fabric
         first = scene.effective(self.garment.pattern)
         if self.bending is not None:
-            fabric = replace(fabric, k=fabric.k * float(np.exp(away[-1])))
-        wanted = scene.like.with_points(scene.symmetry.expand(first + away[: len(first)]))
-        pattern = scene.with_locks(equalise_seams(wanted, like=scene.like))
+            fabric = replace(fabric, k=fabric.k * float(np.exp(delta[-1])))
+        proposed = scene.base.with_points(scene.symmetry.expand(first + delta[: len(first)]))
+        pattern = scene.with_locks(equalise_seams(proposed, base=scene.base))
         return pattern if scene.is_sound(pattern) else None, fabric
 
 
-def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.ndarray:
+def _precision(pattern: Pattern, base: Pattern, settings: ShapeSettings) -> np.ndarray:
     """Return the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R + g g^T / a^2.
 
     s is `spread`, but at most `spread_share` of the panel's mean width; R are the rates of the base pattern's
     `Proportions` in standard deviations, which the simulator must not change. g is the rate of ln of the whole area, a
     `area_spread`: the metric measures all cloth, including wrinkles that the simulator lacks.
     """
-    free = find_symmetry(like).matrix.toarray()
+    free = find_symmetry(base).matrix.toarray()
     whole = area_growth(pattern).reshape(1, -1) / settings.area_spread
-    rates = np.concatenate([find_proportions(like).linearise(pattern)[1], whole]) @ free
+    rates = np.concatenate([find_proportions(base).linearise(pattern)[1], whole]) @ free
     counts = [len(panel.points) for panel in pattern.panels]
     widths = np.array([settings.spread_share * mean_width(panel) for panel in pattern.panels])
     of_point = np.repeat(np.minimum(widths, settings.spread), 2 * np.array(counts))
@@ -174,12 +174,12 @@ def _append_diagonal(matrix: np.ndarray, last: float) -> np.ndarray:
     return np.asarray(block_diag(matrix, last))
 
 
-def seam_null_space(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
+def seam_null_space(pattern: Pattern, base: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
     """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count].
 
     Seams that repeat others up to rounding in a file (`MIN_SINGULAR_VALUE_SHARE`) remove no motion.
     """
-    rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
+    rows = seam_constraints(pattern, base=base)[1] @ find_symmetry(base).matrix.toarray()
     if locked is not None:
         rows = np.concatenate([rows, np.eye(len(locked))[locked]])
     if not len(rows):
@@ -219,7 +219,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT_HOOKS) -> ShapeFit:
         kept = _ShapeCheckpoint(
             problem.garment.pattern.points, problem.fabric.k, drape, settings.damping, (misfit,), False
         )
-    pattern, fabric = problem.scene.like.with_points(kept.points), replace(problem.fabric, k=kept.k)
+    pattern, fabric = problem.scene.base.with_points(kept.points), replace(problem.fabric, k=kept.k)
     drape, damping, misfits, settled = kept.drape, kept.damping, list(kept.misfits), kept.settled
     first = len(misfits) - 1
     for iteration in range(first, settings.iterations):
@@ -228,22 +228,22 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT_HOOKS) -> ShapeFit:
         hooks.progress("fit", (iteration + 1.0) / (settings.iterations + 1.0), f"misfit {1e3 * misfits[-1]:.1f} mm")
         linear = problem.linearise(pattern, drape, fabric)
         loss, count = problem.loss.value(drape.nodes), problem.observations(drape.nodes)
-        away = problem.away(pattern, fabric)
-        before, least = problem.objective(loss, count, away), settings.plateau * count
+        delta = problem.difference(pattern, fabric)
+        before, least = problem.objective(loss, count, delta), settings.plateau * count
         for _ in range(settings.trials):
-            step, promised = problem.step(pattern, away, 0.5 * count / loss, linear, damping)
-            settled = promised < least
+            step, gain = problem.step(pattern, delta, 0.5 * count / loss, linear, damping)
+            settled = gain < least
             if settled:
                 break
-            wanted, cloth = problem.cut(away + step)
+            proposed, cloth = problem.cut(delta + step)
             damping *= 10.0
-            if wanted is None:
+            if proposed is None:
                 continue
-            trial = problem.drape(wanted, drape.nodes, hooks, cloth)
+            trial = problem.drape(proposed, drape.nodes, hooks, cloth)
             trial_loss = problem.loss.value(trial.nodes)
-            after = problem.objective(trial_loss, count, problem.away(wanted, cloth))
+            after = problem.objective(trial_loss, count, problem.difference(proposed, cloth))
             if after < before:
-                pattern, fabric, drape = wanted, cloth, trial
+                pattern, fabric, drape = proposed, cloth, trial
                 misfits.append(float(np.sqrt(2.0 * trial_loss)))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0

@@ -46,8 +46,8 @@ def wanted_strain(garment: Garment, strain: np.ndarray) -> np.ndarray:
     """
     slope = deformation_gradients(garment.nodes, garment.faces, garment.rest)
     left, _, right = np.linalg.svd(slope @ strain, full_matrices=False)
-    wanted = np.linalg.solve(strain, np.swapaxes(left @ right, 1, 2) @ slope)
-    return np.asarray(0.5 * (wanted + np.swapaxes(wanted, 1, 2)) - np.eye(2))
+    target = np.linalg.solve(strain, np.swapaxes(left @ right, 1, 2) @ slope)
+    return np.asarray(0.5 * (target + np.swapaxes(target, 1, 2)) - np.eye(2))
 
 
 @dataclass(frozen=True)
@@ -102,9 +102,9 @@ class FlatPanel:
         factor = factor_symmetric(
             matrix + PANEL_REGULARISATION_SHARE * matrix.diagonal().mean() * sp.identity(shape[1], format="csc")
         )
-        wanted = _to_mandel(strain, area)
-        motion = factor.solve(operator.T @ wanted)
-        return cls(uv, faces, operator, factor, wanted - operator @ motion, motion.reshape(-1, 2))
+        target = _to_mandel(strain, area)
+        motion = factor.solve(operator.T @ target)
+        return cls(uv, faces, operator, factor, target - operator @ motion, motion.reshape(-1, 2))
 
     def jump(self, wedge: Wedge) -> tuple[np.ndarray, np.ndarray]:
         """Return the effect on faces of a wedge of one radian, opened to the left of its axis seen from the mouth.
@@ -113,14 +113,14 @@ class FlatPanel:
             The faces that the axis cuts, shape [n]; motions of their corners left of it before the apex [m], [n, 3, 2].
         """
         axis = (wedge.apex - wedge.mouth) / wedge.length
-        away = self.uv - wedge.apex
-        along, side = (away @ axis)[self.faces], (axis[0] * away[:, 1] - axis[1] * away[:, 0])[self.faces]
+        offset = self.uv - wedge.apex
+        along, side = (offset @ axis)[self.faces], (axis[0] * offset[:, 1] - axis[1] * offset[:, 0])[self.faces]
         is_left = side > 0.0
         cut = is_left.any(axis=1) & ~is_left.all(axis=1) & (along.min(axis=1) < 0.0)
         faces = np.flatnonzero(cut)
         moves = is_left[faces] & (along[faces] < 0.0)
         # Below the apex the left side turns clockwise about it, away from the axis.
-        turned = np.stack([away[:, 1], -away[:, 0]], axis=1)[self.faces[faces]]
+        turned = np.stack([offset[:, 1], -offset[:, 0]], axis=1)[self.faces[faces]]
         return faces, np.where(moves[..., None], turned, 0.0)
 
     def loads(self, wedges: Sequence[Wedge]) -> np.ndarray:

@@ -18,12 +18,12 @@ class Armpits:
 
     Attributes:
         hidden: Nodes there, whose nearest surface of the scan is other cloth, shape [node_count].
-        held: Those of them on seams between parts, such as the end of an armhole. They stay where they are worn, for
+        fixed: Those of them on seams between parts, such as the end of an armhole. They stay where they are worn, for
             the cloth between them and the visible cloth gives the lengths of side and sleeve, shape [node_count].
     """
 
     hidden: np.ndarray
-    held: np.ndarray
+    fixed: np.ndarray
 
     @classmethod
     def of(cls, garment: Garment, body: Body) -> Armpits:

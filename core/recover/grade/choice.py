@@ -99,17 +99,17 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         TemplateMissing: where there is no template for the category.
         PartUnknown, PartsConflict: where the user's parts do not exist, or cannot be sewn to each other.
     """
-    wanted, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
+    choices, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     found: dict[str, tuple[int, Candidate, Cut]] = {}
-    for one in _rank_cuts(target, body, wanted, gores):
-        for named, line in _with_necklines(one.cut, fits, wanted):
+    for one in _rank_cuts(target, body, choices, gores):
+        for named, line in _with_necklines(one.cut, fits, choices):
             name = name_cut(one.template, named)
             candidate = Candidate(name, math.hypot(one.misfit, line or 0.0), one.girths, line)
             found.setdefault(name, (one.missing, candidate, named))
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))
     name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:MAX_NAMED_CUT_COUNT]
-    notes = list(describe_absent(cut, wanted))
+    notes = list(describe_absent(cut, choices))
     if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
         notes.append(gores.describe(cut))
     measures = oversize_measures(body)
@@ -135,7 +135,7 @@ class _RankedCut:
     girths: float | None = None
 
 
-def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_RankedCut]:
+def _rank_cuts(target: Target, body: Body, chosen: Mapping[str, str], gores: HemGores | None) -> list[_RankedCut]:
     """Rank the cuts without their necklines, the chosen one first.
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`);
@@ -146,16 +146,16 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: Hem
     ranked, templates = [], rank_templates(target, list(CUTS))
     curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
     for template, missing, misfit in templates:
-        fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
+        fixed = {part: word for part, word in chosen.items() if CUTS[template].has_place_for(part)}
         cut = CUTS[template].choose(fixed)
         cut = cut if gores is None else gores.flare(cut)
-        cut = sew_waist(cut, wanted) if curved else cut
+        cut = sew_waist(cut, chosen) if curved else cut
         ranked.append(
             _RankedCut(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit)
         )
     least = ranked[0].missing
     fitting = [(one.template, one.cut) for one in ranked if one.missing == least]
-    fits = search_cuts(target, body, fitting, wanted, curved=curved)
+    fits = search_cuts(target, body, fitting, chosen, curved=curved)
     if not fits:
         return ranked
     rest = [one for one in ranked if one.missing > least]
@@ -186,9 +186,9 @@ def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int,
             f"no template fits the category '{target.category}'; name one of {', '.join(names)} with --template."
         )
     lengths = {contour.name: contour.length for contour in target.contours if contour.trusted}
-    wanted = {contour.name for contour in target.contours}
+    contour_names = {contour.name for contour in target.contours}
     measured = [flat_contours(load_template(name)) for name in fitting]
-    costs = [(len(wanted ^ set(flat)), contour_misfit(lengths, flat)) for flat in measured]
+    costs = [(len(contour_names ^ set(flat)), contour_misfit(lengths, flat)) for flat in measured]
     order = sorted(range(len(fitting)), key=lambda i: costs[i])
     return [(fitting[i], costs[i][0], math.sqrt(costs[i][1])) for i in order]
 
@@ -217,20 +217,20 @@ def _with_necklines(
         )
 
 
-def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit | None, ...]:
+def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, neckline: Neckline) -> tuple[NecklineFit | None, ...]:
     """Return the candidate fits: all, or only the fixed neckline's, None where it is not among them."""
     if not fixed:
         return ranked
-    return tuple(fit for fit in ranked if _is_same_line(fit.throat.kind, own)) or (None,)
+    return tuple(fit for fit in ranked if _is_same_line(fit.neckline.kind, neckline)) or (None,)
 
 
 def _with_throat(cut: Cut, fit: NecklineFit | None, part: str) -> Cut:
     """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
-    if fit is None or _is_same_line(fit.throat.kind, getattr(cut, part)):
+    if fit is None or _is_same_line(fit.neckline.kind, getattr(cut, part)):
         return cut
-    kind = fit.throat.kind
+    kind = fit.neckline.kind
     changed = cut.choose({part: str(kind)})
-    depth = half_neck_width(changed) * fit.throat.depth / fit.half_width
+    depth = half_neck_width(changed) * fit.neckline.depth / fit.half_width
     return replace(changed, neck_depth=depth) if part == "neckline" else replace(changed, back_depth=depth)
 
 

@@ -73,13 +73,13 @@ def area_rates_by_points(pattern: Pattern, name: str, curves: Iterable[int]) -> 
     start, points = pattern.first_points[name], pattern.panel(name).points
     count = len(points)
     apart = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
-    own = np.column_stack([apart[:, 1], -apart[:, 0]])
+    normal_rates = np.column_stack([apart[:, 1], -apart[:, 0]])
     for i in curves:
         change = 2.0 * edge_area(pattern.panel(name).edges[i]) * (points[(i + 1) % count] - points[i])
-        own[(i + 1) % count] += change
-        own[i] -= change
+        normal_rates[(i + 1) % count] += change
+        normal_rates[i] -= change
     rates = np.zeros((len(pattern.points), 2))
-    rates[start : start + count] = own
+    rates[start : start + count] = normal_rates
     return rates
 
 

@@ -53,13 +53,13 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
     settings = RegistrationSettings(hidden=HiddenCloth())
     seen, border = TriangleSurface(target.vertices, target.faces), Rim.between(target.faces, target.hidden)
     nodes = register_coarsely(worn, target, settings, hooks)
-    beyond = border.lies_ahead(seen, seen.closest(nodes))
+    beyond = border.is_ahead(seen, seen.closest(nodes))
     lost = [end for end in ends if beyond[end.vertices].all()]
     lifts = [(end, lift) for end in lost if (lift := _lift_end(worn, nodes, beyond, end))]
     if lifts:
         nodes = register_coarsely(worn, _hold_ends(target, nodes, lifts), settings, hooks)
     nodes = project_outside(nodes, skin, worn.faces)
-    beyond = border.lies_ahead(seen, seen.closest(nodes))
+    beyond = border.is_ahead(seen, seen.closest(nodes))
     ends = [end for end in ends if beyond[end.vertices].mean() > MIN_HIDDEN_CONTOUR_SHARE]
     links = HalfEdges.of(worn.faces, len(nodes)).adjacency
     for end in ends:  # where a part of the contour is visible, the strip along it is on the scan
@@ -81,22 +81,22 @@ def _hold_ends(target: Target, nodes: np.ndarray, lifts: list[tuple[Contour, flo
     """Return the target with a trusted contour for each hidden end, at the carried nodes [m] raised by its lift [m]."""
     points = np.concatenate([nodes[end.vertices] + [0.0, lift, 0.0] for end, lift in lifts])
     first = len(target.vertices) + np.cumsum([0] + [len(end.vertices) for end, _ in lifts])
-    held = tuple(
+    fixed = tuple(
         replace(end, vertices=start + np.arange(len(end.vertices)), trusted=True, hidden=False)
         for (end, _), start in zip(lifts, first, strict=False)
     )
-    names = [end.name for end in held]
+    names = [end.name for end in fixed]
     hidden = np.zeros(len(target.vertices), dtype=bool) if target.hidden is None else target.hidden
     return replace(
         target,
         vertices=np.concatenate([target.vertices, points]),
         normals=np.concatenate([target.normals, np.zeros_like(points)]),
-        contours=(*(contour for contour in target.contours if contour.name not in names), *held),
+        contours=(*(contour for contour in target.contours if contour.name not in names), *fixed),
         hidden=np.append(hidden, np.zeros(len(points), dtype=bool)),
     )
 
 
-def _lift_end(worn: Garment, nodes: np.ndarray, beyond: np.ndarray, end: Contour) -> float:
+def _lift_end(worn: Garment, nodes: np.ndarray, unseen: np.ndarray, end: Contour) -> float:
     """Return the distance of a hidden end above the place to which visible cloth carried it [m].
 
     A waist: `HIDDEN_WAIST_HEIGHT_SHARE` of the way back to where its own band holds it. The hem of a top: the
@@ -108,12 +108,12 @@ def _lift_end(worn: Garment, nodes: np.ndarray, beyond: np.ndarray, end: Contour
     neck = next((contour for contour in worn.contours if contour.name == "neck"), None)
     if end.name != "hem" or neck is None:
         return 0.0
-    longer, hidden = _measure_downward_paths(worn, nodes, beyond, neck.vertices)
+    longer, hidden = _measure_downward_paths(worn, nodes, unseen, neck.vertices)
     return float(np.clip(longer[end.vertices].mean(), 0.0, 0.5 * hidden[end.vertices].mean()))
 
 
 def _measure_downward_paths(
-    worn: Garment, nodes: np.ndarray, beyond: np.ndarray, start: np.ndarray
+    worn: Garment, nodes: np.ndarray, unseen: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute lengths along the shortest flat way from some nodes to each, [node_count] each: excess and hidden [m].
 
@@ -122,13 +122,13 @@ def _measure_downward_paths(
     count, edges = len(nodes), HalfEdges.of(worn.faces, len(nodes))
     sides = np.linalg.norm(np.roll(worn.rest, -1, axis=1) - worn.rest, axis=2).ravel()
     flat = np.bincount(edges.edge, sides) / edges.face_counts  # both sides of a gathered seam count
-    way, before, _ = shortest_paths(edges, flat, start)
+    length, before, _ = shortest_paths(edges, flat, start)
     longer, hidden = np.zeros(count), np.zeros(count)
-    for node in np.argsort(way):
+    for node in np.argsort(length):
         last = before[node]
         if last < 0:
             continue
-        step, is_hidden = way[node] - way[last], beyond[node] and beyond[last]
+        step, is_hidden = length[node] - length[last], unseen[node] and unseen[last]
         longer[node] = longer[last] + (0.0 if is_hidden else np.linalg.norm(nodes[node] - nodes[last]) - step)
         hidden[node] = hidden[last] + (step if is_hidden else 0.0)
     return longer, hidden

@@ -28,16 +28,16 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
         body: The wearer, to whose measures the cuts are drafted.
         fixed: Parts that the user chose, which stay.
     """
-    own = find_cut(template)
+    base_cut = find_cut(template)
     kept = (set(PARTS) - set(PROPORTION_PARTS)) | set(fixed)
-    alike = [cut for cut in other_cuts(own, kept) if not has_other_seams(cut, own)]
+    alike = [cut for cut in other_cuts(base_cut, kept) if not has_other_seams(cut, base_cut)]
     seen = profile_flat(pattern) if len(alike) > 1 else None
     if seen is None:
         return template
     measures = measure_wearer(body)
     fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures)) is not None]
-    ranked = rank_fits(fits, own, RIVAL_MISFIT_SHARE)
-    return template if not ranked or ranked[0].cut == own else _name(ranked[0].cut)
+    ranked = rank_fits(fits, base_cut, RIVAL_MISFIT_SHARE)
+    return template if not ranked or ranked[0].cut == base_cut else _name(ranked[0].cut)
 
 
 def describe_cut_change(cut: str, template: str) -> tuple[str, ...]:

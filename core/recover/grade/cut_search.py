@@ -121,14 +121,14 @@ def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
     begin = seen.arms + PROFILE_START_MARGIN
     end = max(float(seen.distances[-1]) - PROFILE_END_MARGIN, begin + PROFILE_END_MARGIN)
     at = np.linspace(begin, end, PROFILE_STATION_COUNT)
-    wanted = np.log(np.interp(at, seen.distances, seen.girths))
+    target = np.log(np.interp(at, seen.distances, seen.girths))
     last = len(drawn.distances) // 6
     slope = (drawn.girths[-1] - drawn.girths[-last]) / (drawn.distances[-1] - drawn.distances[-last])
     there = drawn.arms + (at - seen.arms) / GARMENT_LENGTH_RATIOS[:, None]
     girths = np.interp(there, drawn.distances, drawn.girths)
     beyond = np.maximum(there - drawn.distances[-1], 0.0)
     girths = np.maximum(girths + slope * beyond, 0.5 * girths)
-    return float((wanted - np.log(girths)).std(axis=1).min())
+    return float((target - np.log(girths)).std(axis=1).min())
 
 
 def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = SHAPE_MISFIT_SHARE) -> tuple[CutFit, ...]:
@@ -165,8 +165,8 @@ def _count_changes(cut: Cut, usual: Cut) -> int:
 def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:
     """Yield the templates with other parts that girths show, each cut once."""
     met = {_without_neck_depths(cut) for _, cut in templates}
-    for template, own in templates:
-        for other in other_cuts(own, fixed) if own.panels == 2 else ():
+    for template, base_cut in templates:
+        for other in other_cuts(base_cut, fixed) if base_cut.panels == 2 else ():
             cut = _at_waist(other, fixed) if curved else other
             if _without_neck_depths(cut) not in met:
                 met.add(_without_neck_depths(cut))

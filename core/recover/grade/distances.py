@@ -88,11 +88,11 @@ def compare_contours(
         if other is None:
             continue
         chain = limb_chain(contour.name, body)
-        here, there = (
+        first_points, second_points = (
             position_along(chain, loop_centre(points[c.vertices]))
             for points, c in ((source[0], contour), (target[0], other))
         )
-        measures.append(ContourMeasure(contour.name, there - here, contour.length, other.length))
+        measures.append(ContourMeasure(contour.name, second_points - first_points, contour.length, other.length))
     return tuple(measures)
 
 

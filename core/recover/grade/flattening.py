@@ -34,9 +34,9 @@ class FlatteningSettings:
 
     Attributes:
         rounds: Number of alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
-        keep: Weight that keeps the control points in place, as a share of the panels' stiffness; it only fixes what the
-            stretch leaves free (a panel's place and rotation).
-        keep_vectors: The same for `kept_vectors` [m2]: a standard deviation costs as a square metre strained by 1 %.
+        damping: Weight that keeps the control points in place, as a share of the panels' stiffness; it only fixes what
+            the stretch leaves free (a panel's place and rotation).
+        vector_damping: The same for `kept_vectors` [m2]: a standard deviation costs as a square metre strained by 1 %.
         stretch_limit: Factor beyond which stretches, either way, come from bad triangles and are clipped.
         least_strain, most_strain: Principal stretches of the template's cloth are clipped to these [1]: woven cloth
             hangs within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
@@ -45,8 +45,8 @@ class FlatteningSettings:
     """
 
     rounds: int = 12
-    keep: float = 1e-4
-    keep_vectors: float = 1e-4
+    damping: float = 1e-4
+    vector_damping: float = 1e-4
     stretch_limit: float = 4.0
     least_strain: float = 0.90
     most_strain: float = 1.03
@@ -115,10 +115,10 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
     settings = settings or FlatteningSettings()
     before, after = garment_stretch(garment, garment.nodes), garment_stretch(garment, moved)
     values, axes = np.linalg.eigh(before)
-    believed = np.clip(values, settings.least_strain, settings.most_strain)
+    clipped = np.clip(values, settings.least_strain, settings.most_strain)
     narrow = narrow_panels(garment.pattern, settings)
-    believed = np.where(narrow[garment.panel_of_face][:, None], values, believed)
-    stretch = np.linalg.solve((axes * believed[:, None, :]) @ np.swapaxes(axes, 1, 2), after)
+    clipped = np.where(narrow[garment.panel_of_face][:, None], values, clipped)
+    stretch = np.linalg.solve((axes * clipped[:, None, :]) @ np.swapaxes(axes, 1, 2), after)
     left, values, right = np.linalg.svd(stretch)
     values = np.clip(values, 1.0 / settings.stretch_limit, settings.stretch_limit)
     return np.asarray((left * values[:, None, :]) @ right)
@@ -150,14 +150,14 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     free, offset = symmetry.matrix.toarray(), symmetry.offset
     start = pattern.points
     vectors, stiff = kept_vectors(pattern), float(np.trace(flat.reduced)) / start.size
-    held = stiff * (settings.keep * np.eye(start.size) + settings.keep_vectors * vectors.T @ vectors)
-    system = flat.reduced + held
+    damping = stiff * (settings.damping * np.eye(start.size) + settings.vector_damping * vectors.T @ vectors)
+    system = flat.reduced + damping
     points, turned = start, stretch
     for _ in range(settings.rounds):
         # The wanted map's rows are the images of x and y; the gradient needs d/dx and d/dy of both.
         load = flat.gradient.T @ (flat.weight[:, None] * np.swapaxes(turned, 1, 2).reshape(-1, 2))
         inner = flat.factor.solve(load[flat.inner])
-        right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + held @ start.ravel()
+        right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + damping @ start.ravel()
         rows = seam_rows(pattern, points)
         effective = solve_with_seams(
             free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset

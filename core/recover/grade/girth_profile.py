@@ -111,9 +111,9 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
 
 def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the faces with an area: nothing flows through others, and a corner of these alone has no value."""
-    own = np.arange(corners.shape[0] * 3).reshape(-1, 3)
+    corner_numbers = np.arange(corners.shape[0] * 3).reshape(-1, 3)
     flat = corners.shape[2] == 2
-    areas = np.abs(signed_areas(corners)) if flat else face_areas(corners.reshape(-1, 3), own)
+    areas = np.abs(signed_areas(corners)) if flat else face_areas(corners.reshape(-1, 3), corner_numbers)
     kept = 2.0 * areas > MIN_DOUBLE_FACE_AREA
     return corners[kept], faces[kept]
 
@@ -127,10 +127,10 @@ def _line_lengths(corners: np.ndarray, value: np.ndarray, levels: np.ndarray) ->
     for level in levels:
         cut = (value[:, 0] < level) & (level <= value[:, 2])
         (u, v, w), a, b, c = value[cut].T, low[cut], middle[cut], high[cut]
-        far = a + ((level - u) / (w - u))[:, None] * (c - a)
+        end = a + ((level - u) / (w - u))[:, None] * (c - a)
         below = level <= v
         gap = np.where(below, v - u, w - v)
         share = np.where(below, level - u, level - v) / np.where(gap > 0.0, gap, 1.0)
-        near = np.where(below[:, None], a, b) + share[:, None] * np.where(below[:, None], b - a, c - b)
-        lengths.append(float(np.linalg.norm(near - far, axis=1).sum()))
+        start = np.where(below[:, None], a, b) + share[:, None] * np.where(below[:, None], b - a, c - b)
+        lengths.append(float(np.linalg.norm(start - end, axis=1).sum()))
     return np.array(lengths)

@@ -105,8 +105,8 @@ def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSett
     """Step towards the wanted points as far as every panel stays simple and counter-clockwise, with equal seams."""
     share = 1.0
     for _ in range(settings.back_offs):
-        wanted = pattern.with_points(pattern.points + share * (points - pattern.points))
-        graded = equalise_seams(wanted, like=pattern)
+        trial = pattern.with_points(pattern.points + share * (points - pattern.points))
+        graded = equalise_seams(trial, base=pattern)
         if is_sound(graded, pattern, settings.least_area):
             return graded, share
         share /= 2

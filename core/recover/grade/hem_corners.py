@@ -96,12 +96,12 @@ def find_hem_share(contour: Contour, target: Target, body: Body) -> HemShare | N
         return None
     first, second = sorted(edge.places[corners])
     lateral = (body.joint("left_hip") - body.joint("right_hip")) * (1.0, 0.0, 1.0)
-    ahead, aside = edge.points @ np.cross(lateral, (0.0, 1.0, 0.0)), edge.points @ lateral
-    if abs(np.diff(aside[corners])) < abs(np.diff(ahead[corners])):
+    forward, sideways = edge.points @ np.cross(lateral, (0.0, 1.0, 0.0)), edge.points @ lateral
+    if abs(np.diff(sideways[corners])) < abs(np.diff(forward[corners])):
         return None
     between = (edge.places > first) & (edge.places < second)
     share = float((second - first) / edge.length)
-    front = share if ahead[between].mean() > ahead[~between].mean() else 1.0 - share
+    front = share if forward[between].mean() > forward[~between].mean() else 1.0 - share
     return HemShare(contour.name, front, (float(edge.turn[corners[0]]), float(edge.turn[corners[1]])))
 
 
@@ -128,4 +128,4 @@ def _scale(base: Pattern, factors: dict[str, float]) -> Pattern:
         factor = np.where(upright == upright.max(), 1.0, factors[_facing_side(base, panel.name)])
         middle = (panel.points.min(axis=0) + panel.points.max(axis=0)) / 2
         panels.append(replace(panel, points=middle + factor * (panel.points - middle)))
-    return equalise_seams(replace(base, panels=tuple(panels)), like=base)
+    return equalise_seams(replace(base, panels=tuple(panels)), base=base)

@@ -20,8 +20,8 @@ from ...scan.contours.contours import name_contours
 from ...scan.contours.target import Target
 from .armpits import Armpits
 from .flattening import narrow_panels, solve_with_seams
-from .freedom import PatternParameters
 from .grading import is_sound, move_pattern
+from .pattern_parameters import PatternParameters
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
 from .seen_seams import SeenSeam, find_seen_seams
@@ -53,18 +53,19 @@ class IsometrySettings:
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area [1]: as much as a
             strain of 3 % everywhere, which unlike cloth and folds leave; in Gauss-Newton steps 1.7 %. There panels of
             25 drapes were 0.15 % further off with 3 %, and their outlines 0.3 mm.
-        believed: Bound on the strain of a drape's cloth [1]: above a tenth the triangles are bad. A garment that hangs
-            from its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %,
+        max_strain: Bound on the strain of a drape's cloth [1]: above a tenth the triangles are bad. A garment that
+            hangs from its neck, or is tight, is strained by more than the 3 % of cloth that hangs free: clipped to 3 %,
             panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
         facing: Cosine of matched normals, as in the coarse registration.
         curves: True where the handles of curves move, too.
-        keep: Damping of the parameters, as a share of the mean diagonal of their matrix.
-        stay: Weight of a panel's strain from the start of the fit, relative to the cloth's; 0 for free panels.
-        stay_band: Weight of the same relative to the cloth's for panels narrower than 12 cm.
-        stay_hidden: Weight of it relative to the cloth's at nodes that a hanging arm hides where a sleeve begins, or
-            beside them; if not 0 these follow their panels, for a drape sags in the armpit, and lengths from there are
-            wrong.
-        seen: Distance of a seam's node from its seen place (`find_seen_seams`) that costs as a strain of 1 [m]; 0: off.
+        damping: Damping of the parameters, as a share of the mean diagonal of their matrix.
+        start_cost: Weight of a panel's strain from the start of the fit, relative to the cloth's; 0 for free panels.
+        start_cost_band: Weight of the same relative to the cloth's for panels narrower than 12 cm.
+        start_cost_hidden: Weight of it relative to the cloth's at nodes that a hanging arm hides where a sleeve begins,
+            or beside them; if not 0 these follow their panels, for a drape sags in the armpit, and lengths from there
+            are wrong.
+        seam_scale: Distance of a seam's node from its seen place (`find_seen_seams`) that costs as a strain of 1 [m];
+            0: off.
     """
 
     vertices: int = 1000
@@ -79,18 +80,18 @@ class IsometrySettings:
     trials: int = 5
     farthest: float = 0.06
     proportion: float = 0.001
-    believed: float = 0.10
+    max_strain: float = 0.10
     facing: float = 0.3
     curves: bool = False
-    keep: float = 1e-4
-    stay: float = 0.0
-    stay_band: float = 0.0
-    stay_hidden: float = 0.0
-    seen: float = 0.0
+    damping: float = 1e-4
+    start_cost: float = 0.0
+    start_cost_band: float = 0.0
+    start_cost_hidden: float = 0.0
+    seam_scale: float = 0.0
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
         """Return the settings for Gauss-Newton steps, the handles of curves free or not."""
-        return replace(self, newton=True, curves=curves, reach=10.0, proportion=0.0003, seen=0.005)
+        return replace(self, newton=True, curves=curves, reach=10.0, proportion=0.0003, seam_scale=0.005)
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class _Model:
         by_flat: Its negative rates by the parameters, shape [face_count, k, parameter_count].
         area: Flat area of each face [m2].
         mass: Area of each node [m2].
-        held: Stiffness of each node's tie to the target, shape [node_count, 3, 3].
+        ties: Stiffness of each node's tie to the target, shape [node_count, 3, 3].
         pulled: Load of each tie, shape [node_count, 3].
     """
 
@@ -112,7 +113,7 @@ class _Model:
     by_flat: np.ndarray
     area: np.ndarray
     mass: np.ndarray
-    held: np.ndarray
+    ties: np.ndarray
     pulled: np.ndarray
 
 
@@ -141,7 +142,7 @@ class Isometry:
         borders: Nodes of each open contour, and the target's contour or, if not trusted, their own place [m].
         seams: Nodes of seams whose place is visible, and their planes.
         strain: U, shape [face_count, 2, 2].
-        freedom: The free parameters of the pattern.
+        free: The free parameters of the pattern.
         proportions: Rules to keep.
         start: The pattern at the start.
         anchor: Matrix of the last sum, shape [parameter_count, parameter_count].
@@ -157,7 +158,7 @@ class Isometry:
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
     seams: tuple[SeenSeam, ...]
     strain: np.ndarray
-    freedom: PatternParameters
+    free: PatternParameters
     proportions: Proportions
     start: Pattern
     anchor: np.ndarray
@@ -168,7 +169,7 @@ class Isometry:
 
     @classmethod
     def of(
-        cls, garment: Garment, target: Target, body: Body, like: Pattern, strain: np.ndarray, settings: IsometrySettings
+        cls, garment: Garment, target: Target, body: Body, base: Pattern, strain: np.ndarray, settings: IsometrySettings
     ) -> Isometry:
         """Prepare the fit of a garment whose nodes are on the target.
 
@@ -176,7 +177,7 @@ class Isometry:
             garment: The mesh to start from; its contours are named where they are not yet.
             target: The scan's surface with named contours.
             body: The wearer, on whom the contours are named.
-            like: The template, which gives symmetry and proportions.
+            base: The template, which gives symmetry and proportions.
             strain: U of each face, shape [face_count, 2, 2].
             settings: Weights and steps.
         """
@@ -193,24 +194,24 @@ class Isometry:
             borders.append((contour.vertices, ClosedCurve(loop)))
         armpits = Armpits.of(garment, body)
         hidden, loose = armpits.hidden, np.zeros_like(armpits.hidden)
-        if settings.stay_hidden > 0.0 and armpits.held.any():
+        if settings.start_cost_hidden > 0.0 and armpits.fixed.any():
             loose[garment.faces[hidden[garment.faces].any(axis=1)]] = True  # next to them is what scans have instead
         on_border = [node for line, _ in borders for node in line]
         hidden[on_border] = loose[on_border] = False
         hidden &= ~loose
-        freedom = PatternParameters.of(like, settings.curves)
+        free = PatternParameters.of(base, settings.curves)
         coupled, (slots,) = BlockPattern.of(len(garment.nodes), garment.faces)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
-            seams=find_seen_seams(garment, target, body) if settings.seen else (),
+            seams=find_seen_seams(garment, target, body) if settings.seam_scale else (),
             strain=strain,
-            freedom=freedom,
-            proportions=find_proportions(like),
+            free=free,
+            proportions=find_proportions(base),
             start=garment.pattern,
-            anchor=_anchor(garment, freedom, loose, settings),
+            anchor=_anchor(garment, free, loose, settings),
             coupled=coupled,
             slots=slots,
             solver=make_solver(coupled),
@@ -220,11 +221,11 @@ class Isometry:
     def step(self, garment: Garment, reach: float) -> Garment:
         """Return the garment after one step, halved until no panel folds over; unchanged if none is found."""
         change, moved = self._solve(self._linearise(garment), garment, reach)
-        share, follow = 1.0, update_flat_mesh if self.freedom.has_curves else move_pattern
+        share, follow = 1.0, update_flat_mesh if self.free.has_curves else move_pattern
         if self.settings.newton:
             share = min(1.0, self.settings.farthest / max(float(np.linalg.norm(moved, axis=1).max()), 1e-9))
         for _ in range(self.settings.trials):
-            pattern = equalise_seams(self.freedom.move(garment.pattern, share * change), like=garment.pattern)
+            pattern = equalise_seams(self.free.move(garment.pattern, share * change), base=garment.pattern)
             if is_sound(pattern, garment.pattern):
                 return follow(garment, pattern).at(garment.nodes + share * moved)
             share /= 2.0
@@ -235,20 +236,20 @@ class Isometry:
         gradients = shape_gradients(garment.rest)
         slope = np.einsum("fkc,fkd->fcd", garment.nodes[garment.faces], gradients)
         on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
-        rates = _slope_rates(garment, on_uv, self.freedom)
+        rates = _slope_rates(garment, on_uv, self.free)
         if self.settings.newton:
-            wanted = self.strain @ self.strain
-            strain = _as_vector(0.5 * (np.swapaxes(slope, 1, 2) @ slope - wanted))
+            metric = self.strain @ self.strain
+            strain = _as_vector(0.5 * (np.swapaxes(slope, 1, 2) @ slope - metric))
             # the rate of F^T F / 2 by corner k's coordinate c is sym(g_k x (row c of F))
             by_nodes = _as_vector(np.einsum("fki,fcj->fijkc", gradients, slope))
-            by_flat = _as_vector(np.einsum("fia,fjap->fijp", wanted, rates))
+            by_flat = _as_vector(np.einsum("fia,fjap->fijp", metric, rates))
         else:
-            wanted = self._turn_strain(slope)
+            metric = self._turn_strain(slope)
             count = len(slope)
-            strain = (slope - wanted).reshape(count, 6)
+            strain = (slope - metric).reshape(count, 6)
             by_nodes = np.einsum("fkd,ce->fcdke", gradients, np.eye(3)).reshape(count, 6, 3, 3)
-            by_flat = np.einsum("fca,fdap->fcdp", wanted, rates).reshape(count, 6, -1)
-        return _Model(strain, by_nodes, by_flat, area, *self._hold(garment, area))
+            by_flat = np.einsum("fca,fdap->fcdp", metric, rates).reshape(count, 6, -1)
+        return _Model(strain, by_nodes, by_flat, area, *self._tie(garment, area))
 
     def _turn_strain(self, slope: np.ndarray) -> np.ndarray:
         """Return R U, shape [face_count, 3, 2], R the isometry nearest to F U."""
@@ -265,7 +266,7 @@ class Isometry:
             turned = slots < 0
             np.add.at(blocks, slots[~turned], block[~turned])
             np.add.at(blocks, ~slots[turned], np.swapaxes(block[turned], 1, 2))
-        blocks[self.coupled.diagonal] += model.held + (model.mass / reach**2)[:, None, None] * np.eye(3)
+        blocks[self.coupled.diagonal] += model.ties + (model.mass / reach**2)[:, None, None] * np.eye(3)
         if not self.solver.factor(self.coupled.assemble(blocks)):
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
@@ -280,75 +281,75 @@ class Isometry:
         alone, follow = self.solver.solve(load), self.solver.solve(coupling)
         flat = model.by_flat.reshape(-1, parameters)
         by_area = np.repeat(model.area, model.strain.shape[1])
-        own = flat.T @ (by_area[:, None] * flat)
-        matrix = own - coupling.T @ follow
+        normal_matrix = flat.T @ (by_area[:, None] * flat)
+        matrix = normal_matrix - coupling.T @ follow
         if self.settings.newton:
-            matrix += np.diag(np.diag(own)) / reach**2
+            matrix += np.diag(np.diag(normal_matrix)) / reach**2
         right = flat.T @ (by_area * model.strain.ravel()) + coupling.T @ alone
         change = self._solve_pattern(garment.pattern, matrix, right, float(model.area.sum()))
         return change, (alone + follow @ change).reshape(-1, 3)
 
-    def _hold(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _tie(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return each node's area, stiffness, shape [n, 3, 3], and load, shape [n, 3], of its tie to the target."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = lump(area, garment.faces, count)
-        own = TriangleSurface(nodes, garment.faces).vertex_normals
-        found, seen = match_surface(self.goal, nodes, own, chosen.facing)
+        normals = TriangleSurface(nodes, garment.faces).vertex_normals
+        found, seen = match_surface(self.goal, nodes, normals, chosen.facing)
         for rim, _ in self.borders:
             seen[rim] = False
         seen &= ~self.loose
         normal = self.goal.face_normals[found.face]
-        held = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
-        held[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
-        away = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
+        ties = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
+        ties[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
+        offset = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
         for rim, loop in self.borders:
-            near = loop.closest(nodes[rim])
-            tangent = loop.tangents[near.segment]
+            closest = loop.closest(nodes[rim])
+            tangent = loop.tangents[closest.segment]
             across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
-            held[rim] = (mass[rim] / chosen.border**2)[:, None, None] * across
-            away[rim] = near.foot - nodes[rim]
-        pulled = np.einsum("vij,vj->vi", held, away)
+            ties[rim] = (mass[rim] / chosen.border**2)[:, None, None] * across
+            offset[rim] = closest.foot - nodes[rim]
+        pulled = np.einsum("vij,vj->vi", ties, offset)
         for seam in self.seams:
-            stiff = mass[seam.nodes] / chosen.seen**2
-            held[seam.nodes] += stiff[:, None, None] * np.outer(seam.normal, seam.normal)
-            pulled[seam.nodes] -= (stiff * seam.miss(nodes))[:, None] * seam.normal
-        return mass, held, pulled
+            stiff = mass[seam.nodes] / chosen.seam_scale**2
+            ties[seam.nodes] += stiff[:, None, None] * np.outer(seam.normal, seam.normal)
+            pulled[seam.nodes] -= (stiff * seam.distance(nodes))[:, None] * seam.normal
+        return mass, ties, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
         """Return the change of the parameters under equal seams, with the rules and the start."""
-        damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
+        damping = self.settings.damping * float(np.trace(matrix)) / len(matrix)
         matrix = matrix + self.anchor + damping * np.eye(len(matrix))
         if self.anchor.any():
-            right = right - self.anchor @ self.freedom.away(pattern, self.start)
+            right = right - self.anchor @ self.free.difference(pattern, self.start)
         pull = self.settings.proportion * area
-        for missing, rates in (self._measure_proportions(pattern), self.freedom.shape_rules(pattern)):
+        for missing, rates in (self._measure_proportions(pattern), self.free.shape_rules(pattern)):
             matrix = matrix + pull * rates.T @ rates
             right = right + pull * rates.T @ missing
-        rows = self.freedom.seam_rows(pattern)
+        rows = self.free.seam_rows(pattern)
         return solve_with_seams(matrix, right, rows, np.zeros(len(rows)))
 
     def _measure_proportions(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
         """Return the deviations from the rules of proportion, and their rates by the parameters."""
         missing, by_points = self.proportions.linearise(pattern)
-        if not self.freedom.has_curves:
-            return missing, by_points @ self.freedom.points
-        return missing, self.freedom.combine(by_points, self.proportions.curve_rates(pattern))
+        if not self.free.has_curves:
+            return missing, by_points @ self.free.points
+        return missing, self.free.combine(by_points, self.proportions.curve_rates(pattern))
 
 
-def _anchor(garment: Garment, freedom: PatternParameters, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
+def _anchor(garment: Garment, free: PatternParameters, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
     """Return the matrix that keeps the panels' shape, by the parameters."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
-    stay = np.where(narrow, settings.stay_band, settings.stay)
+    stay = np.where(narrow, settings.start_cost_band, settings.start_cost)
     unseen = loose[garment.faces].any(axis=1)
-    weight = area * np.where(unseen, np.maximum(stay, settings.stay_hidden), stay)
-    rates = _slope_rates(garment, on_uv, freedom).reshape(4 * len(area), -1)
+    weight = area * np.where(unseen, np.maximum(stay, settings.start_cost_hidden), stay)
+    rates = _slope_rates(garment, on_uv, free).reshape(4 * len(area), -1)
     return np.asarray(rates.T @ (np.repeat(weight, 4)[:, None] * rates))
 
 
-def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: PatternParameters) -> np.ndarray:
+def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, free: PatternParameters) -> np.ndarray:
     """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, parameter_count]."""
-    flat = freedom.rates(garment).reshape(len(garment.uv), -1)
+    flat = free.rates(garment).reshape(len(garment.uv), -1)
     return np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)
 
 

@@ -53,8 +53,8 @@ def find_armhole_pairs(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[i
         if members[part[panel.name]] < 2:
             continue
         sewn = [partner.get((panel.name, i)) for i in range(len(panel.edges))]
-        away = [name is not None and part[name] != part[panel.name] for name in sewn]
-        stretches = _stretches(away, [name == panel.name for name in sewn])
+        differs = [name is not None and part[name] != part[panel.name] for name in sewn]
+        stretches = _stretches(differs, [name == panel.name for name in sewn])
         for n, (start, end) in enumerate(stretches):
             for begin, close in stretches[n + 1 :]:
                 if are_mirrored(panel.points, (start, end), (begin, close)):
@@ -72,14 +72,14 @@ def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
     return partner
 
 
-def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
+def _stretches(differs: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
     """Return first and last point of each run of edges sewn to other parts; darts within a run do not end it."""
-    count = len(away)
-    runs = [away[i] or dart[i] for i in range(count)]
+    count = len(differs)
+    runs = [differs[i] or dart[i] for i in range(count)]
     found = []
     for start in (i for i in range(count) if runs[i] and not runs[i - 1]):
         run = list(takewhile(lambda i: runs[i % count], range(start, start + count)))
-        if any(away[i % count] for i in run):
+        if any(differs[i % count] for i in run):
             found.append((start, (run[-1] + 1) % count))
     return found
 

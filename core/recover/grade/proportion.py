@@ -151,39 +151,39 @@ class Proportions:
         )
 
 
-def find_proportions(like: Pattern, settings: ProportionSettings = ProportionSettings()) -> Proportions:
+def find_proportions(base: Pattern, settings: ProportionSettings = ProportionSettings()) -> Proportions:
     """Find the panels of a base pattern that are cut in proportion, and the directions of their edges.
 
     Front and back are sewn along two seams or more and are alike in area. Where a smooth surface hides the seam between
     them the scan does not show how the girth is divided; grading keeps the base pattern's division. Nor does cloth show
     a slightly slanted hem, or the place of an armhole that fits its sleeve's cap: their directions stay.
     """
-    seams = count_seams(like)
+    seams = count_seams(base)
     sisters, edges = [], []
     for (first, second), count in sorted(seams.items()):
-        ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
+        ratio = panel_area(base.panel(first)) / panel_area(base.panel(second))
         if count >= 2 and settings.sister_area < ratio < 1.0 / settings.sister_area:
             sisters.append((first, second))
-            edges += _match_sister_edges(like, first, second)
-    pairs = [(ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters]
+            edges += _match_sister_edges(base, first, second)
+    pairs = [(ComparedArea.of(base, first), ComparedArea.of(base, second)) for first, second in sisters]
     compared = tuple(
         pair
         for pair in pairs
-        if all(one.measure(like) >= settings.compared_area * panel_area(like.panel(one.panel)) for one in pair)
+        if all(one.measure(base) >= settings.compared_area * panel_area(base.panel(one.panel)) for one in pair)
     )
-    areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
-    lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
-    directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters}, settings)
-    vectors = kept_vectors(like)
-    drawn = vectors @ like.points.ravel()
+    areas = [float(np.log(a.measure(base) / b.measure(base))) for a, b in compared]
+    lengths = [float(np.log(_length(base, a) / _length(base, b))) for a, b in edges]
+    directed, across, spread = _directions(base, {frozenset(pair) for pair in sisters}, settings)
+    vectors = kept_vectors(base)
+    drawn = vectors @ base.points.ravel()
     widths = (
-        *find_armhole_pairs(like),
-        *(width for pair in sisters for width in _across_sisters(like, *pair)),
-        *(width for pair in sisters for width in _across_openings(like, *pair, settings.unlike_length)),
+        *find_armhole_pairs(base),
+        *(width for pair in sisters for width in _across_sisters(base, *pair)),
+        *(width for pair in sisters for width in _across_openings(base, *pair, settings.unlike_length)),
     )
-    notched = _consecutive_seam_edges(like)
-    notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
-    ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
+    notched = _consecutive_seam_edges(base)
+    notches = [float(np.log(_length(base, a) / _length(base, b))) for a, b in notched]
+    ratios = [_ln_distance(base, one)[0] - _ln_distance(base, other)[0] for one, other in widths]
     return Proportions(
         settings, compared, np.array(areas), tuple(edges), np.array(lengths), notched, np.array(notches), widths,
         np.array(ratios), vectors, drawn, directed, across, spread,
@@ -191,14 +191,14 @@ def find_proportions(like: Pattern, settings: ProportionSettings = ProportionSet
 
 
 def _directions(
-    like: Pattern, sisters: set[frozenset[str]], settings: ProportionSettings
+    base: Pattern, sisters: set[frozenset[str]], settings: ProportionSettings
 ) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
     """Return the edges that are no seam between sisters, unit vectors across their chords and their spreads."""
     between = {
-        ref for seam in like.seams if frozenset((seam.a.panel, seam.b.panel)) in sisters for ref in (seam.a, seam.b)
+        ref for seam in base.seams if frozenset((seam.a.panel, seam.b.panel)) in sisters for ref in (seam.a, seam.b)
     }
     directed, across, spread = [], [], []
-    for panel in like.panels:
+    for panel in base.panels:
         warp = np.array([-np.sin(panel.grainline), np.cos(panel.grainline)])
         for i, edge in enumerate(panel.edges):
             ref = EdgeRef(panel.name, i)
@@ -214,36 +214,36 @@ def _directions(
     return tuple(directed), np.array(across).reshape(-1, 2), np.array(spread)
 
 
-def _match_sister_edges(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
+def _match_sister_edges(base: Pattern, first: str, second: str) -> list[tuple[EdgeRef, EdgeRef]]:
     """Pair edges of two sister panels, the second reversed, between common seams, if equal in number and kinds."""
-    partner = _sewn_edges(like, first, second)
-    count, other = len(like.panel(first).edges), len(like.panel(second).edges)
+    partner = _sewn_edges(base, first, second)
+    count, other = len(base.panel(first).edges), len(base.panel(second).edges)
     pairs = []
     for start in sorted(partner):
-        mine = edges_until(start, count, 1, set(partner))
-        end = (mine[-1] + 1 if mine else start + 1) % count
-        theirs = edges_until(partner[start], other, -1, set(partner.values()))
-        meets = (theirs[-1] - 1 if theirs else partner[start] - 1) % other
-        if not mine or partner[end] != meets or len(mine) != len(theirs):
+        edges = edges_until(start, count, 1, set(partner))
+        end = (edges[-1] + 1 if edges else start + 1) % count
+        sister_edges = edges_until(partner[start], other, -1, set(partner.values()))
+        meets = (sister_edges[-1] - 1 if sister_edges else partner[start] - 1) % other
+        if not edges or partner[end] != meets or len(edges) != len(sister_edges):
             continue
         alike = [
-            like.panel(first).edges[i].kind == like.panel(second).edges[j].kind
-            for i, j in zip(mine, theirs, strict=True)
+            base.panel(first).edges[i].kind == base.panel(second).edges[j].kind
+            for i, j in zip(edges, sister_edges, strict=True)
         ]
         if all(alike):
-            pairs += [(EdgeRef(first, i), EdgeRef(second, j)) for i, j in zip(mine, theirs, strict=True)]
+            pairs += [(EdgeRef(first, i), EdgeRef(second, j)) for i, j in zip(edges, sister_edges, strict=True)]
     return pairs
 
 
-def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+def _across_sisters(base: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Pair the widths of two sister panels at inner points of two seams that join them and mirror each other.
 
     On a smooth side its seam can drift forwards at the waist and backwards at the hip. The seams' ends are left out:
     `_match_sister_edges` keeps hems and necklines, `find_armhole_pairs` the chest.
     """
-    panel = like.panel(first)
-    mine, theirs = like.first_points[first], like.first_points[second]
-    runs = _common_seams(like, first, second)
+    panel = base.panel(first)
+    first_index, second_index = base.first_points[first], base.first_points[second]
+    runs = _common_seams(base, first, second)
     found = []
     for n, run in enumerate(runs):
         for other in runs[n + 1 :]:
@@ -251,12 +251,12 @@ def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[
             if len(run) != len(other) or not are_mirrored(panel.points, *ends):
                 continue
             for (a, sister_a), (b, sister_b) in zip(run[1:-1], other[-2:0:-1], strict=True):
-                found.append(((mine + a, mine + b), (theirs + sister_a, theirs + sister_b)))
+                found.append(((first_index + a, first_index + b), (second_index + sister_a, second_index + sister_b)))
     return found
 
 
 def _across_openings(
-    like: Pattern, first: str, second: str, unlike: float
+    base: Pattern, first: str, second: str, unlike: float
 ) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Pair the widths of two sister panels at an open contour that is longer on the one by a factor: a V in front.
 
@@ -264,9 +264,9 @@ def _across_openings(
     Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). For contours of
     like length `_match_sister_edges` keeps the width.
     """
-    panel, sister, found = like.panel(first), like.panel(second), []
-    mine, theirs = like.first_points[first], like.first_points[second]
-    runs = sorted(_common_seams(like, first, second))
+    panel, sister, found = base.panel(first), base.panel(second), []
+    first_index, second_index = base.first_points[first], base.first_points[second]
+    runs = sorted(_common_seams(base, first, second))
     for run, following in zip(runs, [*runs[1:], *runs[:1]], strict=True):
         (start, there), (end, back) = run[-1], following[0]
         between = edges_until((start - 1) % len(panel.edges), len(panel.edges), 1, {end})
@@ -275,14 +275,14 @@ def _across_openings(
             continue
         lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
         if max(lengths) > unlike * min(lengths):
-            found.append(((mine + start, mine + end), (theirs + there, theirs + back)))
+            found.append(((first_index + start, first_index + end), (second_index + there, second_index + back)))
     return found
 
 
-def _common_seams(like: Pattern, first: str, second: str) -> list[list[tuple[int, int]]]:
+def _common_seams(base: Pattern, first: str, second: str) -> list[list[tuple[int, int]]]:
     """Return the seams between two panels as runs of points of the first, each with the second's sewn to it."""
-    partner = _sewn_edges(like, first, second)
-    count, other = len(like.panel(first).edges), len(like.panel(second).edges)
+    partner = _sewn_edges(base, first, second)
+    count, other = len(base.panel(first).edges), len(base.panel(second).edges)
 
     def goes_on(edge: int) -> bool:
         return partner.get((edge + 1) % count) == (partner[edge] - 1) % other
@@ -299,30 +299,30 @@ def _common_seams(like: Pattern, first: str, second: str) -> list[list[tuple[int
     return runs
 
 
-def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
+def _sewn_edges(base: Pattern, first: str, second: str) -> dict[int, int]:
     """Return the edges of a panel that are sewn to another, each with the other's edge."""
     return {
-        here.edge: there.edge
-        for seam in like.seams
-        for here, there in ((seam.a, seam.b), (seam.b, seam.a))
-        if here.panel == first and there.panel == second
+        one.edge: other.edge
+        for seam in base.seams
+        for one, other in ((seam.a, seam.b), (seam.b, seam.a))
+        if one.panel == first and other.panel == second
     }
 
 
-def _consecutive_seam_edges(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
+def _consecutive_seam_edges(base: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
     """Pair the consecutive edges of one seam between two panels, on the first of both by name, across closed darts."""
-    sewn = {ref: other for seam in like.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
+    sewn = {ref: other for seam in base.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
     found = []
     for ref, other in sewn.items():
-        following, before = _skip_darts(like, ref, 1, sewn), _skip_darts(like, other, -1, sewn)
+        following, before = _skip_darts(base, ref, 1, sewn), _skip_darts(base, other, -1, sewn)
         if ref.panel < other.panel and sewn.get(following) == before:
             found.append((ref, following))
-    return tuple(pair for pair in found if min(_length(like, each) for each in pair) >= MIN_GRADED_EDGE_LENGTH)
+    return tuple(pair for pair in found if min(_length(base, each) for each in pair) >= MIN_GRADED_EDGE_LENGTH)
 
 
-def _skip_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
+def _skip_darts(base: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
     """Return the next edge of a panel, forwards or backwards, past darts, whose two edges are sewn together."""
-    count = len(like.panel(ref.panel).edges)
+    count = len(base.panel(ref.panel).edges)
     at = (ref.edge + turn) % count
     while sewn.get(EdgeRef(ref.panel, at)) == EdgeRef(ref.panel, (at + turn) % count):
         at = (at + 2 * turn) % count

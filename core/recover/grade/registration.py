@@ -43,7 +43,7 @@ class HiddenCloth:
     rest: float = 0.05
     level: float = 0.7
 
-    def hold(self, garment: Garment, chosen: np.ndarray) -> sp.csr_matrix:
+    def stiffness(self, garment: Garment, chosen: np.ndarray) -> sp.csr_matrix:
         """Return the matrix of int (|grad d|^2 + s |d|^2 / h^2) dA / l^2, shape [node_count, node_count].
 
         Notation: l `even`, h `rest`; s 1 where cloth rests on the body, else 0.
@@ -109,13 +109,13 @@ def register_coarsely(
     Integrals over the garment run over its flat rest shape, so that the result does not depend on the mesh. Beyond a
     hidden border `HiddenCloth` makes d even, so that the cloth keeps its lengths; so does int |grad d|^2 dA / `even`^2
     beyond the target's end at an open curve that is not pinned. Cloth that `armpits` hide has no closest points; its
-    `held` nodes are drawn to where they are worn.
+    `tied` nodes are drawn to where they are worn.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
     stiffness, mass = bending_operators(garment, settings.across_seams)
     pins, pinned = _pin_contours(garment, target, settings)
-    hidden, stays = np.zeros((2, len(start)), dtype=bool) if armpits is None else (armpits.hidden, armpits.held)
+    hidden, stays = np.zeros((2, len(start)), dtype=bool) if armpits is None else (armpits.hidden, armpits.fixed)
     hidden, shown = hidden & (pins == 0), ~hidden[garment.faces].all(axis=1)
     goal = TriangleSurface(target.vertices, target.faces)
     picked = np.linspace(0, len(goal.vertices) - 1, min(settings.samples, len(goal.vertices))).astype(np.int64)
@@ -132,29 +132,29 @@ def register_coarsely(
     free = np.concatenate([np.zeros(0, dtype=np.int64), *rims])
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
-        here = TriangleSurface(moved, garment.faces)
-        found, seen = match_surface(goal, moved, here.vertex_normals, settings.facing)
+        surface = TriangleSurface(moved, garment.faces)
+        found, seen = match_surface(goal, moved, surface.vertex_normals, settings.facing)
         out = goal.face_normals[found.face]
         weight = np.where(seen & (pins == 0) & ~hidden, mass, 0.0) / reach**4
         # Nodes without a match stay about in place; otherwise they would be extrapolated far out.
-        still = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
-        held = fixed
+        stillness = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
+        tied = fixed
         if rim is not None and settings.hidden is not None:
-            beyond = rim.lies_ahead(goal, found)
-            weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
-            held = fixed + settings.hidden.hold(garment, beyond)
-        beyond = _find_reachable(free, still > 0.0, edges.edges)
+            beyond = rim.is_ahead(goal, found)
+            weight, stillness = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, stillness)
+            tied = fixed + settings.hidden.stiffness(garment, beyond)
+        beyond = _find_reachable(free, stillness > 0.0, edges.edges)
         if beyond.any():
-            still = np.where(beyond, 0.0, still)
-            held = held + dirichlet_operator(garment, beyond)[0] / settings.even**2
+            stillness = np.where(beyond, 0.0, stillness)
+            tied = tied + dirichlet_operator(garment, beyond)[0] / settings.even**2
         lead = moved - start + out * (out * (found.foot - moved)).sum(1)[:, None]
-        found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
-        on_faces = found.interpolation(here.faces, len(moved))
+        found, seen = match_surface(surface, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
+        on_faces = found.interpolation(surface.faces, len(moved))
         pull = np.where(seen, share, 0.0) / reach**4
         pull[~shown[found.face]] = 0.0
         stay = np.where(hidden & stays, mass, 0.0) / reach**4
-        system = held + sp.diags(weight + still + stay) + on_faces.T @ sp.diags(pull) @ on_faces
-        right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
+        system = tied + sp.diags(weight + stillness + stay) + on_faces.T @ sp.diags(pull) @ on_faces
+        right = weight[:, None] * lead + stillness[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
         moved = start + factor_symmetric(system, solver).solve(right)
     return moved
@@ -198,14 +198,14 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
     Returns:
         Points on the target [m], shape [source_count, 3], and the length [m] that each source point stands for.
     """
-    own, other = ClosedCurve(source), ClosedCurve(target)
+    curve, target_curve = ClosedCurve(source), ClosedCurve(target)
     grid = np.arange(samples) / samples
-    a, b = own.at_shares(grid), other.at_shares(grid)
+    a, b = curve.at_shares(grid), target_curve.at_shares(grid)
     a, b = a - a.mean(0), b - b.mean(0)
     costs = [((a - np.roll(b, -shift, axis=0)) ** 2).sum() for shift in range(samples)]
     start = int(np.argmin(costs)) / samples
-    place = other.at_shares(own.arc[:-1] / own.arc[-1] + start)
-    return place, (own.lengths + np.roll(own.lengths, 1)) / 2
+    place = target_curve.at_shares(curve.arc[:-1] / curve.arc[-1] + start)
+    return place, (curve.lengths + np.roll(curve.lengths, 1)) / 2
 
 
 def dirichlet_operator(garment: Garment, chosen: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
@@ -234,9 +234,9 @@ def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_mat
     """
     sewn, mass = _bending(garment.rest, garment.faces, len(garment.nodes))
     part = find_parts(garment.pattern)
-    own, vertex = np.unique(part[garment.panel_of_uv] * len(garment.nodes) + garment.uv_node, return_inverse=True)
-    parts, _ = _bending(garment.rest, vertex[garment.uv_faces], len(own))
-    node = sp.csr_matrix((np.ones(len(own)), (np.arange(len(own)), own % len(garment.nodes))), (len(own), len(mass)))
+    ids, vertex = np.unique(part[garment.panel_of_uv] * len(garment.nodes) + garment.uv_node, return_inverse=True)
+    parts, _ = _bending(garment.rest, vertex[garment.uv_faces], len(ids))
+    node = sp.csr_matrix((np.ones(len(ids)), (np.arange(len(ids)), ids % len(garment.nodes))), (len(ids), len(mass)))
     return sp.csr_matrix(across * sewn + (1.0 - across) * (node.T @ parts @ node)), mass
 
 

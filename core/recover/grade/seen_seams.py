@@ -30,7 +30,7 @@ class SeenSeam:
     normal: np.ndarray
     offset: float
 
-    def miss(self, nodes: np.ndarray) -> np.ndarray:
+    def distance(self, nodes: np.ndarray) -> np.ndarray:
         """Return the distance of its nodes from the plane [m], given all nodes [m]; shape [n]."""
         return np.asarray(nodes[self.nodes] @ self.normal - self.offset)
 
@@ -62,8 +62,8 @@ def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenS
         ends = np.unique([_nodes_of_points(garment)[list(pair)] for pairs in armholes for pair in pairs])
         across, up, _ = ((garment.nodes[ends] - cloth.origin) @ cloth.axes.T).T
         for sign, place in zip((1.0, -1.0), points, strict=True):
-            here = sign * across > 0.0
-            top = ends[here][int(np.argmax(up[here]))]
+            on_side = sign * across > 0.0
+            top = ends[on_side][int(np.argmax(up[on_side]))]
             offset = float(cloth.origin @ cloth.axes[0] + place[0])
             found.append(SeenSeam(np.array([top]), cloth.axes[0], offset))
     return tuple(found)

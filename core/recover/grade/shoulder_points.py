@@ -47,11 +47,11 @@ def find_shoulder_points(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray]
 def _find_point(cloth: TrunkCurvature, side: int) -> np.ndarray | None:
     """Return the hollow point of the left (0) or right (1) shoulder; None if it is not unique, or at a rim."""
     outwards = (1.0, -1.0)[side]
-    away = cloth.points - cloth.shoulders[side]
-    near = np.linalg.norm(away, axis=1) < MAX_SHOULDER_INWARD_OFFSET + MAX_SHOULDER_OUTWARD_OFFSET
-    across, up, forwards = away.T
+    offset = cloth.points - cloth.shoulders[side]
+    is_near = np.linalg.norm(offset, axis=1) < MAX_SHOULDER_INWARD_OFFSET + MAX_SHOULDER_OUTWARD_OFFSET
+    across, up, forwards = offset.T
     offered = (
-        near
+        is_near
         & (outwards * across > -MAX_SHOULDER_INWARD_OFFSET)
         & (outwards * across < MAX_SHOULDER_OUTWARD_OFFSET)
         & (np.abs(forwards) < MAX_SHOULDER_DEPTH_OFFSET)
@@ -59,7 +59,7 @@ def _find_point(cloth: TrunkCurvature, side: int) -> np.ndarray | None:
     offered &= (up > -MAX_SHOULDER_DROP) & cloth.faces_up
     if not offered.any():
         return None
-    sums = cloth.gather(cloth.points[offered], near, SHOULDER_CURVATURE_RADIUS)
+    sums = cloth.gather(cloth.points[offered], is_near, SHOULDER_CURVATURE_RADIUS)
     least = int(np.argmin(sums))
     place = cloth.points[offered][least]
     others = sums[np.linalg.norm(cloth.points[offered] - place, axis=1) >= SHOULDER_CURVATURE_RADIUS]

@@ -32,11 +32,11 @@ def fit_sleeve(target: Target, body: Body, cut: Cut) -> Cut:
     reach = cuff_reach(target, body)
     if reach is None or cut.sleeve is Sleeve.NONE:
         return cut
-    away = {sleeve: abs(math.log(reach * DRAFT_ARM_LENGTH / drawn.length)) for sleeve, drawn in SLEEVES.items()}
-    nearest, own = min(away, key=away.__getitem__), away[cut.sleeve]
+    distances = {sleeve: abs(math.log(reach * DRAFT_ARM_LENGTH / drawn.length)) for sleeve, drawn in SLEEVES.items()}
+    nearest, current = min(distances, key=distances.__getitem__), distances[cut.sleeve]
     return (
         cut.choose({"sleeve": str(nearest)})
-        if own > math.log(MIN_SLEEVE_MISMATCH_FACTOR) and away[nearest] < MAX_SLEEVE_DISTANCE_SHARE * own
+        if current > math.log(MIN_SLEEVE_MISMATCH_FACTOR) and distances[nearest] < MAX_SLEEVE_DISTANCE_SHARE * current
         else cut
     )
 

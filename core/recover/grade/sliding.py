@@ -38,7 +38,7 @@ class SlideSettings:
     settled: float = 1e-3
     isometry: IsometrySettings = field(
         default_factory=lambda: IsometrySettings(
-            vertices=800, steps=12, believed=0.0, stay=0.02, stay_band=1.0, stay_hidden=1.0
+            vertices=800, steps=12, max_strain=0.0, start_cost=0.02, start_cost_band=1.0, start_cost_hidden=1.0
         )
     )
 
@@ -51,7 +51,7 @@ def slide_seams(
     garment: Garment,
     target: Target,
     body: Body,
-    like: Pattern,
+    base: Pattern,
     *,
     settings: SlideSettings | None = None,
     hooks: Hooks = SILENT_HOOKS,
@@ -68,7 +68,7 @@ def slide_seams(
         garment: The graded pattern's mesh, nodes registered on the target.
         target: The scan's surface with named contours.
         body: The wearer, on whom the contours are named.
-        like: The template, which gives symmetry and proportions.
+        base: The template, which gives symmetry and proportions.
         settings: Steps and their end.
         hooks: Progress and cancellation.
 
@@ -79,7 +79,7 @@ def slide_seams(
     settings = settings or SlideSettings()
     chosen = settings.isometry
     found, strain = mesh_coarsely(garment, chosen)
-    problem = Isometry.of(found, target, body, like, strain, chosen)
+    problem = Isometry.of(found, target, body, base, strain, chosen)
 
     def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
@@ -101,7 +101,7 @@ def mesh_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment
     """
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(garment.nodes)))
     found = coarse.at(resample(garment, garment.nodes, coarse))
-    strain = clamp_stretch(found, found, settings.believed) @ subgrid_stretch(found, garment, garment.nodes)
+    strain = clamp_stretch(found, found, settings.max_strain) @ subgrid_stretch(found, garment, garment.nodes)
     return found, 0.5 * (strain + np.swapaxes(strain, 1, 2))
 
 
@@ -114,7 +114,7 @@ def can_be_meshed(garment: Garment) -> bool:
     return True
 
 
-def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:
+def solve_isometry(problem: Isometry, start: Garment, settled: float, on_step: Callable[[int], None]) -> Garment:
     """Repeat the step of a problem until the pattern rests, or the number of steps is reached.
 
     Steps with fixed rotations use momentum (Nesterov's, restarted where it opposes the last step: O'Donoghue and Candes
@@ -124,23 +124,23 @@ def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Call
         problem: The problem to solve.
         start: The garment to start from.
         settled: Largest motion of a control point in one step [m] below which it ends.
-        tell: Called with the number of each step before it is made.
+        on_step: Called with the number of each step before it is made.
     """
     chosen = problem.settings
     found = tried = start
     turn, reach = 0, chosen.reach_first if chosen.newton else chosen.reach
     for step in range(chosen.steps):
-        tell(step)
+        on_step(step)
         before, found = found, problem.step(tried, reach)
-        way = found.pattern.points - before.pattern.points
-        if float(np.linalg.norm(way, axis=1).max()) < settled:
+        point_step = found.pattern.points - before.pattern.points
+        if float(np.linalg.norm(point_step, axis=1).max()) < settled:
             break
         if chosen.newton:
             tried, reach = found, min(chosen.growth * reach, chosen.reach)
             continue
-        ahead = found.nodes - before.nodes
-        turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1
+        node_step = found.nodes - before.nodes
+        turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * node_step)) > 0.0 else turn + 1
         share = turn / (turn + 3.0)
-        further = step_without_folds(found.pattern, found.pattern.points + share * way, GradeSettings())[0]
-        tried = move_pattern(found, further).at(found.nodes + share * ahead)
+        further = step_without_folds(found.pattern, found.pattern.points + share * point_step, GradeSettings())[0]
+        tried = move_pattern(found, further).at(found.nodes + share * node_step)
     return found

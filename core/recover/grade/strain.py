@@ -14,7 +14,7 @@ MIN_COARSE_LENGTH_RATIO = 0.8
 """Smallest ratio of a coarse edge's length to that of the folds under it; tighter folds are errors of registration."""
 
 
-def clamp_stretch(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
+def clamp_stretch(coarse: Garment, drape: Garment, limit: float) -> np.ndarray:
     """Return a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
 
     Narrow panels keep it unclipped, as in grading: a band is cut shorter than what it holds.
@@ -22,12 +22,12 @@ def clamp_stretch(coarse: Garment, drape: Garment, believed: float) -> np.ndarra
     Args:
         coarse: A mesh of the drape's pattern; its nodes are not used.
         drape: The drape.
-        believed: Largest strain assumed for woven cloth.
+        limit: Largest strain assumed for woven cloth.
     """
     values, axes = np.linalg.eigh(_mean_square(coarse, drape, garment_stretch(drape, drape.nodes)))
     values = np.sqrt(values)
     narrow = narrow_panels(coarse.pattern)[coarse.panel_of_face]
-    return _compose_symmetric(np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed)), axes)
+    return _compose_symmetric(np.where(narrow[:, None], values, np.clip(values, 1.0 - limit, 1.0 + limit)), axes)
 
 
 def subgrid_stretch(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
@@ -50,12 +50,12 @@ def subgrid_stretch(coarse: Garment, fine: Garment, registered: np.ndarray) -> n
 
 def _find_crossed(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
     """Find the coarse faces around which faces of the registered fine mesh cross, bool, shape [face_count]."""
-    middles, near = coarse.rest.mean(axis=1), np.zeros(len(coarse.uv), dtype=bool)
+    middles, crossed = coarse.rest.mean(axis=1), np.zeros(len(coarse.uv), dtype=bool)
     for face in self_intersections(registered, fine.faces):
         there = np.flatnonzero(coarse.panel_of_face == fine.panel_of_face[face])
-        away = np.linalg.norm(middles[there] - fine.rest[face].mean(axis=0), axis=1)
-        near[coarse.uv_faces[there[int(np.argmin(away))]]] = True
-    return np.asarray(near[coarse.uv_faces].any(axis=1))
+        distance = np.linalg.norm(middles[there] - fine.rest[face].mean(axis=0), axis=1)
+        crossed[coarse.uv_faces[there[int(np.argmin(distance))]]] = True
+    return np.asarray(crossed[coarse.uv_faces].any(axis=1))
 
 
 def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndarray:
@@ -69,11 +69,11 @@ def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndar
     weight = np.zeros(len(coarse.uv))
     area = np.abs(signed_areas(fine.rest))
     for panel in range(len(coarse.pattern.panels)):
-        here, there = np.flatnonzero(fine.panel_of_face == panel), np.flatnonzero(coarse.panel_of_face == panel)
-        nearest = there[cKDTree(middles[there]).query(fine.rest[here].mean(axis=1))[1]]
+        rows, other = np.flatnonzero(fine.panel_of_face == panel), np.flatnonzero(coarse.panel_of_face == panel)
+        nearest = other[cKDTree(middles[other]).query(fine.rest[rows].mean(axis=1))[1]]
         for corner in coarse.uv_faces[nearest].T:
-            np.add.at(total, corner, area[here, None, None] * square[here])
-            np.add.at(weight, corner, area[here])
+            np.add.at(total, corner, area[rows, None, None] * square[rows])
+            np.add.at(weight, corner, area[rows])
     empty = weight == 0.0
     total[empty], weight[empty] = np.eye(2), 1.0
     return np.asarray((total / weight[:, None, None])[coarse.uv_faces].mean(axis=1))

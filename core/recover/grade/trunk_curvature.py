@@ -71,6 +71,6 @@ class TrunkCurvature:
             counted: Vertices that count, shape [n].
             reach: Beyond which none counts [m].
         """
-        near = cKDTree(places).sparse_distance_matrix(cKDTree(self.points[counted]), reach, output_type="coo_matrix")
-        share = (1.0 - (near.data / reach) ** 2) ** 3
-        return np.bincount(near.row, share * self.curvature[counted][near.col], minlength=len(places))
+        pair = cKDTree(places).sparse_distance_matrix(cKDTree(self.points[counted]), reach, output_type="coo_matrix")
+        share = (1.0 - (pair.data / reach) ** 2) ** 3
+        return np.bincount(pair.row, share * self.curvature[counted][pair.col], minlength=len(places))

@@ -188,21 +188,21 @@ def _run(
     settings = stage.settings
     lead = int(np.ceil(settings.lead / settings.lead_pace.longest - 1e-9)) if done == 0 else 0
     path = [*(times[0] - settings.lead * np.arange(lead, 0, -1) / max(lead, 1)), *times[max(done - 1, 0) :]]
-    now, begun = stage.at(float(path[0]), state.nodes), time.process_time()
+    now, started = stage.at(float(path[0]), state.nodes), time.process_time()
     cloth = Cloth(state, stage.layout)
     if done == 0 and lead == 0:
-        yield 0, state, *_judge_frame(stage, state, now, _StepCounts(), begun)
+        yield 0, state, *_judge_frame(stage, state, now, _StepCounts(), started)
     for before, after in pairwise(path):
         index = int(np.searchsorted(times, after - 1e-9))
         name = "into the motion" if after < times[0] - 1e-9 else f"frame {index + 1} of {len(times)}"
         hooks.progress(STAGE, index / len(times), name)
-        begun = time.process_time()
+        started = time.process_time()
         if index % CHECKPOINT_FRAME_COUNT == 0 and index > 0:
             cloth = Cloth(cloth.state, stage.layout)
         pace = settings.pace if before >= times[0] - 1e-9 else settings.lead_pace
         cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)), pace)
         if after >= times[0] - 1e-9:
-            yield index, cloth.state, *_judge_frame(stage, cloth.state, now, tally, begun)
+            yield index, cloth.state, *_judge_frame(stage, cloth.state, now, tally, started)
 
 
 def _advance(
@@ -233,11 +233,11 @@ def _step_with_halving(
 
 
 def _judge_frame(
-    stage: AnimationScene, state: ClothState, now: PosedWearer, tally: _StepCounts, begun: float
+    stage: AnimationScene, state: ClothState, now: PosedWearer, tally: _StepCounts, started: float
 ) -> tuple[np.ndarray, FrameVerdict]:
     """Return a frame's nodes outside the wearer, and its verdict."""
     faces = stage.worn.garment.faces
     nodes = stage.deliver(state.nodes, now)
     deep, crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
-    seconds = time.process_time() - begun
-    return nodes, FrameVerdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.way)
+    seconds = time.process_time() - started
+    return nodes, FrameVerdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.exit)

@@ -31,7 +31,7 @@ class LimbSpread:
 
     def warnings(self) -> tuple[str, ...]:
         """Return a sentence for each limb that was spread."""
-        told = []
+        texts = []
         for name, degrees in self.degrees.items():
             span = self.spans[name]
             if span is None:
@@ -43,8 +43,8 @@ class LimbSpread:
             )
             if self.missed[name]:
                 text += f" {np.rad2deg(MAX_LIMB_SPREAD_ANGLE):.0f} degrees are the most, and were not enough."
-            told.append(text)
-        return tuple(told)
+            texts.append(text)
+        return tuple(texts)
 
 
 def find_covered_vertices(worn: WornGarment) -> np.ndarray:

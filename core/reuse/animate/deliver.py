@@ -59,26 +59,26 @@ def resolve_penetration(
     cloth = scene.self_contact
     assert cloth is not None
     waiting = cloth.wait(self_intersections(nodes, cloth.faces))
-    energy, start = Energy(replace(scene, self_contact=waiting)).let_shut(nodes), nodes
+    energy, start = Energy(replace(scene, self_contact=waiting)).suspend_coincident(nodes), nodes
     singles, sheets = np.ones(len(nodes), dtype=bool), np.ones(len(cloth.faces), dtype=bool)
     for turn in range(settings.iterations):
-        push, (own, middles) = np.zeros_like(nodes), (np.flatnonzero(each) for each in (singles, sheets))
-        distance, push[own] = exit_displacements(nodes[own], skin, settings.clearance if turn == 0 else 0.0)
+        push, (single, middles) = np.zeros_like(nodes), (np.flatnonzero(each) for each in (singles, sheets))
+        distance, push[single] = exit_displacements(nodes[single], skin, settings.clearance if turn == 0 else 0.0)
         corners = cloth.faces[middles]
-        depth, way = exit_displacements(nodes[corners].mean(axis=1), skin, 0.0)
+        depth, displacement = exit_displacements(nodes[corners].mean(axis=1), skin, 0.0)
         for k in range(3):
             node = corners[:, k]
-            further = (way**2).sum(axis=1) > (push[node] ** 2).sum(axis=1)
-            push[node[further]] = way[further]
+            further = (displacement**2).sum(axis=1) > (push[node] ** 2).sum(axis=1)
+            push[node[further]] = displacement[further]
         low = -min(float(distance.min(initial=0.0)), float(depth.min(initial=0.0)))
         if not push.any() or (turn > 0 and low < settings.tolerance):
             break
         before, (energy, nodes) = nodes, move_collision_free(energy, nodes, nodes + push)
         moved = (nodes != before).any(axis=1)
         singles, sheets = moved.copy(), moved[cloth.faces].any(axis=1)
-        singles[own[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
+        singles[single[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
     deep = pinched_depth(nodes, cloth.faces, skin) if low > settings.remaining else None
-    if deep is not None and (deep.free > settings.remaining or settings.remaining < deep.way < settings.pinch):
+    if deep is not None and (deep.free > settings.remaining or settings.remaining < deep.exit < settings.pinch):
         for origin in (start, nodes):
             out = project_outside(origin, skin, cloth.faces)
             through = untangle_outside(out, skin, cloth.faces, allowed=settings.remaining, limit=settings.remaining)

@@ -24,12 +24,12 @@ class MovingSkin:
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Compute the signed distance of points, negative inside, and its gradient; see `SignedDistance`."""
         found = self.surface.closest(points)
-        way = points - found.foot
+        offset = points - found.foot
         normals = self.surface.normals[found.face]
-        doubtful = np.flatnonzero((way * normals).sum(axis=1) < MIN_OUTSIDE_COSINE * found.distance)
+        doubtful = np.flatnonzero((offset * normals).sum(axis=1) < MIN_OUTSIDE_COSINE * found.distance)
         sign = np.ones(len(points))
         sign[doubtful] = np.where(self.surface.contains(points[doubtful]), -1.0, 1.0)
         # below a nanometre the difference of two positions of about 1 m has no accurate direction in float64
-        far = found.distance > 1e-9
-        normals[far] = way[far] * (sign[far] / found.distance[far])[:, None]
+        is_far = found.distance > 1e-9
+        normals[is_far] = offset[is_far] * (sign[is_far] / found.distance[is_far])[:, None]
         return sign * found.distance, normals

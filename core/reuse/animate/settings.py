@@ -45,7 +45,7 @@ class AnimateSettings:
         halvings: Largest number of times that a step which does not converge is halved.
         step: The steps.
         contact: The contact of cloth and body.
-        apart: Whether the cloth is in contact with itself.
+        self_contact: Whether the cloth is in contact with itself.
         keep_motion: Whether limbs are not spread, even where they leave the cloth no room.
     """
 
@@ -58,7 +58,7 @@ class AnimateSettings:
     halvings: int = 3
     step: StepSettings = field(default_factory=StepSettings)
     contact: ContactSettings = field(default_factory=ContactSettings)
-    apart: bool = True
+    self_contact: bool = True
     keep_motion: bool = False
 
     def __post_init__(self) -> None:

@@ -21,12 +21,12 @@ from ...cloth.pins import Pins
 from ...cloth.scene import Scene
 from ...cloth.topology import Topology
 from ...geometry.intersections import self_intersections
-from ...recover.drape.tie import pin_waist
+from ...recover.drape.waist_placement import pin_waist
 from ..wear.worn import WornGarment
 from .deliver import resolve_penetration
 from .moving_skin import MovingSkin
-from .ride import move_anchors
 from .settings import AnimateSettings, StepLimits
+from .triangle_motion import move_anchors
 
 
 @dataclass(frozen=True)
@@ -76,15 +76,15 @@ class AnimationScene:
             None,
             folds,
             contact=self.settings.contact,
-            self_contact=SelfContact.of(topology) if self.settings.apart else None,
+            self_contact=SelfContact.of(topology) if self.settings.self_contact else None,
         )
 
     @property
     def start(self) -> ClothState:
         """Return the cloth at rest in the garment's shape, with bending friction in its folds."""
-        nodes, held = np.array(self.worn.garment.nodes), self.scene.bending_friction
-        assert held is not None
-        return ClothState(nodes, np.zeros_like(nodes), nodes.copy(), folds=held.angles)
+        nodes, friction = np.array(self.worn.garment.nodes), self.scene.bending_friction
+        assert friction is not None
+        return ClothState(nodes, np.zeros_like(nodes), nodes.copy(), folds=friction.angles)
 
     @cached_property
     def layout(self) -> SolverLayout:
@@ -107,7 +107,7 @@ class AnimationScene:
         """Return the wearer at a time of the motion [s], for queries near cloth at about `nodes` [m], [n, 3]."""
         transforms = self.mover.transforms(self.motion.at(time))
         vertices = skin(self.mover.at_rest, self.worn.body.weights, transforms)
-        return PosedWearer(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, near=nodes))
+        return PosedWearer(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, measured=nodes))
 
     def move_pins(self, moment: PosedWearer) -> Pins | None:
         """Return the waist's pins carried by the skin and moved out of the body."""
@@ -127,16 +127,16 @@ class AnimationScene:
         """Return the number of steps for the wearer's motion between two times [s]; `now` is at the first."""
         later = self.mover.vertices(self.motion.at(span[1]))
         found = now.surface.closest(nodes)
-        near = found.distance < SKIN_MOTION_RADIUS
-        corners = now.surface.faces[found.face[near]]
-        way = np.linalg.norm((later - now.surface.vertices)[corners].mean(axis=1), axis=1).max(initial=0.0)
-        return max(1, int(np.ceil(way / pace.travel - 1e-9)), int(np.ceil((span[1] - span[0]) / pace.longest - 1e-9)))
+        is_near = found.distance < SKIN_MOTION_RADIUS
+        corners = now.surface.faces[found.face[is_near]]
+        move = np.linalg.norm((later - now.surface.vertices)[corners].mean(axis=1), axis=1).max(initial=0.0)
+        return max(1, int(np.ceil(move / pace.travel - 1e-9)), int(np.ceil((span[1] - span[0]) / pace.longest - 1e-9)))
 
     def step(self, cloth: Cloth, now: PosedWearer, then: PosedWearer, dt: float) -> StepResult:
         """Take a step of the cloth while the wearer moves from one moment to another in `dt` [s]."""
         state = cloth.state
-        own = unskin(state.nodes, self.weights, now.transforms)
-        carried = skin(own, self.weights, then.transforms)
+        unposed = unskin(state.nodes, self.weights, now.transforms)
+        carried = skin(unposed, self.weights, then.transforms)
         anchors = move_anchors(state.anchors, now.surface, then.surface.vertices)
         pins = self.move_pins(then)
         if pins is not None:

@@ -11,7 +11,7 @@ from ...cloth.locking import reduce_membrane_stiffness
 from ...cloth.statics import Drape
 from ...garment.curves import panel_area
 from ...garment.garment import Garment
-from ...garment.laying import transfer_nodes
+from ...garment.node_transfer import transfer_nodes
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
 from ...geometry.curves import ClosedCurve
@@ -26,8 +26,8 @@ from ...run.verdict import Gate, Verdict
 from ...scan.contours.target import Contour
 from ..wear.dressing import measure_worn, tabulate_ease
 from ..wear.ease import Ease, measure_ease
+from ..wear.layer_separation import separate_layers
 from ..wear.load import measure_pressure, measure_strain
-from ..wear.parting import separate_layers
 from ..wear.verdicts import judge_wear
 from ..wear.worn import WornGarment
 from .compare import PatternDifference, compare_versions
@@ -35,7 +35,7 @@ from .compare import PatternDifference, compare_versions
 STAGES = ("drape", "measure")
 """Stages of an edit, after those that read its input."""
 
-WARM_START_SETTINGS = DrapeSettings(settle_steps=0, apart=True)
+WARM_START_SETTINGS = DrapeSettings(settle_steps=0, self_contact=True)
 """Drapes from where the cloth hangs: nodes do not move before the equilibrium search, so folds are kept."""
 
 MAX_SEAM_MISMATCH_MM = 0.5

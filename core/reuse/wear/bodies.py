@@ -44,19 +44,19 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
     return BodyFile(load_scan(path, units=units, up=up, kind="body", limits=limits))
 
 
-def describe_body_file(given: BodyFile) -> dict[str, Any]:
+def describe_body_file(file: BodyFile) -> dict[str, Any]:
     """Return how the file was interpreted, as JSON values."""
-    return {"body": {"format": "smpl"} if given.mesh is None else describe_scan(given.mesh)}
+    return {"body": {"format": "smpl"} if file.mesh is None else describe_scan(file.mesh)}
 
 
 def find_wearer(
-    wanted: BodyFile | BuiltinWearer | None, own: Body, pose: str | None = None, hooks: Hooks = SILENT_HOOKS
+    chosen: BodyFile | BuiltinWearer | None, wearer: Body, pose: str | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> Body:
     """Return the body that is to wear a garment.
 
     Args:
-        wanted: A file's body, a built-in body, or None for the wearer.
-        own: The wearer.
+        chosen: A file's body, a built-in body, or None for the wearer.
+        wearer: The wearer.
         pose: The body's pose, one of `POSES`; None: its own.
         hooks: Progress and cancellation.
 
@@ -64,11 +64,11 @@ def find_wearer(
         BodySpecBad: where description or pose is not valid.
         NotHuman: where the mesh is not a person's.
     """
-    if isinstance(wanted, BodyFile):
-        body = wanted.body
-        if body is None and wanted.mesh is not None:
-            body = register_body(wanted.mesh.vertices, wanted.mesh.faces, name=wanted.mesh.name, hooks=hooks)
-        found = own if body is None else body
+    if isinstance(chosen, BodyFile):
+        body = chosen.body
+        if body is None and chosen.mesh is not None:
+            body = register_body(chosen.mesh.vertices, chosen.mesh.faces, name=chosen.mesh.name, hooks=hooks)
+        found = wearer if body is None else body
     else:
-        found = own if wanted is None else builtin_body(wanted)
+        found = wearer if chosen is None else builtin_body(chosen)
     return found if pose is None else pose_body(found, pose)

@@ -19,8 +19,8 @@ from ...run.hooks import Hooks
 from ...run.report import ResultReport
 from ...scan.contours.contours import name_contours
 from .ease import Ease, measure_ease
+from .layer_separation import separate_layers
 from .load import measure_pressure, measure_strain
-from .parting import separate_layers
 from .verdicts import judge_wear
 from .waist import is_same_body, transfer_curve
 from .worn import WornGarment
@@ -42,7 +42,7 @@ class DressedGarment:
         pressure: Of the cloth on the body at each node [Pa], shape [node_count].
         report: Numbers, verdicts, warnings, cost, and what reproduces it.
         pieces: Numbers of each production piece of the pattern; empty if none can be cut.
-        under: The garment below it at rest with it, or None.
+        inner: The garment below it at rest with it, or None.
     """
 
     before: WornGarment
@@ -53,7 +53,7 @@ class DressedGarment:
     pressure: np.ndarray
     report: ResultReport
     pieces: tuple[PieceNumbers, ...] = ()
-    under: WornGarment | None = None
+    inner: WornGarment | None = None
 
 
 def dress_body(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:

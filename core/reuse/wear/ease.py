@@ -46,7 +46,7 @@ class MeasuredBody:
     """Describe a body's measures, taken once for many garments: the tape on its T-pose, and the girths by place."""
 
     tape: TapeMeasure
-    taken: Mapping[str, Girth]
+    girths: Mapping[str, Girth]
 
     @classmethod
     def of(cls, body: Body) -> MeasuredBody:
@@ -55,7 +55,7 @@ class MeasuredBody:
         return cls(tape, {place: tape.measure(place) for place in GIRTHS})
 
     @property
-    def apart(self) -> float:
+    def leg_offset(self) -> float:
         """Return the distance from the median plane beyond which cloth is one leg's [m]."""
         return LEG_OFFSET_SHARE * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
 
@@ -97,8 +97,8 @@ def _drop_crossed_faces(garment: Garment) -> Garment:
     crossed = self_intersections(garment.nodes, garment.faces)
     if not len(crossed):
         return garment
-    far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > EASE_LEVEL_OFFSETS[-1]
-    kept = far[garment.faces].any(axis=1)
+    is_far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > EASE_LEVEL_OFFSETS[-1]
+    kept = is_far[garment.faces].any(axis=1)
     return replace(
         garment,
         faces=garment.faces[kept],
@@ -151,7 +151,7 @@ class ClothSlice:
         """Return the length of the longest of chosen lines [m], or None where there is none."""
         return float(self.lengths[chosen].max()) if chosen.any() else None
 
-    def goes_round(self, point: np.ndarray) -> np.ndarray:
+    def encloses(self, point: np.ndarray) -> np.ndarray:
         """Check which lines enclose a point of the plane [m], shape [2], by the parity of a ray's crossings.
 
         Returns:
@@ -233,31 +233,31 @@ def _measure_panel_chords(
     along = np.bincount(of_piece, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
     found = []
     for each in range(len(along)):
-        own = of_piece == each
-        tips = ends[own][at_border[own]]
+        of_panel = of_piece == each
+        tips = ends[of_panel][at_border[of_panel]]
         length = float(np.linalg.norm(tips[1] - tips[0])) if len(tips) == 2 else float(along[each])
-        found.append((int(of_face[own][0]), length))
+        found.append((int(of_face[of_panel][0]), length))
     return found
 
 
 def _trunk_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the ease at chest or waist, or None where no cloth surrounds it."""
     below = EASE_LEVEL_OFFSETS if place == "chest" else EASE_LEVEL_OFFSETS[:1]
-    taken = figure.taken[place]
-    lengths = [_trunk_length(garment, nodes, figure, taken.level - down) for down in below]
+    girth = figure.girths[place]
+    lengths = [_trunk_length(garment, nodes, figure, girth.level - down) for down in below]
     length = min((length for length in lengths if length is not None), default=None)
-    return None if length is None else Ease(place, length, taken.value)
+    return None if length is None else Ease(place, length, girth.value)
 
 
 def _hip_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the least ease at the hips and above, or None where no cloth surrounds them."""
     found = []
     for up in EASE_LEVEL_OFFSETS:
-        level = figure.taken[place].level + up
+        level = figure.girths[place].level + up
         cut = slice_cloth(garment, nodes, 1, level)
         if not len(cut.lengths):
             break
-        length = cut.length(np.abs(cut.middles - figure.centre) < figure.apart)
+        length = cut.length(np.abs(cut.middles - figure.centre) < figure.leg_offset)
         if length is not None:  # else the cloth is the legs', below a low crotch
             found.append(Ease(place, length, figure.tape.trunk(level).value))
     return min(found, key=lambda ease: ease.value, default=None)
@@ -266,19 +266,19 @@ def _hip_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: 
 def _trunk_length(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, level: float) -> float | None:
     """Return the length of the cloth around the trunk at a height [m], or None where there is none."""
     cut = slice_cloth(garment, nodes, 1, level)
-    return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is not a girth
+    return cut.length(cut.encloses(figure.trunk(level)[::2]))  # a fold that the plane cuts off is not a girth
 
 
 def _arm_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place: str) -> Ease | None:
     """Return the least ease of the sleeves there and further out, the mean of both, or None if an arm has none."""
     found = []
     for out in EASE_LEVEL_OFFSETS:
-        level = figure.taken[place].level + out
+        level = figure.girths[place].level + out
         lengths = []
         for side in ("left", "right"):
             middle = figure.arm(side, level)
             cut = slice_cloth(garment, nodes, 0, float(middle[0]))
-            lengths.append(cut.length(cut.goes_round(middle[1:])))  # excludes cloth of the hips that moved with a hand
+            lengths.append(cut.length(cut.encloses(middle[1:])))  # excludes cloth of the hips that moved with a hand
         length = _mean(lengths)
         if length is not None:
             found.append(Ease(place, length, figure.tape.arms(level).value))
@@ -289,9 +289,9 @@ def _thigh_ease(garment: Garment, nodes: np.ndarray, figure: MeasuredBody, place
     """Return the least ease at the thighs and below, the mean of both, or None if a leg has no cloth of its own."""
     found = []
     for down in EASE_LEVEL_OFFSETS:
-        level = figure.taken[place].level - down
+        level = figure.girths[place].level - down
         cut = slice_cloth(garment, nodes, 1, level)
-        length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.apart) for sign in (1.0, -1.0)])
+        length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.leg_offset) for sign in (1.0, -1.0)])
         if length is not None:  # else the crotch hangs lower
             found.append(Ease(place, length, figure.tape.thighs(level).value))
     return min(found, key=lambda ease: ease.value, default=None)

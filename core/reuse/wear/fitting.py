@@ -12,7 +12,7 @@ from ...body.builtin import builtin_body
 from ...body.skinning import rest_body
 from ...cloth.fabrics import get_fabric
 from ...garment.garment import Garment
-from ...garment.moving import move_by_drafts
+from ...garment.measure_change import move_by_drafts
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
 from ...garment.templates import DRAPED_VERTICES, draft_template, load_draped_template
@@ -49,12 +49,12 @@ class FittedDraft:
     body: Body
     waist: np.ndarray | None
 
-    def foresee(self, other: FittedDraft) -> Mapping[str, float]:
+    def predict_ease(self, other: FittedDraft) -> Mapping[str, float]:
         """Return the predicted ease of another fitting in excess of that on this body [m], by place. Both have the same
         ease, so this is the error of the prediction (`EasePrediction`) from one body to the other."""
         if self.garment is None or other.garment is None:
             return {}
-        return EasePrediction.of(self.garment, self.body, self.waist, other.body).foresee(other.pattern)
+        return EasePrediction.of(self.garment, self.body, self.waist, other.body).predict_change(other.pattern)
 
 
 def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedDraft:
@@ -79,7 +79,7 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedD
         return found
     pattern, rest, rules = found.pattern, found.body, widening_rules(template)
     wearer, waist = builtin_body(TEMPLATE_WEARER), _waist_curve(shipped)
-    wanted = EasePrediction.of(shipped, wearer, waist, rest).ease
+    target_ease = EasePrediction.of(shipped, wearer, waist, rest).ease
     geometry = WearerGeometry(rest)
     for _ in range(MAX_FITTING_ITERATIONS):
         mesh = mesh_pattern(pattern, DRAPED_VERTICES)
@@ -88,12 +88,12 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedD
         )
         draped, _ = drape_worn(transfer_to_body(worn, rest, None), geometry, hooks)
         contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, rest)
-        hung = EasePrediction.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
-        hung = replace(hung, ease=wanted)
-        if max_ease_change(hung, pattern) <= EASE_FIT_TOLERANCE:
+        draped_ease = EasePrediction.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
+        draped_ease = replace(draped_ease, ease=target_ease)
+        if max_ease_change(draped_ease, pattern) <= EASE_FIT_TOLERANCE:
             break
-        pattern = preserve_ease(pattern, hung, rules)
-    return FittedDraft(pattern, hung.lay(pattern), rest, draped.waist)
+        pattern = preserve_ease(pattern, draped_ease, rules)
+    return FittedDraft(pattern, draped_ease.place(pattern), rest, draped.waist)
 
 
 def widen_draft(template: str, body: Body) -> FittedDraft:

@@ -78,7 +78,7 @@ class EasePrediction:
             height = float(unpose_points(transfer_curve(waist, wearer, body), body)[:, 1].mean() + above)
         return cls(garment, nodes, ease, figure, figure.centre - float(wearer.rest_joints[0, 0]), height)
 
-    def lay(self, pattern: Pattern) -> Garment:
+    def place(self, pattern: Pattern) -> Garment:
         """Return the garment of another pattern, at its predicted place on the other body's T-pose."""
         garment = self.garment
         uv = map_controls(garment).apply(pattern.points)
@@ -93,18 +93,18 @@ class EasePrediction:
             nodes[:, 1] += self.waist - nodes[contour.vertices, 1].mean()
         return replace(garment, pattern=pattern, uv=uv, nodes=nodes)
 
-    def foresee(self, pattern: Pattern) -> dict[str, float]:
+    def predict_change(self, pattern: Pattern) -> dict[str, float]:
         """Return the predicted change of the ease on the other body with another pattern [m], by place."""
-        found = measure_unposed_ease(cut := self.lay(pattern), cut.nodes, self.figure)
+        found = measure_unposed_ease(cut := self.place(pattern), cut.nodes, self.figure)
         return {one.place: one.value - self.ease[one.place] for one in found if one.place in self.ease}
 
 
-def max_ease_change(laid: EasePrediction, pattern: Pattern) -> float:
+def max_ease_change(prediction: EasePrediction, pattern: Pattern) -> float:
     """Return the largest predicted change of a pattern's ease on another body [m]."""
-    return max((abs(change) for change in laid.foresee(pattern).values()), default=0.0)
+    return max((abs(change) for change in prediction.predict_change(pattern).values()), default=0.0)
 
 
-def preserve_ease(pattern: Pattern, laid: EasePrediction, rules: Mapping[str, np.ndarray]) -> Pattern:
+def preserve_ease(pattern: Pattern, prediction: EasePrediction, rules: Mapping[str, np.ndarray]) -> Pattern:
     """Return a pattern widened until its ease on the other body is that on the wearer, seams equalised.
 
     Newton's steps with the least-norm, least-squares widening: where fewer places have control points of their own than
@@ -112,20 +112,20 @@ def preserve_ease(pattern: Pattern, laid: EasePrediction, rules: Mapping[str, np
 
     Args:
         pattern: The pattern to widen.
-        laid: The prediction on the other body.
+        prediction: The prediction on the other body.
         rules: How control points move for a widening at each place (`widening_rules`).
     """
     moves = np.array(list(rules.values()))
 
     def cut(widths: np.ndarray) -> Pattern:
         points = pattern.points + np.tensordot(widths, moves, axes=1)
-        return equalise_seams(pattern.with_points(points), like=laid.garment.pattern)
+        return equalise_seams(pattern.with_points(points), base=prediction.garment.pattern)
 
     widths = np.zeros(len(moves))
     best, least = cut(widths), np.inf
     for _ in range(MAX_WIDENING_ITERATIONS):
         tried = cut(widths)
-        now = laid.foresee(tried)
+        now = prediction.predict_change(tried)
         change = np.array(list(now.values()))
         worst = float(np.abs(change).max(initial=0.0))
         if worst < least and np.abs(widths).max() <= MAX_LINE_WIDENING and _has_simple_outlines(tried):
@@ -134,7 +134,7 @@ def preserve_ease(pattern: Pattern, laid: EasePrediction, rules: Mapping[str, np
             break
         slopes = np.zeros((len(now), len(widths)))
         for index, one in enumerate(np.eye(len(widths))):
-            wider = laid.foresee(cut(widths + WIDENING_DERIVATIVE_STEP * one))
+            wider = prediction.predict_change(cut(widths + WIDENING_DERIVATIVE_STEP * one))
             slopes[:, index] = [(wider.get(place, was) - was) / WIDENING_DERIVATIVE_STEP for place, was in now.items()]
         widths -= np.linalg.lstsq(slopes, change, rcond=MIN_SINGULAR_VALUE_RATIO)[0]
     return best

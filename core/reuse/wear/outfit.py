@@ -11,9 +11,9 @@ from ...cloth.statics import Drape
 from ...recover.drape.wearer import WearerGeometry
 from ...run.clock import Clock
 from ...run.report import ResultReport
+from .dress_over import drape_in_order, drape_together
 from .dressing import DressedGarment, drape_worn, judge_dressed, transfer_alone_to_body, transfer_to_body
-from .over import drape_in_order, drape_together
-from .underneath import measure_layers
+from .raised_skin import measure_layers
 from .worn import WornGarment
 
 Metrics = dict[str, float | None]
@@ -96,6 +96,6 @@ def _combine_results(judged: Mapping[str, DressedGarment], body: Body, drape: Dr
         metrics |= {f"{word}.{name}": value for name, value in one.report.metrics.items() if name not in SHARED_METRICS}
         others = [gate for gate in one.report.gates if gate.name != "at_rest"]
         gates += [replace(gate, name=f"{word}.{gate.name}", message=f"{word}: {gate.message}") for gate in others]
-    told = itertools.chain.from_iterable(one.report.warnings for one in judged.values())
+    warnings = itertools.chain.from_iterable(one.report.warnings for one in judged.values())
     manifest = {"body": body.source, "garments": {word: one.report.manifest for word, one in judged.items()}}
-    return DressedOutfit(judged, body, drape, ResultReport.of(clock, metrics, gates, told, manifest))
+    return DressedOutfit(judged, body, drape, ResultReport.of(clock, metrics, gates, warnings, manifest))

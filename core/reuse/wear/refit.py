@@ -9,7 +9,7 @@ import numpy as np
 from ...body.body import Body
 from ...body.girths import TapeMeasure
 from ...cloth.fabric import Fabric
-from ...garment.moving import move_by_drafts, scale_panels
+from ...garment.measure_change import move_by_drafts, scale_panels
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
 from ...garment.templates import TemplateUnknown
@@ -77,7 +77,7 @@ def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) ->
     moved = move_by_drafts(pattern, old.pattern, new.pattern)
     if moved is None:
         return RefittedPattern(_scale(worn, body), False)
-    laid, error = EasePrediction.of(worn.garment, worn.body, worn.waist, body), old.foresee(new)
+    laid, error = EasePrediction.of(worn.garment, worn.body, worn.waist, body), old.predict_ease(new)
     laid = replace(laid, ease={place: ease + error.get(place, 0.0) for place, ease in laid.ease.items()})
     off = float(np.linalg.norm(pattern.points - old.pattern.points, axis=1).max())
     if MAX_DRAFT_EASE_CHANGE < max_ease_change(laid, moved) <= MAX_GIRTH_EDGE_COUNT * off:
@@ -106,13 +106,13 @@ def make_to_measure(worn: WornGarment, body: Body, fabric: Fabric | None, clock:
     dressed = dress_body(made, body, fabric, clock)
     notes = () if found.is_drafted else (SCALED_PATTERN_WARNING,)
     changes = {one.place: one.value - was for one, was in _pair_ease(dressed.ease, before)}
-    told = [
+    deviations = [
         f"{1e3 * change:+.0f} mm at the {place}"
         for place, change in changes.items()
         if abs(change) > EASE_CHANGE_TOLERANCE
     ]
-    if told:
-        notes = (*notes, f"the ease is not the wearer's: {', '.join(told)}.".replace("_", " "))
+    if deviations:
+        notes = (*notes, f"the ease is not the wearer's: {', '.join(deviations)}.".replace("_", " "))
     metrics: dict[str, float | None] = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
     told_first = dict.fromkeys((*notes, *dressed.report.warnings))
     report = replace(dressed.report, metrics=dressed.report.metrics | metrics, warnings=tuple(told_first))

@@ -57,14 +57,14 @@ def _judge_layers(metrics: Metrics) -> tuple[Gate, ...]:
         return ()
     crossed += metrics.get("under.self_intersecting_faces") or 0.0
     deepest = max(depth, metrics.get("under.body_penetration_mm") or 0.0)
-    lies = crossed == 0.0 and deepest <= MAX_WORN_DEPTH_MM
+    clear = crossed == 0.0 and deepest <= MAX_WORN_DEPTH_MM
     message = "It lies over the other garment."
-    if not lies:
+    if not clear:
         message = (
             f"{crossed:.0f} faces of it and the garment below pass through the other or through themselves, or it lies "
             f"{depth:.1f} mm under that, or that in the body: change their order, or take a wider size."
         )
-    return (Gate("layers", Verdict.PASS if lies else Verdict.FAIL, max(crossed, deepest), MAX_WORN_DEPTH_MM, message),)
+    return (Gate("layers", Verdict.PASS if clear else Verdict.FAIL, max(crossed, deepest), MAX_WORN_DEPTH_MM, message),)
 
 
 def _judge_width(metrics: Metrics) -> Gate:

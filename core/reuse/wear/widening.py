@@ -95,15 +95,15 @@ def _body_rules(
 
 def _find_girth_heights(pattern: Pattern, heights: np.ndarray, measures: BodyMeasures) -> dict[str, float]:
     """Return the height of each place that has control points of its own [m]."""
-    wanted = {"chest": measures.armpit_height - BELOW_ARMPIT, "waist": measures.waist_height}
-    wanted |= {"hip": measures.hip_height}
+    girth_heights = {"chest": measures.armpit_height - BELOW_ARMPIT, "waist": measures.waist_height}
+    girth_heights |= {"hip": measures.hip_height}
     if any(edge.contour.startswith("leg") for panel in pattern.panels for edge in panel.edges):
-        wanted["thigh"] = measures.crotch_height
+        girth_heights["thigh"] = measures.crotch_height
     known: dict[str, float] = {}
     if _hangs_from_waist(pattern):
-        del wanted["chest"], wanted["waist"]
+        del girth_heights["chest"], girth_heights["waist"]
         known["waist"] = _lowest_of_waist(pattern)
-    pairs = [(abs(float(height) - at), name, float(height)) for name, at in wanted.items() for height in heights]
+    pairs = [(abs(float(height) - at), name, float(height)) for name, at in girth_heights.items() for height in heights]
     for distance, name, height in sorted(pairs):
         is_free = all(abs(height - other) > SEWN_POINT_TOLERANCE for other in known.values())
         if distance <= MAX_CONTROL_POINT_DISTANCE and name not in known and is_free:
@@ -158,8 +158,8 @@ def _arm_rule(pattern: Pattern, placed: np.ndarray, sleeve: np.ndarray) -> np.nd
     starts = pattern.point_starts
     for panel, first, end in zip(pattern.panels, starts[:-1], starts[1:], strict=True):
         if panel.label == "sleeve":
-            own = placed[first:end]
-            low = first + np.flatnonzero(own[:, 1] < own[:, 1].mean())
+            arm = placed[first:end]
+            low = first + np.flatnonzero(arm[:, 1] < arm[:, 1].mean())
             moves[low, 1] = -0.5
     lowered = placed[moves[:, 1] < 0.0]
     apart = np.linalg.norm(placed[:, None] - lowered[None], axis=2).min(axis=1)

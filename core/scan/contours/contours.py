@@ -10,12 +10,12 @@ from scipy.spatial import cKDTree
 
 from ...body.body import Body
 from ...geometry.geometry import unit, vertex_normals
-from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
 from .loop import CONTOUR_SMOOTHING_LENGTH, find_loops, smoothed_length
+from .rim_gaps import bridge_bays, bridge_bites
 from .target import Contour
-from .teeth import find_cut_contours
+from .zigzag import find_cut_contours
 
 TRUNK_BONES = ("spine1", "spine2", "spine3", "neck", "head")
 """Bones of the trunk from the pelvis upward."""
@@ -134,8 +134,8 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
         return [candidate]
     loop = candidate.vertices
     find_normals = partial(_wide_normals, vertices, faces, loop)
-    bites = bridge_bites(vertices[loop], find_normals, pointed=candidate.name == "neck")
-    return _cut_off(candidate, vertices, *bites)
+    gaps = bridge_bites(vertices[loop], find_normals, pointed=candidate.name == "neck")
+    return _cut_off(candidate, vertices, *gaps)
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
@@ -147,7 +147,7 @@ def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> 
         vertex_normals(vertices, faces),
         cKDTree(vertices).query_ball_point(vertices[loop], CONTOUR_SMOOTHING_LENGTH),
     )
-    return unit(np.array([normals[near].mean(axis=0) for near in around]))
+    return unit(np.array([normals[neighbours].mean(axis=0) for neighbours in around]))
 
 
 def _bridge_bays(
@@ -162,12 +162,12 @@ def _bridge_bays(
 
 
 def _cut_off(
-    candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
+    candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, gaps: tuple[np.ndarray, ...]
 ) -> list[_Candidate]:
     """Return a contour without its bites, and these as holes; whole and not trusted if little would be left."""
-    if not bites:
+    if not gaps:
         return [candidate]
-    loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
+    loop, rims = candidate.vertices[kept], [candidate.vertices[gap] for gap in gaps]
     mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
     length = smoothed_length(vertices[loop])
     if length < MIN_CONTOUR_LENGTH:  # what is left encircles nothing
@@ -211,9 +211,9 @@ def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]
 
     If several bones of a bent limb meet the disk, the one nearest to the trunk counts.
     """
-    mine = _limb_crossings(crossings, side, limb)
+    limb_crossings = _limb_crossings(crossings, side, limb)
     first = 2 if limb is ARM_BONES else 1
-    return min((limb.index(c.bone.split("_", 1)[1]) - first + c.place for c in mine), default=float("nan"))
+    return min((limb.index(c.bone.split("_", 1)[1]) - first + c.place for c in limb_crossings), default=float("nan"))
 
 
 def _limb_crossings(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> list[Crossing]:

@@ -65,9 +65,9 @@ class EdgeTurn:
         curve = ClosedCurve(line)
         arc, length = curve.arc[:-1], float(curve.arc[-1])
         places = np.arange(0.0, length, NARROW_WINDOW_STD / 4)
-        away = (places[:, None] - arc[None] + length / 2) % length - length / 2
+        offset = (places[:, None] - arc[None] + length / 2) % length - length / 2
         turn, broad = (
-            np.asarray(np.exp(-0.5 * (away / width) ** 2) @ turns) for width in (NARROW_WINDOW_STD, BROAD_WINDOW_STD)
+            np.asarray(np.exp(-0.5 * (offset / width) ** 2) @ turns) for width in (NARROW_WINDOW_STD, BROAD_WINDOW_STD)
         )
         return cls(places, curve.at_shares(places / length), length, turn, broad)
 
@@ -85,7 +85,7 @@ class EdgeTurn:
         for place in np.argsort(-turn):
             if turn[place] < least:
                 break
-            if (self._apart(self.places[[place]], found) > MIN_RIM_CORNER_DISTANCE).all() and turn[
+            if (self._distance(self.places[[place]], found) > MIN_RIM_CORNER_DISTANCE).all() and turn[
                 place
             ] > MIN_NARROW_TURN_RATIO * broad[place]:
                 found.append(int(place))
@@ -96,10 +96,10 @@ class EdgeTurn:
 
         Places within half of `MIN_RIM_CORNER_DISTANCE` of a corner do not count; without others the result is False.
         """
-        elsewhere = self.turn[(self._apart(self.places, corners) > MIN_RIM_CORNER_DISTANCE / 2).all(axis=1)]
+        elsewhere = self.turn[(self._distance(self.places, corners) > MIN_RIM_CORNER_DISTANCE / 2).all(axis=1)]
         return len(elsewhere) > 0 and float(np.sqrt(np.mean(elsewhere**2))) <= MAX_EDGE_TURN_RMS
 
-    def _apart(self, places: np.ndarray, chosen: list[int]) -> np.ndarray:
+    def _distance(self, places: np.ndarray, chosen: list[int]) -> np.ndarray:
         """Return distances of arc lengths from some of its places along the edge [m], shape [n, len(chosen)]."""
-        away = places[:, None] - self.places[chosen][None]
-        return np.asarray(np.abs((away + self.length / 2) % self.length - self.length / 2))
+        offset = places[:, None] - self.places[chosen][None]
+        return np.asarray(np.abs((offset + self.length / 2) % self.length - self.length / 2))

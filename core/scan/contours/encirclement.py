@@ -61,10 +61,10 @@ def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]
         # A foot extends the shin below the ankle; a head or hand is extended from its own joint.
         before = JOINT_PARENTS[parent]
         start = body.joints[parent] if name.endswith("foot") else body.joints[index]
-        way = body.joints[parent] - body.joints[before]
-        norm = float(np.linalg.norm(way))
+        direction = body.joints[parent] - body.joints[before]
+        norm = float(np.linalg.norm(direction))
         if norm > 0.0:
-            segments.append((name, start, start + way * (length / norm), 0.0 if name.endswith("foot") else 1.0))
+            segments.append((name, start, start + direction * (length / norm), 0.0 if name.endswith("foot") else 1.0))
     return segments
 
 
@@ -81,14 +81,14 @@ def _pass_triangles(start: np.ndarray, end: np.ndarray, triangles: np.ndarray) -
 
     The orientations of the segment against the three edges agree where it passes inside (Segura and Feito 2001).
     """
-    way = end - start
+    direction = end - start
     a, b, c = (triangles[:, k] - start for k in range(3))
-    u, v, w = (np.cross(p, q) @ way for p, q in ((b, c), (c, a), (a, b)))
+    u, v, w = (np.cross(p, q) @ direction for p, q in ((b, c), (c, a), (a, b)))
     total = u + v + w
     inside = ((u >= 0) & (v >= 0) & (w >= 0)) | ((u <= 0) & (v <= 0) & (w <= 0))
     normal = np.cross(b - a, c - a)
     height = np.einsum("ij,ij->i", normal, a)
-    rate = normal @ way
+    rate = normal @ direction
     hit = inside & (total != 0.0) & (rate != 0.0)
     place = np.full(len(a), -1.0)
     place[hit] = height[hit] / rate[hit]

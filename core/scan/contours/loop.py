@@ -62,14 +62,14 @@ def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:
     stack: list[int] = []
     place: dict[int, int] = {}
     for vertex in path:
-        here = int(key[vertex])
-        if here in place:
-            since = place[here]
+        current = int(key[vertex])
+        if current in place:
+            since = place[current]
             loops.append(stack[since:])
-            for gone in stack[since:]:
-                del place[int(key[gone])]
+            for removed in stack[since:]:
+                del place[int(key[removed])]
             del stack[since:]
-        place[here] = len(stack)
+        place[current] = len(stack)
         stack.append(vertex)
     return [*loops, stack]
 

@@ -57,10 +57,10 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
     off = off - (off.max() + off.min()) / 2
     up = MAX_STRAP_LEAN_RATIO * loop[:, 1]
     left, right = int((up + off).argmax()), int((up - off).argmax())
-    ahead = loop @ np.cross(lateral, (0.0, 1.0, 0.0))
+    forward = loop @ np.cross(lateral, (0.0, 1.0, 0.0))
     arcs = [_between(len(loop), left, right), _between(len(loop), right, left)[::-1]]
     lines = [_unroll(loop[arc], off[arc]) for arc in arcs]
-    depths = [float(ahead[arc].mean()) for arc in arcs]
+    depths = [float(forward[arc].mean()) for arc in arcs]
     front, back = lines if depths[0] > depths[1] else lines[::-1]
     return None if front is None or back is None else NeckLines(front[0], back[0], np.stack([front[1], back[1]]))
 

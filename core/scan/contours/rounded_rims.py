@@ -82,8 +82,8 @@ def straighten_rims(
     if not len(rim):
         return vertices
     lengths = edge_lengths(vertices, edges.edges)
-    way = shortest_paths(edges, lengths, rim, MAX_RIM_FIT_DISTANCE)[0]
-    straight = np.flatnonzero((way >= ROUNDED_RIM_WIDTH) & (way < MAX_RIM_FIT_DISTANCE))
+    distance = shortest_paths(edges, lengths, rim, MAX_RIM_FIT_DISTANCE)[0]
+    straight = np.flatnonzero((distance >= ROUNDED_RIM_WIDTH) & (distance < MAX_RIM_FIT_DISTANCE))
     straight = straight[:: max(1, round((RIM_FIT_SPACING / float(np.median(lengths[edges.edge]))) ** 2))]
     if len(straight) < MIN_RIM_FIT_COUNT:
         return vertices
@@ -95,7 +95,7 @@ def straighten_rims(
     moved = vertices.copy()
     moved[lifted] += lift[:, None] * normal
     return _fit_thin_plate(
-        _smooth_rim(moved, edges, rim), edges, np.flatnonzero((way < ROUNDED_RIM_WIDTH) & ~edges.border_vertices)
+        _smooth_rim(moved, edges, rim), edges, np.flatnonzero((distance < ROUNDED_RIM_WIDTH) & ~edges.border_vertices)
     )
 
 
@@ -106,17 +106,17 @@ def _height_over_cloth(
 
     `rim` and `straight` are indices of vertices: of the rim, and of the cloth that is fitted.
     """
-    away, near = cKDTree(vertices[straight]).query(
+    distance, nearest = cKDTree(vertices[straight]).query(
         vertices[rim], k=min(MAX_RIM_FIT_COUNT, len(straight)), distance_upper_bound=MAX_RIM_FIT_DISTANCE
     )
     normals = vertex_normals(vertices, faces)[straight]
-    is_near = np.isfinite(away)
-    near = np.where(is_near, near, 0)
-    is_near &= (normals[near] * normals[near[:, :1]]).sum(axis=2) > MIN_RIM_NORMAL_COSINE
-    told = is_near.sum(axis=1) >= MIN_RIM_FIT_COUNT
-    near, is_near = near[told], is_near[told]
-    normal = unit((is_near[..., None] * normals[near]).sum(axis=1))
-    return rim[told], _height_over(vertices[rim[told]], vertices[straight][near], is_near, normal), normal
+    is_near = np.isfinite(distance)
+    nearest = np.where(is_near, nearest, 0)
+    is_near &= (normals[nearest] * normals[nearest[:, :1]]).sum(axis=2) > MIN_RIM_NORMAL_COSINE
+    is_known = is_near.sum(axis=1) >= MIN_RIM_FIT_COUNT
+    nearest, is_near = nearest[is_known], is_near[is_known]
+    normal = unit((is_near[..., None] * normals[nearest]).sum(axis=1))
+    return rim[is_known], _height_over(vertices[rim[is_known]], vertices[straight][nearest], is_near, normal), normal
 
 
 def _smooth_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.ndarray:
@@ -162,18 +162,18 @@ def _solve_free_vertices(
     return settled
 
 
-def _height_over(points: np.ndarray, beside: np.ndarray, asked: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def _height_over(points: np.ndarray, neighbours: np.ndarray, is_used: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return the heights of points, shape [count, 3], over the surfaces fitted beside each [m], shape [count].
 
-    `beside` are points beside each [m], shape [count, most, 3]; `asked` marks those that are used, shape [count, most];
-    `normal` is the unit normal of each surface, shape [count, 3].
+    `neighbours` are points beside each [m], shape [count, most, 3]; `is_used` marks those that are used, shape [count,
+    most]; `normal` is the unit normal of each surface, shape [count, 3].
     """
-    weight = (asked / asked.sum(axis=1, keepdims=True))[..., None]
-    middle = (weight * beside).sum(axis=1)
+    weight = (is_used / is_used.sum(axis=1, keepdims=True))[..., None]
+    middle = (weight * neighbours).sum(axis=1)
     out = points - middle
     out = unit(out - (out * normal).sum(axis=1, keepdims=True) * normal)
     frame = np.stack([np.cross(normal, out), out, normal], axis=2)
-    u, v, z = np.moveaxis((beside - middle[:, None]) @ frame, 2, 0) / ROUNDED_RIM_WIDTH
+    u, v, z = np.moveaxis((neighbours - middle[:, None]) @ frame, 2, 0) / ROUNDED_RIM_WIDTH
     terms = np.stack([np.ones_like(u), u, v, u**2], axis=2)
     system = np.swapaxes(terms, 1, 2) @ (weight * terms) + 1e-6 * np.eye(4)
     fitted = np.linalg.solve(system, np.swapaxes(terms, 1, 2) @ (weight * z[..., None]))[..., 0]

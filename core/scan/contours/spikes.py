@@ -44,12 +44,12 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
     for _ in range(2):
         around = np.where((ring[used] >= 0)[..., None], vertices[ring[used]], np.nan)
         middle = np.nanmedian(around, axis=1)
-        own = np.nanmin(np.linalg.norm(around - vertices[used][:, None], axis=2), axis=1)
+        distance = np.nanmin(np.linalg.norm(around - vertices[used][:, None], axis=2), axis=1)
         off = np.linalg.norm(vertices[used] - middle, axis=1)
         reach = _quantiles(np.linalg.norm(around - middle[:, None], axis=2), degree[used], SPIKE_RING)
         beside = (along @ vertices)[used] / np.maximum(ends, 1)[:, None]
         bulge = np.where(inner, np.inf, np.linalg.norm(vertices[used] - beside, axis=1))
-        spike = (np.minimum(off, bulge) > SPIKE_EDGES * length) & (off > SPIKE_OWN * own) & (off > reach)
+        spike = (np.minimum(off, bulge) > SPIKE_EDGES * length) & (off > SPIKE_OWN * distance) & (off > reach)
         vertices[used[spike]] = middle[spike]
         moved[used[spike]] = True
     return vertices, moved

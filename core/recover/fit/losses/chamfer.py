@@ -62,12 +62,12 @@ class ChamferLoss:
         The gradient is exact where closest points are unique: the distance is stationary in them (envelope theorem).
         """
         found = self.goal.closest(nodes)
-        away = nodes - found.foot
+        offset = nodes - found.foot
         corners = self.goal.faces[found.face]
         reach = ((self.goal.vertices[corners] - found.foot[:, None]) ** 2).sum(2)
         weight = self.shares * self.weights[corners[np.arange(len(nodes)), reach.argmin(1)]]
-        value = float(weight @ (away**2).sum(1))
-        gradient = 2.0 * weight[:, None] * away
+        value = float(weight @ (offset**2).sum(1))
+        gradient = 2.0 * weight[:, None] * offset
         found = TriangleSurface(nodes, self.faces).closest(self.goal.vertices)
         missing = found.foot - self.goal.vertices
         weight = self.goal_shares * self.weights

@@ -51,17 +51,17 @@ class ContourLoss:
         value, gradient = 0.0, np.zeros_like(nodes)
         for loop, goal, length in zip(self.loops, self.goals, self.lengths, strict=True):
             weight = length / (2.0 * sum(self.lengths))
-            near = ClosedCurve(nodes[loop]).closest(goal)
-            a, b, along = loop[near.segment], np.roll(loop, -1)[near.segment], near.along
-            missing = near.foot - goal
+            closest = ClosedCurve(nodes[loop]).closest(goal)
+            a, b, along = loop[closest.segment], np.roll(loop, -1)[closest.segment], closest.along
+            missing = closest.foot - goal
             share = weight / len(goal)
             value += share * float((missing**2).sum())
             np.add.at(gradient, a, 2.0 * share * (1.0 - along)[:, None] * missing)
             np.add.at(gradient, b, 2.0 * share * along[:, None] * missing)
-            away = nodes[loop][:, None] - goal[None]
-            nearest = (away**2).sum(2).argmin(1)
-            away = away[np.arange(len(loop)), nearest]
+            offset = nodes[loop][:, None] - goal[None]
+            nearest = (offset**2).sum(2).argmin(1)
+            offset = offset[np.arange(len(loop)), nearest]
             share = weight / len(loop)
-            value += share * float((away**2).sum())
-            np.add.at(gradient, loop, 2.0 * share * away)
+            value += share * float((offset**2).sum())
+            np.add.at(gradient, loop, 2.0 * share * offset)
         return value, gradient

@@ -38,7 +38,7 @@ class PanelLoss:
         control: The map from control points to the flat mesh.
         uv: The flat mesh at first [m], shape [uv_count, 2].
         uv_faces: Its triangles, shape [face_count, 3].
-        before, here, after: The kept control points with their neighbours on the outline, shape [kept_count] each.
+        before, points, after: The kept control points with their neighbours on the outline, shape [kept_count] each.
         turns: turn0 between the chords [rad], shape [kept_count].
         arms: l [m], shape [kept_count].
     """
@@ -47,17 +47,17 @@ class PanelLoss:
     uv: np.ndarray
     uv_faces: np.ndarray
     before: np.ndarray
-    here: np.ndarray
+    points: np.ndarray
     after: np.ndarray
     turns: np.ndarray
     arms: np.ndarray
 
     @classmethod
-    def of(cls, garment: Garment, like: Pattern) -> PanelLoss:
-        """Prepare for a meshed pattern; the template `like` gives the corners to keep."""
-        kept = _kept_corners(like, find_symmetry(like))
-        rows = np.array(kept, dtype=np.int64).reshape(-1, 3)
-        points = like.points
+    def of(cls, garment: Garment, base: Pattern) -> PanelLoss:
+        """Prepare for a meshed pattern; the template `base` gives the corners to keep."""
+        corners = _kept_corners(base, find_symmetry(base))
+        rows = np.array(corners, dtype=np.int64).reshape(-1, 3)
+        points = base.points
         ends = points[rows]
         arms = 0.5 * np.linalg.norm(np.diff(ends, axis=1), axis=2).sum(1)
         turns = _turn(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 1])
@@ -66,15 +66,15 @@ class PanelLoss:
     def evaluate(self, points: np.ndarray) -> tuple[float, np.ndarray]:
         """Return L [m2] and dL/dc [m], shape [point_count, 2], at all control points [m], shape [point_count, 2]."""
         value, gradient = self._folds(points)
-        if len(self.here):
-            one, two = points[self.here] - points[self.before], points[self.after] - points[self.here]
+        if len(self.points):
+            one, two = points[self.points] - points[self.before], points[self.after] - points[self.points]
             swung = _wrap(_turn(one, two) - self.turns)
             count = len(swung)
             value += float((self.arms**2 @ swung**2) / count)
             pull = (2.0 * self.arms**2 * swung / count)[:, None]
             by_one, by_two = -pull * _slope(one), pull * _slope(two)
             np.add.at(gradient, self.before, -by_one)
-            np.add.at(gradient, self.here, by_one - by_two)
+            np.add.at(gradient, self.points, by_one - by_two)
             np.add.at(gradient, self.after, by_two)
         return value, gradient
 
@@ -92,11 +92,11 @@ class PanelLoss:
         return float(start @ short**2), self.control.pull_back(by_uv)
 
 
-def _kept_corners(like: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int]]:
+def _kept_corners(base: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int]]:
     """Find the control points whose turn is kept, each with its neighbours, as indices into all control points."""
-    centre = _centre_lines(like, symmetry)
+    centre = _centre_lines(base, symmetry)
     kept = []
-    for panel, first in zip(like.panels, like.point_starts, strict=False):
+    for panel, first in zip(base.panels, base.point_starts, strict=False):
         count = len(panel.points)
         for i in range(count):
             turn = _tangent_turn(panel, i)
@@ -106,18 +106,18 @@ def _kept_corners(like: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int
     return kept
 
 
-def _centre_lines(like: Pattern, symmetry: Symmetry) -> set[tuple[str, int]]:
+def _centre_lines(base: Pattern, symmetry: Symmetry) -> set[tuple[str, int]]:
     """Return the edges (panel, edge) that are sewn to their own mirror image."""
     image = {}
     for mirror in symmetry.mirrors:
-        source, target = like.panels[mirror.source].name, like.panels[mirror.target].name
+        source, target = base.panels[mirror.source].name, base.panels[mirror.target].name
         for i in range(len(mirror.order)):
             # edge i of the target runs backwards along edge order[i] - 1 of the source
             edge = int(mirror.order[i] - 1) % len(mirror.order)
             image[target, i] = (source, edge)
             image[source, edge] = (target, i)
     found = set()
-    for seam in like.seams:
+    for seam in base.seams:
         one, two = (seam.a.panel, seam.a.edge), (seam.b.panel, seam.b.edge)
         if image.get(one) == two:
             found |= {one, two}
@@ -143,7 +143,7 @@ def _wrap(angle: np.ndarray) -> np.ndarray:
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _slope(way: np.ndarray) -> np.ndarray:
+def _slope(direction: np.ndarray) -> np.ndarray:
     """Return the derivative of directions' angles by them [1/m], shape [n, 2]."""
-    found: np.ndarray = np.stack([-way[:, 1], way[:, 0]], axis=1) / (way**2).sum(1, keepdims=True)
+    found: np.ndarray = np.stack([-direction[:, 1], direction[:, 0]], axis=1) / (direction**2).sum(1, keepdims=True)
     return found

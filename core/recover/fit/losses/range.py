@@ -41,12 +41,12 @@ class RangeLoss:
     def of(cls, fabric: Fabric) -> RangeLoss:
         """Return the library's range at a fabric's weight, extended to the fabric itself."""
         ratios = np.log([[getattr(each, name) / each.density for name in STIFFNESSES] for each in load_fabrics()])
-        weight, own = np.log(fabric.density), logarithms(fabric)
+        weight, logs = np.log(fabric.density), logarithms(fabric)
         low, high = (
             ratios.min(0) + weight - np.log(LIBRARY_RANGE_FACTOR),
             ratios.max(0) + weight + np.log(LIBRARY_RANGE_FACTOR),
         )
-        return cls(np.minimum(low, own), np.maximum(high, own))
+        return cls(np.minimum(low, logs), np.maximum(high, logs))
 
     def evaluate(self, logs: np.ndarray) -> tuple[float, np.ndarray]:
         """Return L and its gradient, shape [5], at the logarithms of the stiffnesses, shape [5]."""

@@ -36,14 +36,14 @@ class SeamLoss:
     counts: np.ndarray
 
     @classmethod
-    def of(cls, garment: Garment, like: Pattern) -> SeamLoss:
-        """Prepare for a meshed pattern; `like` gives the ratios of gathered seams."""
+    def of(cls, garment: Garment, base: Pattern) -> SeamLoss:
+        """Prepare for a meshed pattern; `base` gives the ratios of gathered seams."""
         pattern = garment.pattern
         starts, ends, _ = seam_sides(pattern)
         points = pattern.points
         factors = seam_lengths(pattern) / np.linalg.norm(points[ends] - points[starts], axis=-1)
         counts = np.array([len(garment.edge_uv[seam.a]) - 1 for seam in pattern.seams])
-        return cls(starts, ends, factors, seam_ratios(like), pattern.gathered, counts)
+        return cls(starts, ends, factors, seam_ratios(base), pattern.gathered, counts)
 
     def best_ratios(self, points: np.ndarray) -> np.ndarray:
         """Return the logarithms, for `evaluate`, at which the gathered seams' loss is zero, [gathered_count]."""
