@@ -76,7 +76,7 @@ def load_template(name: str) -> Pattern:
         PartsConflict: where the parts cannot be sewn to each other.
     """
     if "+" in name:
-        return draft_cut(find_cut(name), name=name)
+        return draft_cut(_find_placed_cut(name), name=name)
     _check_name(name)
     return load_pattern(LIBRARY / f"{name}.json")
 
@@ -91,6 +91,13 @@ def find_cut(name: str) -> Cut:
     stem, _, parts = name.partition("+")
     _check_name(stem)
     return CUTS[stem].choose(parse_parts(parts))
+
+
+def _find_placed_cut(name: str) -> Cut:
+    """Return the cut of a name whose parts all have a place in it."""
+    cut = find_cut(name)
+    cut.check_places(parse_parts(name.partition("+")[2]))
+    return cut
 
 
 def name_cut(stem: str, cut: Cut) -> str:
@@ -117,7 +124,7 @@ def draft_template(name: str, measures: BodyMeasures) -> Pattern:
         PartUnknown: where there is no such part.
         PartsConflict: where the parts cannot be sewn to each other.
     """
-    return draft_cut(find_cut(name), measures, name)
+    return draft_cut(_find_placed_cut(name), measures, name)
 
 
 def load_draped_template(name: str) -> Garment | None:

@@ -244,8 +244,6 @@ def test_parts_that_are_none_are_refused(text):
         Cut(skirt=Skirt.A_LINE, gores=Gores.EIGHT),
         Cut(Bodice.SHIFT, skirt=Skirt.GORED, gores=Gores.EIGHT, waist=Waist.SEAM, shaping=Shaping.DARTS),
         Cut(Bodice.SHIFT, skirt=Skirt.GORED, waist=Waist.SEAM),
-        Cut(Bodice.STRAPLESS, Neckline.V),
-        Cut(Bodice.BOXY, gores=Gores.EIGHT),
     ],
 )
 def test_parts_that_cannot_be_sewn_are_refused(cut):
@@ -258,6 +256,10 @@ def test_a_part_without_a_place_is_refused_with_those_that_have_one():
     """Broken where trousers take a neckline that they do not have, or the user is not told what may be chosen."""
     with pytest.raises(PartsConflict, match="'neckline=v' has no place in a cut of trousers; choose legs, waistband"):
         load_template("trousers+neckline=v")
+    for name in ("tank+bodice=strapless,neckline=v", "tshirt+gores=8"):
+        with pytest.raises(PartsConflict):
+            load_template(name)
+    assert load_template("tank+bodice=strapless").category == "tank"
     CUTS["trousers"].check_places({"neckline": "crew", "skirt": "none", "legs": "wide"})
 
 

@@ -24,7 +24,6 @@ from .cut import (
     Waist,
     Waistband,
     Yoke,
-    differing_parts,
 )
 from .legs import draw_legs, draw_suit, draw_suit_legs
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
@@ -76,7 +75,6 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
-    cut.check_places(differing_parts(Cut(), cut))
     if cut.bodice is Bodice.NONE:
         panels = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_legs(cut, m)
     else:
