@@ -48,7 +48,7 @@ def match_files(
     Raises:
         BadInput: if a file is not a pattern, or a pair is invalid.
     """
-    arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(pairs)}
+    arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "pairs": dict(pairs)}
     arguments |= {"only_given": only_given, "outlines": outlines}
     return call_limited("garmentq.core.judge.comparison:compare_files", arguments, BOUNDS, is_stopped).result
 

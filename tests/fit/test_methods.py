@@ -39,7 +39,7 @@ def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid:
     monkeypatch.setattr(steps, "fair_garment", lambda garment, *given: garment)
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
     settings = RecoverySettings(preset=preset)
-    case = SimpleNamespace(settings=settings, seen=target, has_free_curves=True)
+    case = SimpleNamespace(settings=settings, scan_target=target, has_free_curves=True)
     laid = worn.nodes + [0.1, 0.0, 0.0] if is_laid else None
     state = RecoveryState(
         "skirt", worn.pattern, target, SimpleNamespace(exposed=exposed), None, garment=worn, graded=worn, laid=laid

@@ -83,7 +83,7 @@ def quick(monkeypatch):
         )  # fmt: skip
 
     def dress_over(worn, under, body, fabric, clock):
-        return replace(dress(worn, body, fabric, clock), under=replace(under, body=body))
+        return replace(dress(worn, body, fabric, clock), inner=replace(under, body=body))
 
     monkeypatch.setattr("garmentq.core.reuse.wear.dressing.dress_body", dress)
     monkeypatch.setattr("garmentq.core.reuse.wear.dress_over.dress_over", dress_over)

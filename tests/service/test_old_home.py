@@ -102,9 +102,11 @@ def test_queued_jobs_run_and_interrupted_ones_resume(settings, old, store, tmp_p
     assert kept == ["result"], "checkpoints are let go"
 
 
-def test_the_same_order_is_still_the_same_job(old, store, tmp_path):
+def test_the_same_order_is_still_the_same_job(old, store, tmp_path, monkeypatch):
     """Broken where the request or its hash is written otherwise: everything known would be computed once more."""
     body = put_file(tmp_path, "body.ply")
+    assert submit(old, store, Order(put_file(tmp_path, "skirt.ply"), body)).is_new, "another version, another result"
+    monkeypatch.setattr("garmentq.service.submission.__version__", "0.1.0")
     again = submit(old, store, Order(put_file(tmp_path, "skirt.ply"), body))
     assert (again.job, again.is_new, again.state) == (DONE, False, State.SUCCEEDED)
     chosen = RecoverySettings(template="mine", seed=3)
