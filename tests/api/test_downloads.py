@@ -10,6 +10,7 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 from email import message_from_bytes
 from io import BytesIO
+from itertools import count
 
 import httpx
 import pytest
@@ -17,27 +18,45 @@ from api_client import local_user
 from api_work import ask, code_of, finish, make_key
 from garmentq.service.models import ArtifactRow
 from garmentq.service.results import RESULT
-from garmentq_home import make_environment, wait_for
+from garmentq_home import STANDIN, make_environment, make_home, wait_for
 from served_process import serving_alone
 
 SIZE = 24 << 20
 STALLED = 2.0
+MARKS = count()
+"""Marks that tell the scans of one job from those of another."""
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory, blank_database):
+    """Return one home for the whole module: each test that harms a file has a job of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(STANDIN))
+        yield make_home(tmp_path_factory.mktemp("downloads") / "home", blank_database)
+
+
+@pytest.fixture(scope="module")
+def server(settings):
+    """Serve the home in a process of its own, which gives up on what lies unread after two seconds."""
+    temporary = settings.home.parent / "temporary"
+    temporary.mkdir()
+    chosen = {"GARMENTQ_API_STALLED_SECONDS": str(STALLED), "TMPDIR": str(temporary)}
+    with serving_alone(make_environment(settings) | chosen, settings.home.parent / "serve.log") as found:
+        yield found
 
 
 @pytest.fixture
-def served(settings, tmp_path):
-    """Serve the home in a process of its own, which gives up on what lies unread after two seconds."""
-    (tmp_path / "temporary").mkdir()
-    chosen = {"GARMENTQ_API_STALLED_SECONDS": str(STALLED), "TMPDIR": str(tmp_path / "temporary")}
-    with serving_alone(make_environment(settings) | chosen, tmp_path / "serve.log") as found:
-        yield found
+def served(server, settings):
+    """Return the server; what it wrote for the test before is gone from its log."""
+    os.truncate(server.log, 0)
+    return server
 
 
 @pytest.fixture
 def large(served, settings, database, store, tmp_path):
     """Return a finished job with a large file beside its own ones: its id, and the file's hash."""
     with httpx.Client(base_url=served.url, headers=local_user(settings), timeout=60.0) as client:
-        job = ask(client).json()["job"]
+        job = ask(client, float(next(MARKS))).json()["job"]
     finish(settings, database, store, job, tmp_path / "out")
     return job, add_large(database, store, job)
 
@@ -82,7 +101,7 @@ def measure(folder) -> int:
 
 
 @pytest.mark.parametrize("form", ["file", pytest.param("range", marks=pytest.mark.nightly), "archive"])
-def test_what_is_not_read_takes_no_room_and_ends(served, large, settings, tmp_path, form):
+def test_what_is_not_read_takes_no_room_and_ends(served, large, settings, form):
     """Broken where an unread download holds a copy on the disk, its memory, or its connection for ever."""
     job, _ = large
     header = local_user(settings) | ({"Range": "bytes=1-"} if form == "range" else {})
@@ -92,12 +111,12 @@ def test_what_is_not_read_takes_no_room_and_ends(served, large, settings, tmp_pa
         asking = [held.enter_context(unread(served, path, header)) for _ in range(25)]
         assert all(one.recv(15).endswith(b" 200 OK" if form != "range" else b" 206 Pa") for one in asking)
         assert served.count_open(settings.store_path) <= 25
-        assert measure(settings.home / "incoming") == measure(tmp_path / "temporary") == 0
+        assert measure(settings.home / "incoming") == measure(settings.home.parent / "temporary") == 0
         assert served.read_peak() - memory < 4 * SIZE  # copies of 25 files would take 25 times the size
         wait_for(lambda: served.count_open("socket:") <= sockets)
         wait_for(lambda: served.count_open(settings.store_path) == 0)
         assert all(len(drain(one)) < SIZE for one in asking)
-    assert measure(settings.home / "incoming") == measure(tmp_path / "temporary") == 0
+    assert measure(settings.home / "incoming") == measure(settings.home.parent / "temporary") == 0
     with httpx.Client(base_url=served.url, headers=local_user(settings), timeout=60.0) as client:
         assert client.get("/v1/jobs").status_code == 200
     assert "Traceback" not in served.log.read_text()
@@ -141,8 +160,10 @@ def test_a_damaged_small_file_and_one_of_another_size_are_refused(served, large,
     with httpx.Client(base_url=served.url, headers=local_user(settings), timeout=60.0) as client:
         files = {one["name"]: one["sha256"] for one in client.get(f"/v1/jobs/{job}/artifacts").json()["files"]}
         small = store.path(files["pattern.svg"])
-        small.write_bytes(small.read_bytes()[::-1])
+        whole = small.read_bytes()
+        small.write_bytes(whole[::-1])
         assert code_of(client.get(f"/v1/jobs/{job}/artifacts/pattern.svg")) == "store.damaged"
+        small.write_bytes(whole)  # other jobs have the same file
         for size in (SIZE - 1, SIZE + 1):
             os.truncate(store.path(sha256), size)
             for header in ({}, {"range": "bytes=0-9"}):
@@ -231,7 +252,7 @@ def test_downloads_at_a_time(tmp_path, settings, database, store):
     with serving_alone(environment, tmp_path / "serve.log") as served:
         ours, theirs = make_key(database, "ours", "read", "submit"), make_key(database, "admin", "admin")
         with httpx.Client(base_url=served.url, headers=ours, timeout=60.0) as client:
-            job = ask(client).json()["job"]
+            job = ask(client, float(next(MARKS))).json()["job"]
             finish(settings, database, store, job, tmp_path / "out")
             add_large(database, store, job)
             url = f"/v1/jobs/{job}/artifacts/large.bin"

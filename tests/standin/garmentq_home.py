@@ -195,7 +195,11 @@ def settings(
 ) -> ServiceSettings:
     """Return a fresh home."""
     monkeypatch.syspath_prepend(str(STANDIN))
-    home = tmp_path / "home"
+    return make_home(tmp_path / "home", blank_database, database_url)
+
+
+def make_home(home: Path, blank_database: Path, database_url: str = "") -> ServiceSettings:
+    """Make a home with a fresh database, or of the database of an address."""
     home.mkdir(mode=0o700)
     if not database_url:
         shutil.copy(blank_database, home / "garmentq.db")
