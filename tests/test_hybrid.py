@@ -64,7 +64,7 @@ def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly  # by day the golden scenes begin with the patterns of strangers
 def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) -> None:
     """Breaks if an imported pattern is replaced by a shipped one, graded by half or too far, or its panels renamed."""
     assert recovered.template == "rock"
@@ -86,7 +86,7 @@ def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) ->
     assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0.0  # clockwise, as its author draws it
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -> None:
     """Breaks if a mesh has another topology, or the new drape or what is known of the cloth stays unmeasured."""
     count = len(recovered.garment.nodes)

@@ -63,7 +63,7 @@ def test_it_has_ten_lines():
     assert len([line for line in BLOCK.splitlines() if line and not line.startswith("#")]) <= 10
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_following_the_section_gives_a_fleet(postgres, valkey, tmp_path):
     """Broken where a step is missing, an address is not understood, or hosts need more than the three addresses."""
     database = make_database(postgres)
