@@ -7,12 +7,10 @@ import os
 from dataclasses import replace
 
 import pytest
-from garmentq_home import SQLITE_BY_DAY
 from long import Pace, run
 
 
-@SQLITE_BY_DAY
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.filterwarnings("ignore:.*was deleted while still open:ResourceWarning")  # its server went away under it
 def test_r9_blows_by_chance(settings, marks, nursery, database_kind, request):
     """Broken where a job is lost or done twice while processes, broker, database and store go away at random."""

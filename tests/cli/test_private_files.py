@@ -62,6 +62,7 @@ def test_an_open_home_is_closed(settings, database, filled, tmp_path, how):
     assert find_open(settings.home) == {str(kept): "0o644"}
 
 
+@pytest.mark.nightly
 def test_every_command_keeps_its_home_private(tmp_path):
     """Broken where a command makes something of a home that others can read: database, store, socket, log, token."""
     settings = make_settings(tmp_path / "a" / "home")

@@ -95,10 +95,11 @@ def many_cuts() -> dict[str, Cut]:
     return found
 
 
-def test_every_combination_drafts_or_says_why_not():
+@pytest.mark.parametrize("share", [5, pytest.param(1, marks=pytest.mark.nightly)])
+def test_every_combination_drafts_or_says_why_not(share):
     """Breaks where a part does not meet another: a crossing outline, unequal seams, an edge without name or partner."""
     drafted = refused = 0
-    for name, cut in many_cuts().items():
+    for name, cut in list(many_cuts().items())[::share]:
         try:
             pattern = draft_cut(cut)
         except PartsConflict as conflict:
@@ -125,7 +126,7 @@ def test_every_combination_drafts_or_says_why_not():
                 assert (edge.contour == "") == (EdgeRef(panel.name, i) in sewn), (name, panel.name, i)
                 assert edge.contour in ("", *CONTOUR_NAMES)
         assert pattern.category in CATEGORIES
-    assert drafted > 250 and refused > 150
+    assert drafted > 250 // share and refused > 150 // share
 
 
 @pytest.mark.parametrize(
