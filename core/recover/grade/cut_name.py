@@ -10,7 +10,7 @@ from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
 from ...garment.templates import find_cut, name_cut
 from ..drape.sizing import measure_wearer
-from .cut_search import RIVAL_MISFIT_SHARE, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
+from .cut_search import CutSearchSettings, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
 
 PROPORTION_PARTS = ("skirt", "legs")
 """Parts whose choices differ only in widths, if they are sewn alike."""
@@ -20,7 +20,7 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
     """Return the name of the cut of a pattern graded from a library template.
 
     It stays the template's unless the girths of another cut, sewn alike but with another line of skirt or legs, are
-    clearly nearer: if its misfit, including that of the right cut, is below `RIVAL_MISFIT_SHARE` of the template's.
+    clearly nearer: if its misfit, including that of the right cut, is below `rival_share` of the template's.
 
     Args:
         pattern: The recovered pattern.
@@ -28,15 +28,15 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
         body: The wearer, to whose measures the cuts are drafted.
         fixed: Parts that the user chose, which stay.
     """
-    base_cut = find_cut(template)
+    base_cut, settings = find_cut(template), CutSearchSettings(shape_share=CutSearchSettings.rival_share)
     kept = (set(PARTS) - set(PROPORTION_PARTS)) | set(fixed)
     alike = [cut for cut in other_cuts(base_cut, kept) if not has_other_seams(cut, base_cut)]
-    seen = profile_flat(pattern) if len(alike) > 1 else None
+    seen = profile_flat(pattern, settings) if len(alike) > 1 else None
     if seen is None:
         return template
     measures = measure_wearer(body)
-    fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures)) is not None]
-    ranked = rank_fits(fits, base_cut, RIVAL_MISFIT_SHARE)
+    fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures, settings)) is not None]
+    ranked = rank_fits(fits, base_cut, settings)
     return template if not ranked or ranked[0].cut == base_cut else _name(ranked[0].cut)
 
 

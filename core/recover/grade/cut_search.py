@@ -20,34 +20,40 @@ from ..drape.sizing import measure_wearer
 from .girth_profile import GirthProfile, profile_pattern, profile_target
 from .waist_seam import sew_waist
 
-PROFILE_VERTEX_COUNT = 400
-"""Number of vertices of the flat mesh of a candidate: its girths are within 0.1 to 0.5 % of those of 1500 vertices."""
-
-PROFILE_STATION_COUNT = 40
-"""Number of places along the garment at which two profiles are compared."""
-
-PROFILE_START_MARGIN = 0.02
-"""Distance below the sleeves at which the comparison begins [m]: above, level lines run into them."""
-
-PROFILE_END_MARGIN = 0.03
-"""Distance above the lower end at which the comparison ends [m]: hems rest on feet, and cut borders have teeth."""
-
-GARMENT_LENGTH_RATIOS = np.linspace(0.90, 1.20, 31)
-"""Ratios of a garment's length to its draft's that are tried: it may be made for a shorter or a taller wearer."""
-
-GIRTH_MISFIT_FLOOR = 0.02
-"""Relative difference of girths even for the right cut: stretch, cut folds and other sizes leave 0.01 to 0.04."""
-
-SHAPE_MISFIT_SHARE, SEAM_MISFIT_SHARE = 0.5, 0.6
-"""Shares of its misfit below which the cut chosen by contours is replaced, for a cut of other proportions and for one
-that is sewn otherwise. Grading corrects proportions and adds no seam, so seams need less. Of 52 drawn cuts none then
-has fewer right parts than by contours; at 0.7 for both 93 of 110 parts are right instead of 84, one cut has fewer."""
-
-RIVAL_MISFIT_SHARE = 0.85
-"""Share of the misfit of the clearly better cut with fewest changes, below which another one is taken."""
-
 SPECIAL_SEAM_SKIRTS = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
 """Skirts whose seams differ from those of two plain panels."""
+
+
+@dataclass(frozen=True)
+class CutSearchSettings:
+    """Describe the search of a cut by its girths.
+
+    Attributes:
+        vertices: Number of vertices of a candidate's flat mesh: its girths are within 0.1 to 0.5 % of those of 1500.
+        stations: Number of places along the garment at which two profiles are compared.
+        start_margin: Distance below the sleeves at which the comparison begins [m]: above, level lines run into them.
+        end_margin: Distance above the lower end at which it ends [m]: hems rest on feet, and cut borders have teeth.
+        length_ratios: Ratios of a garment's length to its draft's that are tried: it may be made for another height.
+        misfit_floor: Relative difference of girths of the right cut: stretch, cut folds and sizes leave 0.01 to 0.04.
+        shape_share: Share of its misfit below which the cut chosen by contours is replaced by one of other proportions.
+        seam_share: Share of the same for one that is sewn otherwise, since grading adds no seam. Of 52 drawn cuts none
+            then has fewer right parts than by contours; 0.7 for both makes 93 of 110 right, not 84, and one cut worse.
+        rival_share: Share of the misfit of the clearly better cut with fewest changes, below which another is taken.
+    """
+
+    vertices: int = 400
+    stations: int = 40
+    start_margin: float = 0.02
+    end_margin: float = 0.03
+    length_ratios: tuple[float, ...] = tuple(np.linspace(0.90, 1.20, 31).tolist())
+    misfit_floor: float = 0.02
+    shape_share: float = 0.5
+    seam_share: float = 0.6
+    rival_share: float = 0.85
+
+    def total(self, fit: CutFit) -> float:
+        """Return the misfit of a cut including that of the right one."""
+        return float(np.hypot(fit.misfit, self.misfit_floor))
 
 
 @dataclass(frozen=True)
@@ -64,11 +70,6 @@ class CutFit:
     cut: Cut
     misfit: float
 
-    @property
-    def total(self) -> float:
-        """Return the misfit including that of the right cut."""
-        return float(np.hypot(self.misfit, GIRTH_MISFIT_FLOOR))
-
 
 def search_cuts(
     target: Target,
@@ -77,6 +78,7 @@ def search_cuts(
     fixed: Iterable[str] = (),
     *,
     curved: bool = False,
+    settings: CutSearchSettings = CutSearchSettings(),
 ) -> tuple[CutFit, ...]:
     """Rank the cuts that a garment may have by its girths, the chosen one first.
 
@@ -88,6 +90,7 @@ def search_cuts(
         templates: Names and cuts of the templates that have the target's contours, the best by contours first.
         fixed: Parts that the user chose, which stay.
         curved: The cloth is curved across the waist: only cuts with a seam there compete (`sew_waist`).
+        settings: Of the search.
 
     Returns:
         The candidates; none where the scan does not show its girths from end to end.
@@ -99,54 +102,55 @@ def search_cuts(
     fits: list[CutFit] = []
 
     def fit(template: str, cut: Cut) -> None:
-        found = fit_cut(template, cut, seen, measures)
+        found = fit_cut(template, cut, seen, measures, settings)
         if found is not None:
             fits.append(found)
 
     for template, cut in templates:
         fit(template, cut)
-    if fits and SEAM_MISFIT_SHARE * fits[0].total > GIRTH_MISFIT_FLOOR:  # otherwise no cut can be clearly better
+    if fits and settings.seam_share * settings.total(fits[0]) > settings.misfit_floor:  # else none is clearly better
         for template, cut in _variants(templates, set(fixed), curved):
             fit(template, cut)
-    return rank_fits(fits, usual, RIVAL_MISFIT_SHARE if curved else SHAPE_MISFIT_SHARE)
+    return rank_fits(fits, usual, replace(settings, shape_share=settings.rival_share) if curved else settings)
 
 
-def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
+def compare_girths(seen: GirthProfile, drawn: GirthProfile, settings: CutSearchSettings = CutSearchSettings()) -> float:
     """Return the standard deviation of ln(seen / drawn girth) along the garment.
 
-    Both begin at the waist or below the arms. The drawn garment is lengthened or shortened within
-    `GARMENT_LENGTH_RATIOS` to the best fit: its crotch and hips can be lower or higher than its wearer's. One that ends
-    sooner is extrapolated; one that ends later is cut off, for grading changes lengths. A common factor is size.
+    Both begin at the waist or below the arms. The drawn garment is lengthened or shortened within `length_ratios` to
+    the best fit: its crotch and hips can be lower or higher than its wearer's. One that ends sooner is
+    extrapolated; one that ends later is cut off, for grading changes lengths. A common factor is size.
     """
-    begin = seen.arms + PROFILE_START_MARGIN
-    end = max(float(seen.distances[-1]) - PROFILE_END_MARGIN, begin + PROFILE_END_MARGIN)
-    at = np.linspace(begin, end, PROFILE_STATION_COUNT)
+    begin = seen.arms + settings.start_margin
+    end = max(float(seen.distances[-1]) - settings.end_margin, begin + settings.end_margin)
+    at = np.linspace(begin, end, settings.stations)
     target = np.log(np.interp(at, seen.distances, seen.girths))
     last = len(drawn.distances) // 6
     slope = (drawn.girths[-1] - drawn.girths[-last]) / (drawn.distances[-1] - drawn.distances[-last])
-    there = drawn.arms + (at - seen.arms) / GARMENT_LENGTH_RATIOS[:, None]
+    there = drawn.arms + (at - seen.arms) / np.array(settings.length_ratios)[:, None]
     girths = np.interp(there, drawn.distances, drawn.girths)
     beyond = np.maximum(there - drawn.distances[-1], 0.0)
     girths = np.maximum(girths + slope * beyond, 0.5 * girths)
     return float((target - np.log(girths)).std(axis=1).min())
 
 
-def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = SHAPE_MISFIT_SHARE) -> tuple[CutFit, ...]:
+def rank_fits(
+    fits: Sequence[CutFit], usual: Cut, settings: CutSearchSettings = CutSearchSettings()
+) -> tuple[CutFit, ...]:
     """Return fits by their misfit, the chosen one first; none if the usual cut is not among them.
 
     The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
-    is much nearer than. `clear_shape` is the share of the misfit for other proportions; larger where the usual cut is
-    the one chosen by contours with a seam added that contours do not show.
+    is much nearer than. `shape_share` is larger where the usual cut is that of contours with a seam that they lack.
     """
     ranked = sorted(fits, key=lambda fit: fit.misfit)
     chosen = next((fit for fit in fits if fit.cut == usual), None)
     if chosen is None:
         return ()
-    most = chosen.total
-    shares = (SEAM_MISFIT_SHARE if has_other_seams(fit.cut, usual) else clear_shape for fit in ranked)
-    clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
+    total = settings.total
+    shares = (settings.seam_share if has_other_seams(fit.cut, usual) else settings.shape_share for fit in ranked)
+    clear = [fit for fit, share in zip(ranked, shares, strict=True) if total(fit) < share * total(chosen)]
     if clear:
-        rivals = [fit for fit in clear if RIVAL_MISFIT_SHARE * fit.total <= clear[0].total]
+        rivals = [fit for fit in clear if settings.rival_share * total(fit) <= total(clear[0])]
         chosen = min(rivals, key=lambda fit: _count_changes(fit.cut, usual))
     return (chosen, *(fit for fit in ranked if fit is not chosen))
 
@@ -205,20 +209,22 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
     return found
 
 
-def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures) -> CutFit | None:
+def fit_cut(
+    template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures, settings: CutSearchSettings
+) -> CutFit | None:
     """Return the fit of the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
     try:
         pattern = draft_cut(cut, measures)
     except BadInput:
         return None
-    drawn = profile_flat(pattern)
-    return None if drawn is None else CutFit(template, cut, compare_girths(seen, drawn))
+    drawn = profile_flat(pattern, settings)
+    return None if drawn is None else CutFit(template, cut, compare_girths(seen, drawn, settings))
 
 
-def profile_flat(pattern: Pattern) -> GirthProfile | None:
+def profile_flat(pattern: Pattern, settings: CutSearchSettings) -> GirthProfile | None:
     """Return the girths of a pattern; None without two ends or a mesh that coarse."""
     try:
-        garment = mesh_pattern(pattern, PROFILE_VERTEX_COUNT, sweeps=0)
+        garment = mesh_pattern(pattern, settings.vertices, sweeps=0)
     except BadInput:
         return None
     return profile_pattern(garment)
