@@ -11,33 +11,40 @@ from ...garment.parts.cut import Cut, Skirt
 from ...garment.pattern import Pattern, Seam
 from .trunk_curvature import TrunkCurvature
 
-WAIST_HALF_WIDTH_SHARE = 0.16
-"""Share of the waist girth up to which curvature is counted on both sides of the middle plane: 13 cm of 82. Half the
-width of a waist is 0.19 of its girth and more, and at the sides a dress in one piece is curved by its side seams."""
-
-CURVATURE_BAND_HEIGHT, CURVATURE_BAND_COUNT = 0.04, 8
-"""Height [m] of the bands by which curvature is summed, and their number, half of them below the waist. A seam across
-is within two of them; together they reach from below the bust to the hips."""
-
-MIN_WAIST_CURVATURE = 1.0
-"""Curvature of front and back together from which a line is accepted [rad]. Four dresses with darts at a waist seam,
-draped by another simulator, have 2.3 to 5.5; garments without one at most 0.6 at 1 mm of noise."""
-
-MIN_LINE_CURVATURE_SHARE = 0.5
-"""Smallest share of the line's two bands in the absolute curvature of all: strained cloth is curved everywhere."""
-
-HEIGHT_STEP, TILT_STEP, MAX_WAIST_TILT = 0.0025, 0.02, 0.3
-"""Steps in height [m] and slope by which the line is searched, and the largest slope, 17 degrees."""
-
-WAIST_LINE_STD = 0.01
-"""Standard deviation of the height over which curvature is counted as the line's [m]: an edge of a scan of 10 000
-faces; with 0.5 mm of noise the line is within 2.5 mm."""
-
 WAIST_LABEL_PREFIX = "waist."
 """Beginning of the labels of a draft's edges at its waist seam."""
 
 SHEATH_SKIRTS = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
 """Skirts whose upper edge, without darts, is nearly straight, as a bodice's lower one: they leave no curvature."""
+
+
+@dataclass(frozen=True)
+class WaistSeamSettings:
+    """Describe the search of a waist seam.
+
+    Attributes:
+        half_width: Share of the waist girth up to which curvature is counted on both sides of the middle plane: 13 cm
+            of 82. Half the width of a waist is 0.19 of it and more; at its sides a dress is curved by its side seams.
+        band_height: Height of the bands by which curvature is summed [m]: a seam across is within two of them.
+        bands: Number of the bands, half of them below the waist: they reach from below the bust to the hips.
+        curvature: Curvature of front and back together from which a line is accepted [rad]. Four dresses with darts at
+            a waist seam, draped by another simulator, have 2.3 to 5.5; garments without one at most 0.6 at 1 mm noise.
+        curvature_share: Smallest share of its two bands in all absolute curvature: strained cloth is curved everywhere.
+        height_step: Step in height by which the line is searched [m].
+        tilt_step, max_tilt: Ratio of rise to run of a step of the line's slope, and of the largest slope, 17 degrees.
+        line_std: Standard deviation of the height over which curvature is counted as the line's [m]: an edge of a scan
+            of 10 000 faces; with 0.5 mm of noise the line is within 2.5 mm.
+    """
+
+    half_width: float = 0.16
+    band_height: float = 0.04
+    bands: int = 8
+    curvature: float = 1.0
+    curvature_share: float = 0.5
+    height_step: float = 0.0025
+    tilt_step: float = 0.02
+    max_tilt: float = 0.3
+    line_std: float = 0.01
 
 
 @dataclass(frozen=True)
@@ -81,60 +88,58 @@ def is_waist_seam(pattern: Pattern, seam: Seam) -> bool:
     return pattern.panel(seam.a.panel).edges[seam.a.edge].label.startswith(WAIST_LABEL_PREFIX)
 
 
-def has_curved_waist(cloth: TrunkCurvature) -> bool:
+def has_curved_waist(cloth: TrunkCurvature, settings: WaistSeamSettings = WaistSeamSettings()) -> bool:
     """Return whether the cloth is curved along a line across front and back near the waist, as by a seam there.
 
     Where darts end at a waist seam, or a curved edge is sewn to a straight one, the cloth has negative curvature; a
     dress without that seam has none between its side seams. A seam between two straight edges leaves no trace.
     """
-    return _find_band(cloth) is not None
+    return _find_band(cloth, settings) is not None
 
 
-def find_waist_line(cloth: TrunkCurvature) -> WaistLine | None:
+def find_waist_line(cloth: TrunkCurvature, settings: WaistSeamSettings = WaistSeamSettings()) -> WaistLine | None:
     """Find the plane of the cloth's curved line; None where there is none (`has_curved_waist`).
 
     Of all planes near the line's bands, the one with most negative curvature, vertices at a height h off it weighted by
-    exp(-(h / WAIST_LINE_STD)^2 / 2). It may slope between front and back, and is level across.
+    exp(-(h / line_std)^2 / 2). It may slope between front and back, and is level across.
     """
-    band = _find_band(cloth)
+    band = _find_band(cloth, settings)
     if band is None:
         return None
-    counted, above = _select_vertices(cloth)
+    counted, above = _select_vertices(cloth, settings)
     above, forwards = above[counted], cloth.points[counted, 2]
     middle, curvature = float(np.median(forwards)), cloth.curvature[counted]
-    heights = CURVATURE_BAND_HEIGHT * (band - CURVATURE_BAND_COUNT // 2) + np.arange(
-        -CURVATURE_BAND_HEIGHT, 3.0 * CURVATURE_BAND_HEIGHT, HEIGHT_STEP
-    )
-    tilts = np.arange(-MAX_WAIST_TILT, MAX_WAIST_TILT + TILT_STEP / 2, TILT_STEP)
+    size = settings.band_height
+    heights = size * (band - settings.bands // 2) + np.arange(-size, 3.0 * size, settings.height_step)
+    tilts = np.arange(-settings.max_tilt, settings.max_tilt + settings.tilt_step / 2, settings.tilt_step)
 
     def found_at(height: float, tilt: float) -> float:
         off = above - height - tilt * (forwards - middle)
-        return -float(curvature @ np.exp(-0.5 * (off / WAIST_LINE_STD) ** 2))
+        return -float(curvature @ np.exp(-0.5 * (off / settings.line_std) ** 2))
 
     height, tilt = max(((h, t) for h in heights for t in tilts), key=lambda place: found_at(*place))
     normal = cloth.axes[1] - tilt * cloth.axes[2]
     offset = cloth.origin @ normal + cloth.measures.waist_height + height - tilt * middle
     length = float(np.linalg.norm(normal))
     sideways = cloth.axes[0]
-    reach = WAIST_HALF_WIDTH_SHARE * cloth.measures.waist
+    reach = settings.half_width * cloth.measures.waist
     return WaistLine(normal / length, float(offset) / length, sideways, float(cloth.origin @ sideways), reach)
 
 
-def _find_band(cloth: TrunkCurvature) -> int | None:
+def _find_band(cloth: TrunkCurvature, settings: WaistSeamSettings) -> int | None:
     """Return the lower of the line's two bands, counted from below; None where there is no line."""
-    counted, above = _select_vertices(cloth)
-    band = np.floor(above / CURVATURE_BAND_HEIGHT).astype(np.int64) + CURVATURE_BAND_COUNT // 2
-    counted &= (band >= 0) & (band < CURVATURE_BAND_COUNT)
-    bands = np.bincount(band[counted], weights=cloth.curvature[counted], minlength=CURVATURE_BAND_COUNT)
+    counted, above = _select_vertices(cloth, settings)
+    band = np.floor(above / settings.band_height).astype(np.int64) + settings.bands // 2
+    counted &= (band >= 0) & (band < settings.bands)
+    bands = np.bincount(band[counted], weights=cloth.curvature[counted], minlength=settings.bands)
     lines = bands[:-1] + bands[1:]
     at = int(np.argmin(lines[1:-1])) + 1  # not at the ends of the bands
-    return (
-        at if lines[at] < -MIN_WAIST_CURVATURE and -lines[at] > MIN_LINE_CURVATURE_SHARE * np.abs(bands).sum() else None
-    )
+    is_strong = -lines[at] > settings.curvature and -lines[at] > settings.curvature_share * np.abs(bands).sum()
+    return at if is_strong else None
 
 
-def _select_vertices(cloth: TrunkCurvature) -> tuple[np.ndarray, np.ndarray]:
+def _select_vertices(cloth: TrunkCurvature, settings: WaistSeamSettings) -> tuple[np.ndarray, np.ndarray]:
     """Return which vertices are in front or behind, within the bands' reach, and all heights above the waist."""
     above = cloth.points[:, 1] - cloth.measures.waist_height
-    counted = np.abs(cloth.points[:, 0]) < WAIST_HALF_WIDTH_SHARE * cloth.measures.waist
-    return counted & (np.abs(above) < CURVATURE_BAND_HEIGHT * (CURVATURE_BAND_COUNT // 2)), above
+    counted = np.abs(cloth.points[:, 0]) < settings.half_width * cloth.measures.waist
+    return counted & (np.abs(above) < settings.band_height * (settings.bands // 2)), above
