@@ -17,8 +17,8 @@ from ..grade.trunk_curvature import TrunkCurvature
 from ..state import RecoveryState, made
 from .dart_cutting import cut_darts
 from .dart_search import (
-    MIN_APEX_DEPTH,
     DartMouth,
+    DartSearchSettings,
     PlannedDart,
     find_corners,
     find_depths,
@@ -100,7 +100,7 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
         return None
     left, right = garment.uv[nearest[0]], reflect_point(mirror, garment.uv[nearest[1]])
     uv = garment.uv[garment.panel_of_uv == index]
-    inner = uv[find_depths(garment, index) >= MIN_APEX_DEPTH]
+    inner = uv[find_depths(garment, index) >= DartSearchSettings.apex_depth]
     mouths = _side_mouths(garment, index)
     if np.linalg.norm(left - right) > MIRROR_POINT_TOLERANCE or not len(inner) or not mouths:
         return None

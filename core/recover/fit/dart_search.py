@@ -15,29 +15,32 @@ from ...garment.symmetry import find_symmetry
 from ...geometry.geometry import signed_areas
 from .wedge import FlatPanel, Wedge
 
-MIN_DART_LENGTH, MAX_DART_LENGTH = 0.06, 0.22
-"""Smallest and largest length of a dart [m]: front skirt darts are 9 cm long and back ones 13, those of a bodice reach
-from the waist to 2.5 cm below the bust point, 16 to 18 cm; a shorter one is a tuck."""
 
-MAX_DART_WARP_ANGLE = np.radians(25.0)
-"""Largest angle between the axis of a dart and the warp [rad]. Cloth shows where a dart ends, not where it begins: it
-can be turned about its apex to any edge. Waist and shoulder darts are drawn along the grain within 15 degrees."""
+@dataclass(frozen=True)
+class DartSearchSettings:
+    """Describe which darts are searched.
 
-MIN_DART_GAIN_SHARE = 0.9
-"""Share of the best dart's gain from which darts with the same end compete: the one nearest to the warp wins."""
+    Attributes:
+        min_length, max_length: Smallest and largest length of a dart [m]: skirt darts are 9 to 13 cm long, those of a
+            bodice, from the waist to 2.5 cm below the bust point, 16 to 18 cm; a shorter one is a tuck.
+        warp_angle: Largest angle between the axis of a dart and the warp [rad]. Cloth shows where a dart ends: it can
+            be turned about its apex to any edge. Waist and shoulder darts are drawn within 15 degrees of the grain.
+        gain_share: Share of the best dart's gain from which those with the same end compete: the nearest to the warp.
+        mirror_distance: Least distance of the apexes of a dart and its mirror image in one panel [m]: nearer they would
+            be one dart on the middle line, where a panel that is cut on the fold has a seam instead.
+        apex_depth: Least distance of an apex from the outline [m]: nearer it is a seam's ease.
+        corner_distance: Least distance of a mouth from a corner [m]: nearer the corner itself is cut differently.
+        corner_angle: Angle of an outline from which it has a corner [rad].
+    """
 
-MIN_MIRROR_APEX_DISTANCE = 0.06
-"""Least distance of the apexes of a dart and its mirror image in one panel [m]: nearer they would be one dart on the
-middle line, where a panel that is cut on the fold has a seam instead."""
-
-MIN_APEX_DEPTH = 0.025
-"""Least distance of an apex from the outline [m]: nearer it is a seam's ease."""
-
-MIN_MOUTH_CORNER_DISTANCE = 0.03
-"""Least distance of a mouth from a panel's corner [m]: nearer the corner itself is cut differently."""
-
-MIN_OUTLINE_CORNER_ANGLE = np.radians(30.0)
-"""Angle of an outline from which it has a corner [rad]."""
+    min_length: float = 0.06
+    max_length: float = 0.22
+    warp_angle: float = float(np.radians(25.0))
+    gain_share: float = 0.9
+    mirror_distance: float = 0.06
+    apex_depth: float = 0.025
+    corner_distance: float = 0.03
+    corner_angle: float = float(np.radians(30.0))
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,9 @@ def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
     return float(np.sqrt(max(square, 0.0) / area))
 
 
-def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartProposal | None:
+def propose_dart(
+    garment: Garment, strain: np.ndarray, index: int, settings: DartSearchSettings = DartSearchSettings()
+) -> DartProposal | None:
     """Find the dart that takes most of a panel's strain, by an exhaustive search over its mesh.
 
     A panel and its mirror image get darts together, judged by the sum.
@@ -122,14 +127,14 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartPropos
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
         index: The panel's index.
+        settings: Which darts are searched.
 
     Returns:
         The best; None where no open dart takes any, or there is no room for one.
     """
     panel = relax_panel(garment, strain, index)
-    places = [
-        (mouth, wedge) for mouth in list_mouths(garment, index) for wedge in _wedges(garment, panel, index, mouth)
-    ]
+    mouths = list_mouths(garment, index, settings)
+    places = [(mouth, wedge) for mouth in mouths for wedge in _wedges(garment, panel, index, mouth, settings)]
     if not places:
         return None
     wedges = [wedge for _, wedge in places]
@@ -139,7 +144,7 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartPropos
     if mirror is not None and mirror.target == index:
         loads = loads + panel.loads(images)
         between = np.array([image.apex - wedge.apex for image, wedge in zip(images, wedges, strict=True)])
-        is_apart = np.linalg.norm(between, axis=1) >= MIN_MIRROR_APEX_DISTANCE
+        is_apart = np.linalg.norm(between, axis=1) >= settings.mirror_distance
     pull, stiffness = panel.respond(loads)
     if mirror is not None and mirror.target != index:
         other = relax_panel(garment, strain, mirror.target)
@@ -151,7 +156,7 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> DartPropos
     apex = wedges[int(np.argmax(gains))].apex
     ends_there = np.array([np.array_equal(wedge.apex, apex) for wedge in wedges])
     turned = np.array([_warp_angle(garment, index, wedge) for wedge in wedges])
-    best = int(np.argmin(np.where(ends_there & (gains >= MIN_DART_GAIN_SHARE * gains.max()), turned, np.inf)))
+    best = int(np.argmin(np.where(ends_there & (gains >= settings.gain_share * gains.max()), turned, np.inf)))
     square = sum(float(each.left @ each.left) for each in panels)
     before, after = rms_strain(panels, square), rms_strain(panels, square - float(gains[best]))
     return DartProposal(index, places[best][0], wedges[best], float(pull[best] / stiffness[best]), before, after)
@@ -178,38 +183,40 @@ def reflect_point(mirror: Mirror, point: np.ndarray) -> np.ndarray:
     return np.asarray(point @ mirror.rotation.T + mirror.shift)
 
 
-def list_mouths(garment: Garment, index: int) -> list[DartMouth]:
+def list_mouths(garment: Garment, index: int, settings: DartSearchSettings = DartSearchSettings()) -> list[DartMouth]:
     """Return the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
     panel = garment.pattern.panels[index]
     sewn = {ref for seam in garment.pattern.seams if seam.a.panel != seam.b.panel for ref in (seam.a, seam.b)}
-    corners = find_corners(garment, index)
+    corners = find_corners(garment, index, settings)
     found = []
     for i, edge in enumerate(panel.edges):
         ref = EdgeRef(panel.name, i)
         if ref not in sewn and edge.contour != "waist":
             continue
-        if edge_length(panel, i) < MIN_MOUTH_CORNER_DISTANCE:
+        if edge_length(panel, i) < settings.corner_distance:
             continue
         line = garment.uv[garment.edge_uv[ref]]
         for k, place in enumerate(0.5 * (line[1:] + line[:-1])):
-            if not len(corners) or np.linalg.norm(corners - place, axis=1).min() >= MIN_MOUTH_CORNER_DISTANCE:
+            if not len(corners) or np.linalg.norm(corners - place, axis=1).min() >= settings.corner_distance:
                 found.append(DartMouth(i, k, place))
     return found
 
 
-def find_corners(garment: Garment, index: int) -> np.ndarray:
+def find_corners(garment: Garment, index: int, settings: DartSearchSettings = DartSearchSettings()) -> np.ndarray:
     """Return the corners of a panel's meshed outline [m], shape [count, 2]."""
     panel, found = garment.pattern.panels[index], []
     for i in range(len(panel.edges)):
         border = garment.uv[garment.edge_uv[EdgeRef(panel.name, i)]]
         before = garment.uv[garment.edge_uv[EdgeRef(panel.name, (i - 1) % len(panel.edges))]]
         (a, b), (c, d) = border[1] - border[0], before[-1] - before[-2]
-        if abs(np.arctan2(c * b - d * a, a * c + b * d)) > MIN_OUTLINE_CORNER_ANGLE:
+        if abs(np.arctan2(c * b - d * a, a * c + b * d)) > settings.corner_angle:
             found.append(border[0])
     return np.array(found).reshape(-1, 2)
 
 
-def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth) -> list[Wedge]:
+def _wedges(
+    garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth, settings: DartSearchSettings
+) -> list[Wedge]:
     """Return the wedges that begin at a place, along the warp into the panel."""
     drawn = garment.pattern.panels[index]
     line = garment.uv[garment.edge_uv[EdgeRef(drawn.name, mouth.edge)]]
@@ -218,9 +225,9 @@ def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: DartMouth) ->
     warp = np.array([-np.sin(drawn.grainline), np.cos(drawn.grainline)])
     offset = panel.uv - mouth.place
     length = np.linalg.norm(offset, axis=1)
-    fits = (length >= MIN_DART_LENGTH) & (length <= MAX_DART_LENGTH) & (offset @ inward > 0.5 * length)
-    fits &= np.abs(offset @ warp) >= np.cos(MAX_DART_WARP_ANGLE) * length
-    fits &= find_depths(garment, index) >= MIN_APEX_DEPTH
+    fits = (length >= settings.min_length) & (length <= settings.max_length) & (offset @ inward > 0.5 * length)
+    fits &= np.abs(offset @ warp) >= np.cos(settings.warp_angle) * length
+    fits &= find_depths(garment, index) >= settings.apex_depth
     return [Wedge(mouth.place, panel.uv[i]) for i in np.flatnonzero(fits)]
 
 
