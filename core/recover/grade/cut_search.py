@@ -58,13 +58,8 @@ class CutSearchSettings:
 
 @dataclass(frozen=True)
 class CutFit:
-    """Describe how well the girths of one cut fit a scan's.
-
-    Attributes:
-        template: The template that it is named by.
-        cut: Its parts.
-        misfit: Standard deviation along the garment of the logarithm of the ratio of both girths, independent of size.
-    """
+    """Describe how well the girths of a cut, named by a template, fit a scan's: `misfit` is the standard deviation
+    along the garment of the logarithm of the ratio of both girths, independent of size."""
 
     template: str
     cut: Cut
@@ -99,18 +94,13 @@ def search_cuts(
     if seen is None:
         return ()
     usual, measures = templates[0][1], measure_wearer(body)
-    fits: list[CutFit] = []
 
-    def fit(template: str, cut: Cut) -> None:
-        found = fit_cut(template, cut, seen, measures, settings)
-        if found is not None:
-            fits.append(found)
+    def fit(cuts: Iterable[tuple[str, Cut]]) -> list[CutFit]:
+        return [found for name, cut in cuts if (found := fit_cut(name, cut, seen, measures, settings)) is not None]
 
-    for template, cut in templates:
-        fit(template, cut)
+    fits = fit(templates)
     if fits and settings.seam_share * settings.total(fits[0]) > settings.misfit_floor:  # else none is clearly better
-        for template, cut in _variants(templates, set(fixed), curved):
-            fit(template, cut)
+        fits += fit(_variants(templates, set(fixed), curved))
     return rank_fits(fits, usual, replace(settings, shape_share=settings.rival_share) if curved else settings)
 
 
