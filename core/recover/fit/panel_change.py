@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,22 +31,27 @@ from .wedge import wanted_strain
 MIN_DART_WIDTH = 0.01
 """Smallest width of the mouth of a dart [m]: a narrower one is within 5 mm of its fold and eased."""
 
-MIN_PANEL_STRAIN = 0.01
-"""RMS over a panel of the strain that no flat shape takes [1], below which it gets no dart: woven cloth has as much."""
-
-PROPOSED_SHARE = 0.4
-"""Share of the sum of squared strain that a dart has to take to be tried. On panels cut without one the best dart of
-`MIN_DART_ANGLE` takes at most 0.36 (one had 0.45, which a drape with it rejects), on those cut with one 0.43 to 0.7."""
-
-KEPT_SHARE = 1.0 / 3.0
-"""Share of the same sum for a dart that is kept, after the whole pattern was fitted with it: equal seams, symmetry and
-proportions leave some strain that the panel alone would not have."""
-
 MIN_DART_ANGLE = np.radians(5.0)
 """Smallest angle of a dart at its apex [rad]: `MIN_DART_WIDTH` at 11 cm, between skirt darts' lengths."""
 
-DART_RELAXATION_ITERATIONS = 2
-"""Number of iterations in which darts open or close before they are judged: a third changes them by less than 1 mm."""
+
+@dataclass(frozen=True)
+class PanelChangeSettings:
+    """Describe when darts are added and closed.
+
+    Attributes:
+        strain: RMS over a panel of the strain that no flat shape takes [1] below which it gets no dart: woven cloth's.
+        proposed_share: Share of the sum of squared strain that a dart has to take to be tried. On panels cut without
+            one the best of `MIN_DART_ANGLE` takes at most 0.36 (one 0.45, which a drape rejects), with one 0.43 to 0.7.
+        kept_share: Share of the same sum for a dart that is kept, after the whole pattern was fitted with it: equal
+            seams, symmetry and proportions leave some strain that the panel alone would not have.
+        iterations: Number of steps in which darts open or close before they are judged: a third moves less than 1 mm.
+    """
+
+    strain: float = 0.01
+    proposed_share: float = 0.4
+    kept_share: float = 1.0 / 3.0
+    iterations: int = 2
 
 
 StrainedState = tuple[RecoveryState, np.ndarray]
@@ -54,13 +59,16 @@ StrainedState = tuple[RecoveryState, np.ndarray]
 mesh of the same panels; and the estimated strain of the coarse mesh's faces, shape [face_count, 2, 2]."""
 
 
-def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS) -> RecoveryState:
+def change_panels(
+    case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS, settings: PanelChangeSettings = PanelChangeSettings()
+) -> RecoveryState:
     """Close darts that the scan does not need, and add those without which panels cannot be isometric to it.
 
     Args:
         case: `keep_cut` and locked panels leave panels as they are.
         state: The garment from `fit_isometry`, its base pattern, the graded drape, and its nodes on the target.
         hooks: Cancellation.
+        settings: When darts are added and closed.
 
     Returns:
         The fitted pattern with the base pattern and the graded drape of the same panels (a new drape where darts were
@@ -71,20 +79,20 @@ def change_panels(case: Case, state: RecoveryState, hooks: Hooks = SILENT_HOOKS)
     hooks.check()
     _, strain = mesh_on_target(made(state.graded), made(state.meshes).detail)
     try:
-        return _add_darts(case, _close_darts(case, (state, strain)))
+        return _add_darts(case, _close_darts(case, (state, strain), settings), settings)
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError):  # changed panels that cannot be meshed or fitted are no better
         return state
 
 
-def _close_darts(case: Case, start: StrainedState) -> StrainedState:
+def _close_darts(case: Case, start: StrainedState, settings: PanelChangeSettings) -> StrainedState:
     """Close the darts that need less than `MIN_DART_WIDTH`, unless one would be proposed again."""
     state, strain = start
     garment = made(state.garment)
     if not find_darts(garment.pattern):
         return start
-    relaxed, its_strain = _relax_darts(case, start, {dart.panel for dart in find_darts(garment.pattern)})
+    relaxed, its_strain = _relax_darts(case, start, {dart.panel for dart in find_darts(garment.pattern)}, settings)
     loose = made(relaxed.garment)
     target = wanted_strain(loose, its_strain)
     widths = {dart: required_dart_width(loose, target, dart) for dart in find_darts(loose.pattern)}
@@ -97,13 +105,13 @@ def _close_darts(case: Case, start: StrainedState) -> StrainedState:
     changes = []
     for dart in needless:
         before, after = (each[dart.panel] for each in strains)
-        if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > MIN_PANEL_STRAIN:
+        if 1.0 - (before / after) ** 2 > settings.proposed_share and after > settings.strain:
             return start  # without it one would be proposed
         changes.append(describe_dart(garment.pattern, dart, "closed", widths[dart], (before, after)))
     return closed.with_findings(*changes), after_strain
 
 
-def _add_darts(case: Case, start: StrainedState) -> RecoveryState:
+def _add_darts(case: Case, start: StrainedState, settings: PanelChangeSettings) -> RecoveryState:
     """Add the darts that take enough strain and are wide enough; others are removed again.
 
     The strain is then that of a drape with them: without them compression at a skirt's waist hides half the intake.
@@ -116,14 +124,14 @@ def _add_darts(case: Case, start: StrainedState) -> RecoveryState:
         for index in range(len(garment.pattern.panels))
         if not is_mirror_image(garment, index)
         and (one := propose_dart(garment, target, index)) is not None
-        and one.before > MIN_PANEL_STRAIN
-        and one.share > PROPOSED_SHARE
+        and one.before > settings.strain
+        and one.share > settings.proposed_share
         and one.angle > MIN_DART_ANGLE
     ]
     while proposals:
         cut = cut_darts(garment, target, state.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
-        added, its_strain = _relax_darts(case, _drape_with_darts(case, _refit(case, start, cut)), names)
+        added, its_strain = _relax_darts(case, _drape_with_darts(case, _refit(case, start, cut)), names, settings)
         pattern, after = made(added.garment).pattern, panel_strains(made(added.garment), its_strain)
         changes: dict[int, list[Finding]] = {}
         for number in range(len(proposals)):
@@ -131,7 +139,7 @@ def _add_darts(case: Case, start: StrainedState) -> RecoveryState:
             widths = [dart.width(pattern) for dart in darts]
             square = [sum(each[name] ** 2 for name in {dart.panel for dart in darts}) for each in (before, after)]
             is_wide = bool(darts) and min(widths) >= MIN_DART_WIDTH
-            if is_wide and square[1] <= (1.0 - KEPT_SHARE) * square[0]:
+            if is_wide and square[1] <= (1.0 - settings.kept_share) * square[0]:
                 changes[number] = [
                     describe_dart(pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
                     for dart, width in zip(darts, widths, strict=True)
@@ -185,10 +193,10 @@ def refit_with_darts(
     return _fit(start, carried, cut.base, state, settings), carried
 
 
-def _relax_darts(case: Case, before: StrainedState, panels: set[str]) -> StrainedState:
-    """Open or close the darts of some panels by their strain, and fit again, `DART_RELAXATION_ITERATIONS` times."""
+def _relax_darts(case: Case, before: StrainedState, panels: set[str], settings: PanelChangeSettings) -> StrainedState:
+    """Open or close the darts of some panels by their strain, and fit again, `iterations` times."""
     state, strain = before
-    for _ in range(DART_RELAXATION_ITERATIONS):
+    for _ in range(settings.iterations):
         garment = made(state.garment)
         pattern, base = relax_panels(garment, wanted_strain(garment, strain), state.base, panels)
         fitted = _fit(move_pattern(garment, pattern), strain, base, state, _settings_of(case))
