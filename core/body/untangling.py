@@ -2,39 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..geometry.intersections import self_intersections
 from ..geometry.move_towards import move_towards
-from ..geometry.untangling import UNTANGLING_STEP_LENGTH, untangle
+from ..geometry.untangling import UntangleSettings, untangle
 from .exposed import ExposedSurface, penetration_depth
 from .projection import limit_penetration, project_outside
 
-MAX_BODY_UNTANGLE_ITERATIONS = 4
-"""Largest number of untanglings; moving cloth out of the body may make it cross again. 2 suffice."""
 
-MAX_GAP_SEPARATION_ITERATIONS = 12
-"""Largest number of separations of layers in a gap of the body; trousers between thighs that touch took four."""
+@dataclass(frozen=True)
+class SeparationSettings:
+    """Describe how cloth that crosses itself beside a body is separated.
 
-GAP_UNTANGLE_STEP = 5e-5
-"""Step of untangling in such a gap [m]: the largest distance of layers afterwards."""
+    Attributes:
+        step: Step of the first untangling [m], as in `UntangleSettings`.
+        untanglings: Largest number of untanglings; moving cloth out of the body may make it cross again. 2 suffice.
+        gap_untanglings: Largest number of them in a gap of the body; trousers between thighs that touch took four.
+        gap_step: Step of untangling in such a gap [m]: the largest distance of layers afterwards.
+        raised_share: Share of the allowed depth to which cloth in such a gap is raised; the rest is for separation.
+        allowed: Depth in the body that is not corrected [m]: half of what a result may have.
+        limit: Depth that is accepted [m] where untangling needs it and no cloth was deeper: what a result may have.
+    """
 
-RAISED_DEPTH_SHARE = 0.9
-"""Share of the greatest allowed depth to which cloth in such a gap is raised; the rest is for separating layers."""
-
-TOLERATED_BODY_DEPTH = 5e-4
-"""Depth in the body that is not corrected [m]: half of what a result may have."""
-
-MAX_UNTANGLED_DEPTH = 1e-3
-"""Largest depth in the body that untangling may leave where no cloth was deeper [m]: what a result may have."""
+    step: float = UntangleSettings.step
+    untanglings: int = 4
+    gap_untanglings: int = 12
+    gap_step: float = 5e-5
+    raised_share: float = 0.9
+    allowed: float = 5e-4
+    limit: float = 1e-3
 
 
 def untangle_outside(
-    nodes: np.ndarray,
-    skin: ExposedSurface,
-    faces: np.ndarray,
-    allowed: float = TOLERATED_BODY_DEPTH,
-    limit: float = MAX_UNTANGLED_DEPTH,
+    nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, settings: SeparationSettings = SeparationSettings()
 ) -> np.ndarray:
     """Untangle cloth that crosses itself, and move it out of the body again where that led into it.
 
@@ -45,8 +48,7 @@ def untangle_outside(
         nodes: Positions outside the body [m], shape [node_count, 3].
         skin: The body's exposed skin.
         faces: Shape [face_count, 3].
-        allowed: Depth in the body that is not corrected [m].
-        limit: Depth that is accepted [m] where untangling needs it and no cloth was deeper.
+        settings: Iterations and depths.
 
     Returns:
         Positions [m], no deeper in the body than `limit` or than before; the same array where nothing crosses or
@@ -55,12 +57,11 @@ def untangle_outside(
     best, least = nodes, len(self_intersections(nodes, faces))
     if not least:
         return nodes
-    deepest, moved = max(limit, penetration_depth(nodes, faces, skin)), nodes
-    for turn in range(MAX_BODY_UNTANGLE_ITERATIONS):
-        moved = untangle(
-            moved, faces, (1 + turn) * UNTANGLING_STEP_LENGTH
-        )  # further apart, so that they do not meet on the way out
-        if penetration_depth(moved, faces, skin) > allowed:
+    deepest, moved = max(settings.limit, penetration_depth(nodes, faces, skin)), nodes
+    for turn in range(settings.untanglings):
+        # further apart, so that they do not meet on the way out
+        moved = untangle(moved, faces, UntangleSettings(step=(1 + turn) * settings.step))
+        if penetration_depth(moved, faces, skin) > settings.allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
         if crossed < least and penetration_depth(moved, faces, skin) <= deepest:
@@ -68,14 +69,15 @@ def untangle_outside(
         if not crossed:
             break
     if least:
-        best, least = separate_layers_in_gap(best, faces, skin, deepest)
+        best, least = separate_layers_in_gap(best, faces, skin, deepest, settings)
     if least:
         return best
-    return _restore_positions(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
+    limit = max(settings.allowed, penetration_depth(best, faces, skin))
+    return _restore_positions(best, nodes, faces, skin, limit, settings.untanglings)
 
 
 def _restore_positions(
-    separated: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
+    separated: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float, iterations: int
 ) -> np.ndarray:
     """Move untangled cloth back towards where it was as far as its layers and the body let it.
 
@@ -85,7 +87,7 @@ def _restore_positions(
         limit: Depth in the body to which no node or face is moved back [m].
     """
     goal = before.copy()
-    for _ in range(MAX_BODY_UNTANGLE_ITERATIONS):
+    for _ in range(iterations):
         closer = move_towards(separated, goal, faces)
         moved = (closer != separated).any(axis=1)
         at_nodes, at_faces = np.flatnonzero(moved), faces[moved[faces].any(axis=1)]
@@ -99,7 +101,7 @@ def _restore_positions(
 
 
 def separate_layers_in_gap(
-    nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
+    nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float, settings: SeparationSettings
 ) -> tuple[np.ndarray, int]:
     """Separate cloth that crosses itself where parts of a body leave too little room; return it and the crossing faces.
 
@@ -111,15 +113,16 @@ def separate_layers_in_gap(
         faces: Shape [face_count, 3].
         skin: The body's exposed skin.
         limit: Greatest depth in the body [m].
+        settings: Iterations and steps.
 
     Returns:
         Positions no deeper than the limit (the given ones if none cross less), and the number of crossing faces.
     """
     best, least = nodes, len(self_intersections(nodes, faces))
-    for _ in range(MAX_GAP_SEPARATION_ITERATIONS):
-        nodes = untangle(nodes, faces, GAP_UNTANGLE_STEP)
+    for _ in range(settings.gap_untanglings):
+        nodes = untangle(nodes, faces, UntangleSettings(step=settings.gap_step))
         if penetration_depth(nodes, faces, skin) > limit:
-            nodes = limit_penetration(nodes, faces, skin, RAISED_DEPTH_SHARE * limit)
+            nodes = limit_penetration(nodes, faces, skin, settings.raised_share * limit)
         crossed = len(self_intersections(nodes, faces))
         if crossed < least and penetration_depth(nodes, faces, skin) <= limit:
             best, least = nodes, crossed

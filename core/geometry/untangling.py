@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import sparse
 
@@ -13,24 +15,28 @@ from .linear import Factor, factor_symmetric
 MAX_CONTOUR_GRADIENT = 3.0
 """Largest length of a contour's gradient at one vertex [m/m]: regular ones have 1 to 2, edges that graze a face 20."""
 
-UNTANGLING_STEP_LENGTH = 5e-4
-"""Motion of a vertex with a uniform contour gradient in one iteration [m]: with 1 mm, detail meshes of shorts and
-trousers with 35 and 43 crossed faces are 0.01 mm further from the scan, with 0.2 mm 0.02 mm nearer."""
 
-UNTANGLING_SMOOTHING_LENGTH = 0.01
-"""Length over which an iteration's moves decay in the surrounding mesh [m]: less than an edge, to preserve the fit.
-Twice the length costs another 0.04 mm of the distance from the scan."""
+@dataclass(frozen=True)
+class UntangleSettings:
+    """Describe the contraction of intersection contours.
 
-MAX_UNTANGLING_ITERATIONS = 120
-"""Largest number of iterations: a motion of 6 cm."""
+    Attributes:
+        step: Motion of a vertex with a uniform contour gradient in one iteration [m]; layers end at most as far apart.
+            With 1 mm, detail meshes of shorts and trousers with 35 and 43 crossed faces are 0.01 mm further from the
+            scan, with 0.2 mm 0.02 mm nearer.
+        smoothing_length: Length over which an iteration's moves decay in the surrounding mesh [m]: less than an edge,
+            to preserve the fit. Twice the length costs another 0.04 mm of the distance from the scan.
+        iterations: Largest number of iterations: a motion of 6 cm.
+        patience: Number of iterations without fewer crossed faces after which the rest stays crossed: a motion of an
+            edge's length, for a contour may be as long as a patch before it breaks.
+        smoothings: Largest number of smoothings of crumpled faces; a corner of trousers' waist took two.
+    """
 
-UNTANGLING_PATIENCE_ITERATIONS = 24
-"""Number of iterations without fewer crossed faces after which the rest stays crossed: a motion of an edge's length,
-for a contour may be as long as a patch before it breaks."""
-
-
-MAX_CRUMPLE_SMOOTHING_ITERATIONS = 12
-"""Largest number of iterations that smooth crumpled faces; a corner of trousers' waist took two."""
+    step: float = 5e-4
+    smoothing_length: float = 0.01
+    iterations: int = 120
+    patience: int = 24
+    smoothings: int = 12
 
 
 def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> np.ndarray:
@@ -49,43 +55,43 @@ def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray
     return found
 
 
-def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = UNTANGLING_STEP_LENGTH) -> np.ndarray:
+def untangle(vertices: np.ndarray, faces: np.ndarray, settings: UntangleSettings = UntangleSettings()) -> np.ndarray:
     """Untangle a mesh that intersects itself; return its vertices [m], shape [vertex_count, 3].
 
     Each iteration moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w
-    `UNTANGLING_SMOOTHING_LENGTH` and L the uniform Laplacian by area: contours contract and vanish, and the mesh around
-    them follows. What still crosses then is crumpled within an edge; it is smoothed with the faces around.
+    the smoothing length and L the uniform Laplacian by area: contours contract and vanish, and the mesh around them
+    follows. What still crosses then is crumpled within an edge; it is smoothed with the faces around.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
-        step: Motion of a vertex with a uniform contour gradient in one iteration [m]; layers end at most as far apart.
+        settings: Of the contraction.
 
     Returns:
         The vertices of the iteration with the fewest crossed faces; the same array where none crossed or none fewer.
     """
     best, fewest, since = vertices, np.inf, 0
     moved, smooth = vertices, None
-    for _ in range(MAX_UNTANGLING_ITERATIONS):
+    for _ in range(settings.iterations):
         pairs = intersecting_pairs(moved, faces)
         crossed = len(np.unique(pairs))
         best, fewest, since = (moved, crossed, 0) if crossed < fewest else (best, fewest, since + 1)
-        if crossed == 0 or since > UNTANGLING_PATIENCE_ITERATIONS:
+        if crossed == 0 or since > settings.patience:
             break
-        smooth = smooth or _factor(vertices, faces)
-        displacement = smooth.solve(step * contract_contours(moved, faces, pairs))
+        smooth = smooth or _factor(vertices, faces, settings.smoothing_length)
+        displacement = smooth.solve(settings.step * contract_contours(moved, faces, pairs))
         longest = float(np.linalg.norm(displacement, axis=1).max())
-        moved = moved + displacement * min(1.0, 2.0 * step / longest)
-    return best if not fewest else _smooth(best, faces)
+        moved = moved + displacement * min(1.0, 2.0 * settings.step / longest)
+    return best if not fewest else _smooth(best, faces, settings.smoothings)
 
 
-def _smooth(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def _smooth(vertices: np.ndarray, faces: np.ndarray, iterations: int) -> np.ndarray:
     """Move vertices of crossed faces by half of the way to their neighbours' mean in each iteration, and those around
     by a quarter. Return the vertices [m], shape [vertex_count, 3], of the iteration with the fewest crossed faces."""
     adjacent = sparse.csr_matrix(HalfEdges.of(faces, len(vertices)).adjacency, dtype=np.float64)
     degree = np.maximum(adjacent.sum(axis=1).A1, 1.0)
     best, fewest, moved = vertices, np.inf, vertices
-    for _ in range(MAX_CRUMPLE_SMOOTHING_ITERATIONS + 1):
+    for _ in range(iterations + 1):
         crossed = self_intersections(moved, faces)
         if len(crossed) < fewest:
             best, fewest = moved, len(crossed)
@@ -98,15 +104,13 @@ def _smooth(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return best
 
 
-def _factor(vertices: np.ndarray, faces: np.ndarray) -> Factor:
-    """Factor 1 + w^2 L; on a hexagonal lattice of edge h, L is 2 / (3 h^2) times the differences to the neighbours."""
+def _factor(vertices: np.ndarray, faces: np.ndarray, length: float) -> Factor:
+    """Factor 1 + length^2 L; on a hexagonal lattice of edge h, L is 2 / (3 h^2) times differences to the neighbours."""
     edges = HalfEdges.of(faces, len(vertices))
     ends = vertices[edges.edges]
     square = float(((ends[:, 0] - ends[:, 1]) ** 2).sum(axis=1).mean())
     laplacian = sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64))
-    return factor_symmetric(
-        sparse.identity(len(vertices)) + 2.0 * UNTANGLING_SMOOTHING_LENGTH**2 / (3.0 * square) * laplacian
-    )
+    return factor_symmetric(sparse.identity(len(vertices)) + 2.0 * length**2 / (3.0 * square) * laplacian)
 
 
 def _clamp_gradient(gradient: np.ndarray) -> np.ndarray:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import untangling
 from garmentq.core.body.exposed import ExposedSurface, penetration_depth
 from garmentq.core.body.projection import limit_penetration
-from garmentq.core.body.untangling import untangle_outside
+from garmentq.core.body.untangling import SeparationSettings, separate_layers_in_gap, untangle_outside
 from garmentq.core.geometry.intersections import self_intersections
-from garmentq.core.geometry.untangling import untangle
+from garmentq.core.geometry.untangling import UntangleSettings, untangle
 
 
 def lay_on_ball() -> tuple[np.ndarray, np.ndarray, ExposedSurface]:
@@ -82,8 +81,10 @@ def test_layers_share_the_room_between_parts_of_a_body():
     nodes, faces, skin = lay_between_balls(2e-4)
     limit = 3e-4
     assert len(self_intersections(nodes, faces)) > 0
-    assert penetration_depth(untangle(nodes, faces, untangling.GAP_UNTANGLE_STEP), faces, skin) > limit
-    apart, crossed = untangling.separate_layers_in_gap(nodes, faces, skin, limit)
+    settings = SeparationSettings()
+    alone = untangle(nodes, faces, UntangleSettings(step=settings.gap_step))
+    assert penetration_depth(alone, faces, skin) > limit
+    apart, crossed = separate_layers_in_gap(nodes, faces, skin, limit, settings)
     assert crossed == len(self_intersections(apart, faces)) == 0
     assert 0.0 < penetration_depth(apart, faces, skin) <= limit
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...body.exposed import ExposedSurface, penetration_depth, pinched_depth
 from ...body.projection import exit_displacements, project_outside
-from ...body.untangling import untangle_outside
+from ...body.untangling import SeparationSettings, untangle_outside
 from ...cloth.carry_step import move_collision_free
 from ...cloth.energy import Energy
 from ...cloth.scene import Scene
@@ -81,7 +81,8 @@ def resolve_penetration(
     if deep is not None and (deep.free > settings.remaining or settings.remaining < deep.exit < settings.pinch):
         for origin in (start, nodes):
             out = project_outside(origin, skin, cloth.faces)
-            through = untangle_outside(out, skin, cloth.faces, allowed=settings.remaining, limit=settings.remaining)
+            depths = SeparationSettings(allowed=settings.remaining, limit=settings.remaining)
+            through = untangle_outside(out, skin, cloth.faces, depths)
             if not len(self_intersections(through, cloth.faces)) and (
                 penetration_depth(through, cloth.faces, skin) < penetration_depth(nodes, cloth.faces, skin)
             ):
