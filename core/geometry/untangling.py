@@ -49,10 +49,8 @@ def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray
         faces: Vertex indices, shape [face_count, 3].
         pairs: Pairs of faces that intersect, from `intersecting_pairs`, shape [pair_count, 2].
     """
-    found: np.ndarray = -(
-        _clamp_gradient(measure_contour(vertices, faces, pairs)[1]) + _patch_directions(faces, vertices, pairs)
-    )
-    return found
+    gradient = _clamp_gradient(measure_contour(vertices, faces, pairs)[1])
+    return np.asarray(-(gradient + _patch_directions(faces, vertices, pairs)))
 
 
 def untangle(vertices: np.ndarray, faces: np.ndarray, settings: UntangleSettings = UntangleSettings()) -> np.ndarray:
