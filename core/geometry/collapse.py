@@ -9,22 +9,26 @@ import numpy as np
 from ..run.kernels import kernel
 from .geometry import edge_lengths
 
-MAX_COLLAPSED_EDGE_SHARE = 0.4
-"""Share of the edges, the shortest, that one iteration may collapse; lengths are recomputed after each."""
 
-MIN_COLLAPSE_NORMAL_COSINE = 0.5
-"""Smallest cosine of the angle by which a collapse may turn a face: 60 degrees, more than folds turn within an edge."""
+@dataclass(frozen=True)
+class CollapseSettings:
+    """Describe which edges are collapsed.
 
-MIN_COLLAPSE_HEIGHT_RATIO = 0.15
-"""Smallest ratio of height to longest side of faces that a collapse changes, unless they had less; along a border that
-is finer than the inside they have less."""
+    Attributes:
+        edge_share: Share of the edges, the shortest, that one iteration may collapse; lengths are recomputed after it.
+        cosine: Smallest cosine of the angle by which a face may turn: 60 degrees, more than folds turn within an edge.
+        height_ratio: Smallest ratio of height to longest side of faces that a collapse changes, unless they had less,
+            as along a border that is finer than the inside.
+        face_share: Smallest share of the faces that an iteration must remove; else the next may turn faces further.
+            Where noise is as large as an edge, normals differ so much that few collapses are allowed.
+        iterations: Largest number of iterations; 2.2 million faces become 100 thousand in 20.
+    """
 
-MIN_REMOVED_FACE_SHARE = 0.01
-"""Smallest share of the faces that an iteration must remove; else the next may turn faces further. Where noise is as
-large as an edge, normals differ so much that few collapses are allowed."""
-
-MAX_COLLAPSE_ITERATIONS = 200
-"""Largest number of iterations; 2.2 million faces become 100 thousand in 20."""
+    edge_share: float = 0.4
+    cosine: float = 0.5
+    height_ratio: float = 0.15
+    face_share: float = 0.01
+    iterations: int = 200
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,9 @@ class CollapsedMesh:
     place: np.ndarray
 
 
-def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> CollapsedMesh:
+def collapse_edges(
+    vertices: np.ndarray, faces: np.ndarray, most: int, settings: CollapseSettings = CollapseSettings()
+) -> CollapsedMesh:
     """Reduce a surface to at most `most` faces; borders, openings and handles remain.
 
     An edge is collapsed into the mean of the vertices merged into its ends, or into the end on a border. It is
@@ -59,6 +65,7 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
         vertices: Positions, shape [vertex_count, 3].
         faces: Consistently oriented, no edge with more than two faces, shape [face_count, 3].
         most: Largest number of faces.
+        settings: Which edges are collapsed.
     """
     count = len(vertices)
     if len(faces) <= most:
@@ -68,17 +75,17 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
     weights, stands = np.ones(count), np.arange(count)
     fixed = np.zeros(count, dtype=bool)
     fixed[_border_vertices(table, count)] = True
-    turn, left = MIN_COLLAPSE_NORMAL_COSINE, len(table)
-    for _ in range(MAX_COLLAPSE_ITERATIONS):
+    turn, left = settings.cosine, len(table)
+    for _ in range(settings.iterations):
         edges = _inner_edges(table)
-        lengths = edge_lengths(points, edges)
-        order = _shortest(lengths, max(1, int(MAX_COLLAPSED_EDGE_SHARE * len(edges))))
-        alive, removed = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
-        table = table[alive]
-        left -= removed
-        if left <= most or (removed < MIN_REMOVED_FACE_SHARE * left and turn <= -1.0):
+        shortest = edges[_shortest(edge_lengths(points, edges), max(1, int(settings.edge_share * len(edges))))]
+        limits = turn, settings.height_ratio
+        alive, removed = _collapse(points, table, weights, stands, fixed, shortest, left - most, limits)
+        table, left = table[alive], left - removed
+        is_slow = removed < settings.face_share * left
+        if left <= most or (is_slow and turn <= -1.0):
             break
-        turn = turn - 0.5 if removed < MIN_REMOVED_FACE_SHARE * left else turn
+        turn = turn - 0.5 if is_slow else turn
     origin = np.unique(table)
     place = np.full(count, -1)
     place[origin] = np.arange(len(origin))
@@ -121,7 +128,7 @@ def _roots(stands):  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type: ignore[no-untyped-def]
+def _collapse(points, faces, weights, stands, fixed, edges, most, limits):  # type: ignore[no-untyped-def]
     """Collapse edges in their order, each vertex at most once, until `most` faces are removed; modifies all but
     `edges`. Return which faces remain, and the number of removed ones."""
     count, corners = len(points), 3 * len(faces)
@@ -150,9 +157,9 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
         share = 0.0 if fixed[v] else weights[u] / total
         for k in range(3):
             goal[k] = share * points[u, k] + (1.0 - share) * points[v, k]
-        if not _keeps_shape(points, fans, u, v, goal, turn):
+        if not _keeps_shape(points, fans, u, v, goal, limits):
             continue
-        if not fixed[v] and not _keeps_shape(points, fans, v, u, goal, turn):
+        if not fixed[v] and not _keeps_shape(points, fans, v, u, goal, limits):
             continue
         last = -1
         corner = first[u]
@@ -202,9 +209,9 @@ def _has_two_common(fans, seen, u, v, token):  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def]
+def _keeps_shape(points, fans, u, v, goal, limits):  # type: ignore[no-untyped-def]
     """Check that no face of u without v turns over or becomes thin where u moves to the goal."""
-    faces, alive, first, following = fans
+    (faces, alive, first, following), (turn, height_ratio) = fans, limits
     corner = first[u]
     while corner >= 0:
         face = corner // 3
@@ -213,7 +220,7 @@ def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def
         if alive[face] and b != v and c != v:
             x, y, z, slim = _normal(points[u, 0], points[u, 1], points[u, 2], points, b, c)
             p, q, r, thin = _normal(goal[0], goal[1], goal[2], points, b, c)
-            if x * p + y * q + z * r < turn or thin < min(MIN_COLLAPSE_HEIGHT_RATIO, slim):
+            if x * p + y * q + z * r < turn or thin < min(height_ratio, slim):
                 return False
         corner = following[corner]
     return True
