@@ -16,9 +16,6 @@ from .seams import equalise_seams
 MAX_SMOOTH_CORNER_ANGLE = np.radians(5.0)
 """Turn of a boundary below which it is smooth [rad]: it is not visible in cut cloth."""
 
-MIN_CORRECTED_CORNER_ANGLE = np.radians(0.5)
-"""Smallest corner that is corrected [rad], so that a straight edge does not become a curve for less."""
-
 MAX_BENT_ARC_ANGLE = 2.0 * np.pi / 3.0
 """Arcs of a larger sweep [rad] stay arcs: a cubic curve would differ from them by more than 0.3 % of their radius."""
 
@@ -30,20 +27,28 @@ MIN_DIRECTED_EDGE_LENGTH = 0.005
 """Smallest length of an edge with a significant direction [m]: the steps of 2 mm that programs draw at a corner turn by
 40 degrees where a point moves by 1 mm."""
 
-MAX_FAIRING_ITERATIONS = 8
-"""Largest number of iterations, each of which turns the curves, moves the control points and equalises the seams. The
-corner that remains halves each time, so that corners of 30 degrees fall below 0.5."""
-
-PROVED_CORNER_TOLERANCE_ANGLE = np.radians(2.0)
-"""A proved corner within this of its angle stays as it was fitted [rad]: scans have corners to within 0.5 to 2 degrees,
-and a straight hem does not become a curve for the difference."""
-
-PARALLEL_EDGE_RCOND = 0.3
-"""Cut-off of the singular values [share of the largest] in the move of a control point. Two edges that meet at less
-than 33 degrees then count as parallel: the point moves across both by their mean, not far along them."""
-
 Corner = tuple[str, int]
 """Panel's name, and index of a control point in it."""
+
+
+@dataclass(frozen=True)
+class FairingSettings:
+    """Describe how corners are made smooth.
+
+    Attributes:
+        angle: Smallest corner that is corrected [rad], so that a straight edge does not become a curve for less.
+        iterations: Largest number of iterations, each of which turns the curves, moves the control points and equalises
+            the seams. The corner that remains halves each time, so that corners of 30 degrees fall below 0.5.
+        proved_angle: Difference from its angle at which a proved corner stays as it was fitted [rad]: scans have it to
+            within 0.5 to 2 degrees, and a straight hem does not become a curve for that.
+        rcond: Cut-off of the singular values [share of the largest] in the move of a control point. Two edges that meet
+            at less than 33 degrees count as parallel: the point moves across both by their mean, not far along them.
+    """
+
+    angle: float = float(np.radians(0.5))
+    iterations: int = 8
+    proved_angle: float = float(np.radians(2.0))
+    rcond: float = 0.3
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,7 @@ def fair_curves(
     base: Pattern,
     fixed: Collection[Corner] = (),
     proved: Mapping[SmoothJoin, float] = NO_PROVED_CORNERS,
+    settings: FairingSettings = FairingSettings(),
 ) -> Pattern:
     """Turn the ends of a pattern's curves until each corner that is smooth in its base pattern has that pattern's
     angle.
@@ -120,14 +126,15 @@ def fair_curves(
         pattern: The graded or fitted pattern.
         base: The pattern that it was graded from, with the same panels and edges.
         fixed: Control points that stay fixed; an edge between two of them does not change.
-        proved: Corners that the scan proves, by the boundary's turn there [rad], within `PROVED_CORNER_TOLERANCE_ANGLE`
-            of which they are kept in place of the base pattern's.
+        proved: Corners that the scan proves, kept in place of the base pattern's, by the boundary's turn there [rad].
+        settings: How corners are made smooth.
     """
-    for _ in range(MAX_FAIRING_ITERATIONS):
+    for _ in range(settings.iterations):
         turns: dict[EdgeRef, np.ndarray] = {}
         for join in find_smooth_joins(base):
-            corner = _corner_excess(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
-            if abs(corner) < MIN_CORRECTED_CORNER_ANGLE:
+            corner = measure_corner(pattern, join)
+            corner = _corner_excess(corner, measure_corner(base, join), proved.get(join), settings)
+            if abs(corner) < settings.angle:
                 continue
             ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], fixed)]
             for edge, is_end in ends:
@@ -136,7 +143,8 @@ def fair_curves(
                 turns.setdefault(edge, np.zeros(2))[int(is_end)] += share if is_end else -share
         if not turns:
             break
-        pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, fixed), fixed, base=base)
+        bent = _keep_area(_turn_ends(pattern, turns), pattern, fixed, settings.rcond)
+        pattern = equalise_seams(bent, fixed, base=base)
     return pattern
 
 
@@ -146,19 +154,14 @@ def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef
     return first, last
 
 
-def _corner_excess(corner: float, plain: float, proved: float | None) -> float:
+def _corner_excess(corner: float, plain: float, proved: float | None, settings: FairingSettings) -> float:
     """Return the angle by which a corner has to turn back [rad], given its base pattern's and its proved angle. A base
     pattern's corner near `MAX_SMOOTH_CORNER_ANGLE` is reduced until the rest is below that angle."""
     if proved is None:
-        return corner - float(
-            np.clip(
-                plain,
-                MIN_CORRECTED_CORNER_ANGLE - MAX_SMOOTH_CORNER_ANGLE,
-                MAX_SMOOTH_CORNER_ANGLE - MIN_CORRECTED_CORNER_ANGLE,
-            )
-        )
+        most = MAX_SMOOTH_CORNER_ANGLE - settings.angle
+        return corner - float(np.clip(plain, -most, most))
     off = corner - proved
-    return float(np.sign(off) * max(0.0, abs(off) - PROVED_CORNER_TOLERANCE_ANGLE))
+    return float(np.sign(off) * max(0.0, abs(off) - settings.proved_angle))
 
 
 def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
@@ -205,8 +208,7 @@ def _tangent(panel: Panel, edge: int, is_end: bool) -> np.ndarray:
     along = panel.points[(edge + 1) % len(panel.points)] - panel.points[edge]
     x, y = _unit_tangent(panel.edges[edge], is_end)
     found = x * along + y * np.array([-along[1], along[0]])
-    direction: np.ndarray = found / max(float(np.linalg.norm(found)), 1e-12)
-    return direction
+    return np.asarray(found / max(float(np.linalg.norm(found)), 1e-12))
 
 
 def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
@@ -216,8 +218,7 @@ def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
     if edge.kind == "arc":
         _, _, first, sweep = unit_circle(edge)
         angle = first + (sweep if is_end else 0.0)
-        found: np.ndarray = np.sign(sweep) * np.array([-np.sin(angle), np.cos(angle)])
-        return found
+        return np.asarray(np.sign(sweep) * np.array([-np.sin(angle), np.cos(angle)]))
     control = np.concatenate([[[0.0, 0.0]], edge.handles, [[1.0, 0.0]]])
     steps = np.diff(control[::-1] if is_end else control, axis=0) * (-1.0 if is_end else 1.0)
     lengths = np.linalg.norm(steps, axis=1)
@@ -270,7 +271,7 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
     return np.stack([start + reach * _unit_tangent(edge, False), end - reach * _unit_tangent(edge, True)])
 
 
-def _keep_area(bent: Pattern, before: Pattern, fixed: Collection[Corner]) -> Pattern:
+def _keep_area(bent: Pattern, before: Pattern, fixed: Collection[Corner], rcond: float) -> Pattern:
     """Return a pattern whose control points have moved until each bent edge encloses the same area as before. An edge
     whose curve has gained the area dA moves by -dA / chord across itself. A control point moves by the least-norm
     solution for both of its edges, by their mean where they are parallel."""
@@ -285,6 +286,6 @@ def _keep_area(bent: Pattern, before: Pattern, fixed: Collection[Corner]) -> Pat
         for i in range(len(moved)):
             if (panel.name, i) not in fixed:
                 sides = [i - 1, i]
-                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=PARALLEL_EDGE_RCOND)[0]
+                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=rcond)[0]
         points[panel.name] = moved
     return bent.with_points(points)
