@@ -17,21 +17,24 @@ from ...run.errors import BadInput
 from .ease import MeasuredBody, measure_ease, measure_unposed_ease, unpose_points
 from .waist import transfer_curve
 
-EASE_CONVERGENCE_TOLERANCE = 1e-4
-"""Change of the ease at which widening ends [m], a fiftieth of the tolerance."""
 
-MAX_WIDENING_ITERATIONS = 6
-"""Largest number of iterations of widening. Lengths are nearly linear in the control points: two are usual, more where
-a line at another level becomes the shortest."""
+@dataclass(frozen=True)
+class WideningSettings:
+    """Describe the search for the widening that keeps the ease.
 
-WIDENING_DERIVATIVE_STEP = 0.01
-"""Widening of a line for the finite differences of the lengths [m]."""
+    Attributes:
+        tolerance: Change of the ease at which it ends [m], a fiftieth of the tolerance that ease has.
+        iterations: Largest number of iterations: two are usual, more where a line at another level becomes shortest.
+        step: Widening of a line for the finite differences of the lengths [m].
+        max_widening: Largest widening of a line [m], beyond which the search diverged; extreme bodies need half of it.
+        rcond: Ratio of a singular value to the largest, below which a combination of widenings changes no ease.
+    """
 
-MAX_LINE_WIDENING = 0.2
-"""Largest widening of a line [m], beyond which the search has diverged; between extreme bodies drafts need half."""
-
-MIN_SINGULAR_VALUE_RATIO = 1e-3
-"""Ratio of a singular value to the largest, below which a combination of widenings changes no ease."""
+    tolerance: float = 1e-4
+    iterations: int = 6
+    step: float = 0.01
+    max_widening: float = 0.2
+    rcond: float = 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,14 +62,8 @@ class EasePrediction:
 
     @classmethod
     def of(cls, garment: Garment, wearer: Body, waist: np.ndarray | None, body: Body) -> EasePrediction:
-        """Predict a garment on another body.
-
-        Args:
-            garment: The garment, nodes on its wearer.
-            wearer: The wearer.
-            waist: The curve from which it hangs, on the wearer [m], shape [n, 3], or None.
-            body: The other body.
-        """
+        """Predict a garment, nodes on its wearer, on another body. `waist` is the curve from which it hangs, on the
+        wearer [m], shape [n, 3], or None."""
         figure, nodes = MeasuredBody.of(body), unpose_points(garment.nodes, wearer)
         ease = {one.place: one.value for one in measure_ease(garment, wearer)}
         height = None
@@ -104,7 +101,12 @@ def max_ease_change(prediction: EasePrediction, pattern: Pattern) -> float:
     return max((abs(change) for change in prediction.predict_change(pattern).values()), default=0.0)
 
 
-def preserve_ease(pattern: Pattern, prediction: EasePrediction, rules: Mapping[str, np.ndarray]) -> Pattern:
+def preserve_ease(
+    pattern: Pattern,
+    prediction: EasePrediction,
+    rules: Mapping[str, np.ndarray],
+    settings: WideningSettings = WideningSettings(),
+) -> Pattern:
     """Return a pattern widened until its ease on the other body is that on the wearer, seams equalised.
 
     Newton's steps with the least-norm, least-squares widening: where fewer places have control points of their own than
@@ -114,6 +116,7 @@ def preserve_ease(pattern: Pattern, prediction: EasePrediction, rules: Mapping[s
         pattern: The pattern to widen.
         prediction: The prediction on the other body.
         rules: How control points move for a widening at each place (`widening_rules`).
+        settings: Of the search.
     """
     moves = np.array(list(rules.values()))
 
@@ -123,20 +126,20 @@ def preserve_ease(pattern: Pattern, prediction: EasePrediction, rules: Mapping[s
 
     widths = np.zeros(len(moves))
     best, least = cut(widths), np.inf
-    for _ in range(MAX_WIDENING_ITERATIONS):
+    for _ in range(settings.iterations):
         tried = cut(widths)
         now = prediction.predict_change(tried)
         change = np.array(list(now.values()))
         worst = float(np.abs(change).max(initial=0.0))
-        if worst < least and np.abs(widths).max() <= MAX_LINE_WIDENING and _has_simple_outlines(tried):
+        if worst < least and np.abs(widths).max() <= settings.max_widening and _has_simple_outlines(tried):
             best, least = tried, worst
-        if worst < EASE_CONVERGENCE_TOLERANCE:
+        if worst < settings.tolerance:
             break
         slopes = np.zeros((len(now), len(widths)))
         for index, one in enumerate(np.eye(len(widths))):
-            wider = prediction.predict_change(cut(widths + WIDENING_DERIVATIVE_STEP * one))
-            slopes[:, index] = [(wider.get(place, was) - was) / WIDENING_DERIVATIVE_STEP for place, was in now.items()]
-        widths -= np.linalg.lstsq(slopes, change, rcond=MIN_SINGULAR_VALUE_RATIO)[0]
+            wider = prediction.predict_change(cut(widths + settings.step * one))
+            slopes[:, index] = [(wider.get(place, was) - was) / settings.step for place, was in now.items()]
+        widths -= np.linalg.lstsq(slopes, change, rcond=settings.rcond)[0]
     return best
 
 
