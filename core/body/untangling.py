@@ -79,13 +79,8 @@ def untangle_outside(
 def _restore_positions(
     separated: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float, iterations: int
 ) -> np.ndarray:
-    """Move untangled cloth back towards where it was as far as its layers and the body let it.
-
-    Args:
-        separated: Where it does not cross itself [m], shape [node_count, 3].
-        before: Where it was.
-        limit: Depth in the body to which no node or face is moved back [m].
-    """
+    """Move separated cloth [m], shape [node_count, 3], back towards where it was before as far as its layers let it,
+    and without a node or face that gets deeper into the body than a limit [m]."""
     goal = before.copy()
     for _ in range(iterations):
         closer = move_towards(separated, goal, faces)

@@ -45,13 +45,8 @@ class DartSearchSettings:
 
 @dataclass(frozen=True)
 class DartMouth:
-    """Describe a place on a panel's outline.
-
-    Attributes:
-        edge: Number of the edge.
-        segment: Number of the segment of its mesh whose middle it is.
-        place: Its position [m], shape [2].
-    """
+    """Describe a place on a panel's outline: numbers of its edge and of the segment of the edge's mesh whose middle it
+    is, and its position [m], shape [2]."""
 
     edge: int
     segment: int
@@ -60,14 +55,8 @@ class DartMouth:
 
 @dataclass(frozen=True)
 class PlannedDart:
-    """Describe a planned dart, with its mirror image in this panel or another one.
-
-    Attributes:
-        panel: Index of the panel.
-        mouth: Where it begins.
-        wedge: Mouth and apex in the panel's axes.
-        angle: At the apex [rad].
-    """
+    """Describe a planned dart, with its mirror image in this panel or another one: index of the panel, where it begins,
+    mouth and apex in the panel's axes, and the angle at the apex [rad]."""
 
     panel: int
     mouth: DartMouth
@@ -82,11 +71,8 @@ class PlannedDart:
 
 @dataclass(frozen=True)
 class DartProposal(PlannedDart):
-    """Describe a planned dart with the strain that it takes.
-
-    Attributes:
-        before, after: RMS of the strain that no flat shape takes, without and with it, over panel and mirror image.
-    """
+    """Describe a planned dart with the RMS of the strain that no flat shape takes, without and with it, over panel and
+    mirror image."""
 
     before: float
     after: float
