@@ -10,7 +10,7 @@ from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
 from ...garment.templates import find_cut, name_cut
 from ..drape.sizing import measure_wearer
-from .cut_search import CutSearchSettings, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
+from .cut_search import GirthSettings, fit_cut, has_other_seams, other_cuts, profile_flat, rank_fits
 
 PROPORTION_PARTS = ("skirt", "legs")
 """Parts whose choices differ only in widths, if they are sewn alike."""
@@ -28,7 +28,7 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
         body: The wearer, to whose measures the cuts are drafted.
         fixed: Parts that the user chose, which stay.
     """
-    base_cut, settings = find_cut(template), CutSearchSettings(shape_share=CutSearchSettings.rival_share)
+    base_cut, settings = find_cut(template), GirthSettings(shape_share=GirthSettings.rival_share)
     kept = (set(PARTS) - set(PROPORTION_PARTS)) | set(fixed)
     alike = [cut for cut in other_cuts(base_cut, kept) if not has_other_seams(cut, base_cut)]
     seen = profile_flat(pattern, settings) if len(alike) > 1 else None

@@ -25,8 +25,8 @@ SPECIAL_SEAM_SKIRTS = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
 
 
 @dataclass(frozen=True)
-class CutSearchSettings:
-    """Describe the search of a cut by its girths.
+class GirthSettings:
+    """Describe how cuts are compared and ranked by their girths.
 
     Attributes:
         vertices: Number of vertices of a candidate's flat mesh: its girths are within 0.1 to 0.5 % of those of 1500.
@@ -73,7 +73,7 @@ def search_cuts(
     fixed: Iterable[str] = (),
     *,
     curved: bool = False,
-    settings: CutSearchSettings = CutSearchSettings(),
+    settings: GirthSettings = GirthSettings(),
 ) -> tuple[CutFit, ...]:
     """Rank the cuts that a garment may have by its girths, the chosen one first.
 
@@ -104,7 +104,7 @@ def search_cuts(
     return rank_fits(fits, usual, replace(settings, shape_share=settings.rival_share) if curved else settings)
 
 
-def compare_girths(seen: GirthProfile, drawn: GirthProfile, settings: CutSearchSettings = CutSearchSettings()) -> float:
+def compare_girths(seen: GirthProfile, drawn: GirthProfile, settings: GirthSettings = GirthSettings()) -> float:
     """Return the standard deviation of ln(seen / drawn girth) along the garment.
 
     Both begin at the waist or below the arms. The drawn garment is lengthened or shortened within `length_ratios` to
@@ -124,9 +124,7 @@ def compare_girths(seen: GirthProfile, drawn: GirthProfile, settings: CutSearchS
     return float((target - np.log(girths)).std(axis=1).min())
 
 
-def rank_fits(
-    fits: Sequence[CutFit], usual: Cut, settings: CutSearchSettings = CutSearchSettings()
-) -> tuple[CutFit, ...]:
+def rank_fits(fits: Sequence[CutFit], usual: Cut, settings: GirthSettings = GirthSettings()) -> tuple[CutFit, ...]:
     """Return fits by their misfit, the chosen one first; none if the usual cut is not among them.
 
     The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
@@ -200,7 +198,7 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
 
 
 def fit_cut(
-    template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures, settings: CutSearchSettings
+    template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures, settings: GirthSettings
 ) -> CutFit | None:
     """Return the fit of the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
     try:
@@ -211,7 +209,7 @@ def fit_cut(
     return None if drawn is None else CutFit(template, cut, compare_girths(seen, drawn, settings))
 
 
-def profile_flat(pattern: Pattern, settings: CutSearchSettings) -> GirthProfile | None:
+def profile_flat(pattern: Pattern, settings: GirthSettings) -> GirthProfile | None:
     """Return the girths of a pattern; None without two ends or a mesh that coarse."""
     try:
         garment = mesh_pattern(pattern, settings.vertices, sweeps=0)
