@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,12 +11,6 @@ from .curves import unit_length
 from .memo import memoise
 from .pattern import Pattern
 from .symmetry import Symmetry, find_symmetry
-
-SEAM_CLOSURE_TOLERANCE = 1e-6
-"""Largest mismatch that ends the iteration [m]; a hundredth of the accuracy that is required (0.1 mm)."""
-
-MAX_SEAM_CLOSURE_ITERATIONS = 30
-"""Largest number of Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
 
 MIN_SINGULAR_VALUE_SHARE = 0.05
 """Share of the largest singular value below which others are dropped: those of seams that depend on others (a chain
@@ -26,18 +21,28 @@ to 0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
 PATTERN_SYMMETRY_TOLERANCE = 1e-6
 """Largest distance of a point from its image at which a pattern is symmetric [m]."""
 
-MAX_SEAM_STEP_HALVINGS = 6
-"""Largest number of halvings of a Gauss-Newton step."""
-
 Sides = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class SeamSettings:
+    """Describe the iteration that makes both sides of seams equal.
+
+    Attributes:
+        tolerance: Largest mismatch that ends it [m]; a hundredth of the accuracy that is required (0.1 mm).
+        iterations: Largest number of Gauss-Newton steps; it converges in 3 to 5 from mismatches of centimetres.
+        trials: Largest number of lengths of a step that are tried, each half of the one before.
+    """
+
+    tolerance: float = 1e-6
+    iterations: int = 30
+    trials: int = 6
 
 
 def seam_lengths(pattern: Pattern) -> np.ndarray:
     """Return the lengths of both sides of every seam [m], shape [seam_count, 2]."""
-    starts, ends, factors = seam_sides(pattern)
-    points = pattern.points
-    found: np.ndarray = factors * np.linalg.norm(points[ends] - points[starts], axis=-1)
-    return found
+    (starts, ends, factors), points = seam_sides(pattern), pattern.points
+    return np.asarray(factors * np.linalg.norm(points[ends] - points[starts], axis=-1))
 
 
 def seam_mismatch(pattern: Pattern) -> float:
@@ -52,6 +57,7 @@ def equalise_seams(
     fixed: Iterable[tuple[str, int]] = (),
     base: Pattern | None = None,
     symmetry: Symmetry | None = None,
+    settings: SeamSettings = SeamSettings(),
 ) -> Pattern:
     """Move control points as little as possible until the sides of every seam match.
 
@@ -68,6 +74,7 @@ def equalise_seams(
         fixed: (panel name, control point) that must not move.
         base: The pattern with the ratios of gathered seams and the symmetry, such as the template; default: pattern.
         symmetry: The symmetry to keep, where it is not that of `base`.
+        settings: Steps and their end.
 
     Returns:
         The changed pattern; `seam_mismatch` gives the rest where fixed points contradict the seams.
@@ -76,22 +83,21 @@ def equalise_seams(
         return pattern
     base = base or pattern
     symmetry = symmetry or find_symmetry(base)
-    ratio = seam_ratios(base)
-    sides = seam_sides(pattern)
-    points = _close(pattern.points, _free_coordinates(pattern, symmetry, fixed), sides, ratio)
-    if np.abs(_mismatch(points, sides, ratio)[0]).max() > SEAM_CLOSURE_TOLERANCE:
-        points = _close(points, _free_coordinates(pattern, None, fixed), sides, ratio)
+    sides, ratio = seam_sides(pattern), seam_ratios(base)
+    points = _close(pattern.points, _free_coordinates(pattern, symmetry, fixed), sides, ratio, settings)
+    if np.abs(_mismatch(points, sides, ratio)[0]).max() > settings.tolerance:
+        points = _close(points, _free_coordinates(pattern, None, fixed), sides, ratio, settings)
     return pattern.with_points(points)
 
 
-def _close(points: np.ndarray, free: np.ndarray, sides: Sides, ratio: np.ndarray) -> np.ndarray:
+def _close(points: np.ndarray, free: np.ndarray, sides: Sides, ratio: np.ndarray, settings: SeamSettings) -> np.ndarray:
     """Return points [m] moved along free coordinates, shape [2 point_count, n], until both sides of seams match."""
     residual, jacobian = _mismatch(points, sides, ratio)
-    for _ in range(MAX_SEAM_CLOSURE_ITERATIONS):
-        if np.abs(residual).max() < SEAM_CLOSURE_TOLERANCE:
+    for _ in range(settings.iterations):
+        if np.abs(residual).max() < settings.tolerance:
             break
         step = free @ np.linalg.lstsq(jacobian @ free, -residual, rcond=MIN_SINGULAR_VALUE_SHARE)[0]
-        for _ in range(MAX_SEAM_STEP_HALVINGS):
+        for _ in range(settings.trials):
             moved = points + step.reshape(-1, 2)
             new_residual, new_jacobian = _mismatch(moved, sides, ratio)
             if (new_residual**2).sum() < 0.99 * (residual**2).sum():
