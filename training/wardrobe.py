@@ -18,9 +18,10 @@ from ..core.garment.sewing import mesh_pattern
 from ..core.garment.templates import draft_template
 from ..core.geometry.connectivity import HalfEdges
 from ..core.people.part import Part
-from ..core.recover.drape.dress import DressSettings, dress, waist_loop
+from ..core.recover.drape.dress import DressSettings, dress
 from ..core.recover.drape.pbd import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
 from ..core.recover.drape.sizing import measure_wearer
+from ..core.recover.drape.waist import waist_loop
 from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
 
