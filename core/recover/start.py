@@ -77,7 +77,8 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
             find_cut(choice.template).check_places(chosen_parts)
     else:
         named = find_cut(settings.template)
-        cut, notes = named.choose(chosen_parts), describe_absent(named.choose(chosen_parts), chosen_parts)
+        cut = named.choose(chosen_parts)
+        notes = describe_absent(cut, chosen_parts)
         if of_person:
             cut = named.choose({part: word for part, word in chosen_parts.items() if cut.has_place_for(part)})
         name, measures = name_cut(settings.template.partition("+")[0], cut), oversize_measures(body)
