@@ -23,8 +23,6 @@ class MeshSettings:
     """Describe how panels are meshed.
 
     Attributes:
-        vertex_count: Number of nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
-        edge_length: Edge length [m]; overrides vertex_count.
         sweeps: Number of force sweeps; angles stop improving after about 20.
         clearance: Distance to the outline [edge lengths] below which lattice points are left out: 0.6 is between the
             height of an equilateral triangle and half of it, so that boundary triangles are neither flat nor tall.
@@ -33,8 +31,6 @@ class MeshSettings:
         refinements: Number of rounds in which an edge that the triangulation lost gets 1.5 times its samples.
     """
 
-    vertex_count: int = 4000
-    edge_length: float | None = None
     sweeps: int = 24
     clearance: float = 0.6
     push: float = 1.2

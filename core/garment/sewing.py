@@ -35,7 +35,7 @@ def mesh_pattern(
         PanelCrossing: where the reason is a panel's outline that crosses itself.
         NotOrientable: where the seams make a one-sided surface.
     """
-    settings = MeshSettings(vertex_count, edge_length, sweeps)
+    settings = MeshSettings(sweeps)
     size = edge_length or choose_edge_length(pattern, vertex_count)
     counts = count_segments(pattern, size)
     for _ in range(settings.refinements):
