@@ -9,6 +9,7 @@ import json
 import os
 import queue
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -26,6 +27,9 @@ COMPILED = (".nbi", ".nbc")
 
 COLUMNS = "500"
 """Width in which pytest may tell of a failure [letters]: in the usual 80 the test's name has no room for the number."""
+
+WALL_PER_CPU = 6.0
+"""A run is stopped after this many times its seconds of CPU, as a share of a core that a busy machine leaves it [1]."""
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -117,16 +121,24 @@ class ChangedTree:
 
         Args:
             arguments: Files and options.
-            seconds: It is stopped after these.
+            seconds: It is stopped after these, of CPU; what its children take does not count.
         """
         environment = {**make_environment(self.root), "COLUMNS": COLUMNS}
         line = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
         try:
             ran = subprocess.run(
-                line, cwd=self.root, env=environment, capture_output=True, text=True, timeout=seconds, check=False
+                ["bash", "-c", f'ulimit -t {seconds:.0f}; exec "$@"', "limited", *line],
+                cwd=self.root,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=WALL_PER_CPU * seconds,
+                check=False,
             )
         except subprocess.TimeoutExpired:
-            return Outcome(False, True, f"stopped after {seconds:.0f} s")
+            return Outcome(False, True, f"stopped after {WALL_PER_CPU * seconds:.0f} s")
+        if -ran.returncode in (signal.SIGXCPU, signal.SIGKILL):
+            return Outcome(False, True, f"stopped after {seconds:.0f} s of CPU")
         lines = ran.stdout.strip().splitlines() or [ran.stderr[-200:]]
         failed = next((each for each in lines if each.startswith(("FAILED", "ERROR"))), lines[-1])
         return Outcome(ran.returncode not in (0, 5), False, failed[:240])  # 5: no test was chosen

@@ -24,7 +24,7 @@ from changed_tree import ROOT, ChangedTree, try_all
 FACTORS = (0.7, 1.3)
 
 TEST_SECONDS, SCENE_SECONDS = 90.0, 300.0
-"""Limits of the tests of one mutant and of its scenes."""
+"""Limits of the tests of one mutant and of its scenes, of CPU."""
 
 SCENES = {
     "people": ("person_two", "foreign_skirt"), "scan": ("person_two", "foreign_skirt"),

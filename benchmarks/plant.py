@@ -27,7 +27,7 @@ SUITE = ("tests", "--ignore", "tests/golden")
 """What pytest runs: all golden scenes; all but these, and the test of the list, which any error fails."""
 
 GATE_SECONDS, SUITE_SECONDS = 1800.0, 14_400.0
-"""Limits of one run."""
+"""Limits of one run, of CPU."""
 
 UNCHANGED = "unchanged"
 """Name of the run without an error."""
