@@ -28,6 +28,8 @@ class MeshSettings:
             height of an equilateral triangle and half of it, so that boundary triangles are neither flat nor tall.
         push: Rest length of springs [mean edges]; above 1 they fill the panel (DistMesh's 1.2).
         step: Fraction of a spring's force that moves its ends in a sweep (DistMesh's 0.2).
+        retriangulation: Motion of any point [edge lengths] after which the points are triangulated anew (DistMesh's
+            0.1).
         refinements: Number of rounds in which an edge that the triangulation lost gets 1.5 times its samples.
     """
 
@@ -35,6 +37,7 @@ class MeshSettings:
     clearance: float = 0.6
     push: float = 1.2
     step: float = 0.2
+    retriangulation: float = 0.1
     refinements: int = 8
 
 
@@ -150,18 +153,18 @@ def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
         + middle
     )
     points = points[points_in_polygon(boundary, points)]
-    found: np.ndarray = points[_distance(boundary, points, size) > clearance * size] if len(points) else points
+    found: np.ndarray = points[_sample_outline(boundary, size).query(points)[0] > clearance * size]
     return found
 
 
-def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarray:
-    """Return the distance to the outline [m] within 2 % of the edge length, by samples a tenth of it apart."""
+def _sample_outline(boundary: np.ndarray, size: float) -> cKDTree:
+    """Return a search tree of samples of the outline a tenth of the edge length apart: the distance to the nearest is
+    that to the outline within 2 % of the edge length."""
     start, step = boundary, np.roll(boundary, -1, axis=0) - boundary
     count = np.maximum(1, np.ceil(np.linalg.norm(step, axis=1) / (0.1 * size)).astype(int))
     index = np.repeat(np.arange(len(boundary)), count)
     part = (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) / count[index]
-    found: np.ndarray = cKDTree(start[index] + part[:, None] * step[index]).query(points)[0]
-    return found
+    return cKDTree(start[index] + part[:, None] * step[index])
 
 
 def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, settings: MeshSettings) -> np.ndarray:
@@ -175,11 +178,11 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
     local = (local + np.roll(local, 1)) / 2.0
     points = np.concatenate([boundary, inside])
     targets = np.concatenate([local, np.full(len(inside), size)])
+    outline = _sample_outline(boundary, size)
+    triangulated = np.full(points.shape, np.inf)
     for _ in range(settings.sweeps):
-        faces = _triangles(points, boundary)
-        ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-        codes = np.unique(ends[:, 0] * len(points) + ends[:, 1])
-        bars = np.stack([codes // len(points), codes % len(points)], axis=1)
+        if np.linalg.norm(points - triangulated, axis=1).max() > settings.retriangulation * size:
+            triangulated, bars = points.copy(), _list_edges(_triangles(points, boundary), len(points))
         vector = points[bars[:, 0]] - points[bars[:, 1]]
         length = np.linalg.norm(vector, axis=1)
         rest = targets[bars].mean(axis=1)
@@ -194,12 +197,19 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
         )
         moved = points[fixed:] + settings.step * total[fixed:]
         # A step is far shorter than an edge, so only points near the outline can have left it.
-        distance = _distance(boundary, moved, size)
+        distance = outline.query(moved, distance_upper_bound=size)[0]
         good = distance > 0.33 * size
         is_near = good & (distance < size)
         good[is_near] = points_in_polygon(boundary, moved[is_near])
         points[fixed:] = np.where(good[:, None], moved, points[fixed:])
     return points[fixed:]
+
+
+def _list_edges(faces: np.ndarray, count: int) -> np.ndarray:
+    """Return the edges of faces over `count` points, each once, the smaller end first, shape [n, 2]."""
+    ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    codes = np.unique(ends[:, 0] * count + ends[:, 1])
+    return np.stack([codes // count, codes % count], axis=1)
 
 
 def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
