@@ -11,8 +11,9 @@ from ..geometry.geometry import vertex_normals
 from ..geometry.point_normals import smooth_normals
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
+from .competing_starts import SearchSettings, spread_subset
 from .fit import FitStage, FitState, Fitter, OrientedPoints, find_forearms
-from .person_search import SearchSettings, find_start
+from .person_search import find_start
 from .presence import (
     MIN_SCAN_CELL_COUNT,
     MIN_WHOLE_PERSON_HEIGHT,
@@ -23,7 +24,7 @@ from .presence import (
     measure_presence,
     split_in_two,
 )
-from .registration import NotHuman, body_of_state, pose_model, spread_subset
+from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
 from .thinning import average_points
 

@@ -9,8 +9,15 @@ import numpy as np
 
 from ..run.hooks import Hooks
 from .body import JOINTS
-from .fit import FitStage, FitState, Fitter, OrientedPoints
-from .registration import POSES, STAGE, START_HEADING_COUNT, Start, find_distinct_fits, run_stages, spread_subset
+from .competing_starts import (
+    POSES,
+    START_HEADING_COUNT,
+    SearchSettings,
+    find_distinct_fits,
+    rank_starts,
+    spread_subset,
+)
+from .fit import FitState, OrientedPoints
 from .skinning import skin
 from .template import Template, articulate, rotations_of, transforms_of
 
@@ -33,30 +40,6 @@ MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 
 
 @dataclass(frozen=True)
-class SearchSettings:
-    """Describe the search of a person's start.
-
-    Attributes:
-        coarse_count: Number of points on either side while many starts compete.
-        fine_count: Number of template points in the last stages.
-        kept: Number of starts in the second, third and last stages.
-        stages: First, second, third and last stages, from large to small scale.
-        ranking: Scales of the residuals by which starts are ranked after these stages [m]: those of their last steps.
-    """
-
-    coarse_count: int = 350
-    fine_count: int = 1000
-    kept: tuple[int, int, int] = (32, 8, 3)
-    stages: tuple[tuple[FitStage, ...], ...] = (
-        (FitStage(3, 0.30, 0.15, False, 4),),
-        (FitStage(3, 0.20, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8)),
-        (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15)),
-        (FitStage(10, 0.05, 0.10, True, 20),),
-    )
-    ranking: tuple[float, ...] = (0.15, 0.1, 0.05, 0.03)
-
-
-@dataclass(frozen=True)
 class FoundStart:
     """Describe the best fit as if bare.
 
@@ -76,25 +59,8 @@ def find_start(
 ) -> FoundStart:
     """Find the best fit from all poses at all headings."""
     rng = np.random.default_rng(seed)
-    few = surface.take(slice(search.coarse_count))
     subset = spread_subset(template, search.fine_count, rng)
-    coarse = Fitter(template, subset[: search.coarse_count], few)
-    ranked: list[Start] = [(0.0, i, state) for i, state in enumerate(list_starts(template, surface, subset))]
-    for k, stages in enumerate(search.stages[:3]):
-        going = []
-        for entry in ranked:
-            hooks.progress(STAGE, 0.15 * k, "trying headings and poses")
-            going.append(run_stages(coarse, stages, entry, search.ranking[k]))
-        ranked = sorted(going, key=lambda entry: entry[:2])
-        if k < 2:
-            ranked = ranked[: search.kept[k]]
-    best = ranked[: search.kept[2]]
-    fine = Fitter(template, subset, surface)
-    finalists = []
-    for entry in best + find_distinct_fits(template, best, ranked[search.kept[2] :]):
-        hooks.progress(STAGE, 0.5, "comparing the best starts")
-        finalists.append(run_stages(fine, search.stages[3], entry, search.ranking[3]))
-    finalists.sort(key=lambda entry: entry[:2])
+    finalists = rank_starts(template, surface, subset, list_starts(template, surface, subset), search, hooks)
     others = find_distinct_fits(template, finalists[:1], finalists[1:])
     margin = others[0][0] / finalists[0][0] - 1.0 if others else np.inf
     return FoundStart(finalists[0][2], finalists[0][0], float(margin))

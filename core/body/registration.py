@@ -7,49 +7,29 @@ from math import pi
 
 import numpy as np
 
-from ..geometry.geometry import face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
+from ..geometry.geometry import face_areas, face_normals, signed_volume, vertex_normals
 from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
+from .competing_starts import POSES, STAGE, START_HEADING_COUNT, SearchSettings, rank_starts, spread_subset
 from .fit import FitStage, FitState, Fitter, OrientedPoints, axis_angles_of
 from .skinning import skin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 from .weight_transfer import transfer_weights
 
-Start = tuple[float, int, FitState]
-"""A fit in progress: residual, number of its start, and state."""
-
-STAGE = "body"
-"""Name under which progress is reported."""
-
-START_HEADING_COUNT = 8
-"""Number of headings of every start pose. A fit corrects half the angle between two of them."""
-
-POSES: dict[str, dict[str, tuple[float, float, float]]] = {
-    "T": {},
-    "A": {"left_shoulder": (0, 0, -0.8), "right_shoulder": (0, 0, 0.8)},
-    "arms down": {"left_shoulder": (0, 0, -1.25), "right_shoulder": (0, 0, 1.25)},
-    "left forward": {
-        "left_hip": (-0.5, 0, 0), "right_hip": (0.3, 0, 0), "right_knee": (0.4, 0, 0), "left_elbow": (0, -0.5, 0),
-        "right_elbow": (0, 0.5, 0), "left_shoulder": (0, 0, -0.4), "right_shoulder": (0, 0, 0.4),
-    },
-    "right forward": {
-        "right_hip": (-0.5, 0, 0), "left_hip": (0.3, 0, 0), "left_knee": (0.4, 0, 0), "left_elbow": (0, -0.5, 0),
-        "right_elbow": (0, 0.5, 0), "left_shoulder": (0, 0, -0.4), "right_shoulder": (0, 0, 0.4),
-    },
-    "seated": {
-        "left_hip": (-1.4, 0, 0.1), "right_hip": (-1.4, 0, -0.1), "left_knee": (1.4, 0, 0), "right_knee": (1.4, 0, 0),
-        "left_shoulder": (0, -0.3, -1.0), "right_shoulder": (0, 0.3, 1.0), "left_elbow": (0, -0.6, 0),
-        "right_elbow": (0, 0.6, 0),
-    },
-}  # fmt: skip
-"""Start poses as axis-angles [rad] of the joints that differ from the T-pose."""
-
-
-MAX_SAME_FIT_DISTANCE = 0.1
-"""Distance of two fits' joints (RMS) up to which they are the same fit [m]: converged fits agree within 3 cm, a person
-turned about differs by 20 to 35 cm at shoulders and hips."""
+MESH_SEARCH = SearchSettings(
+    fine_count=1800,
+    kept=(16, 8, 3),
+    stages=(
+        (FitStage(2, 0.30, 0.15, False, 4),),
+        (FitStage(3, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8)),
+        (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15)),
+        (FitStage(12, 0.05, 0.10, True, 20),),
+    ),
+)
+"""Rounds of a body's mesh, with one point of the template every 3 cm in the last: finer than the joints are
+determined."""
 
 
 @dataclass(frozen=True)
@@ -57,33 +37,20 @@ class RegistrationSettings:
     """Describe how a mesh is registered.
 
     Attributes:
-        coarse_count: Number of points on either side while all starts compete: a few per limb segment distinguish them.
-        fine_count: Number of template points in the last stages: one every 3 cm, finer than the joints are determined.
+        search: Rounds in which all starts compete.
         surface_count: Number of points of the mesh in the last stages: one every 2 cm, where the plane through a point
             is within a millimetre or two of the surface.
-        starts: Number of starts in the middle and in the last stages, in addition to the best of every other distinct
-            fit: under a long dress the first 3 were the same fit, which faced backward.
+        stages: Stages after the search, with ever more free shape coefficients.
         worst_fit: Largest ratio of RMS to the body's height. People, also dressed, have up to 0.006; a box as tall as a
             person 0.03, a dress alone 0.05, a person head down 0.08, a ball 0.5.
         seed: Number that seeds the choice of points.
-        coarse, middle, fine: Stages from large to small scale, with ever more points and free shape coefficients.
-        ranking: Scales of the residuals by which starts are ranked after these stages [m]: those of their last steps.
     """
 
-    coarse_count: int = 350
-    fine_count: int = 1800
+    search: SearchSettings = MESH_SEARCH
     surface_count: int = 5000
-    starts: tuple[int, int] = (8, 3)
+    stages: tuple[FitStage, ...] = (FitStage(12, 0.025, 0.06, True, 40), FitStage(12, 0.012, 0.04, True, 60))
     worst_fit: float = 0.02
     seed: int = 0
-    coarse: tuple[FitStage, ...] = (FitStage(5, 0.30, 0.15, False, 4), FitStage(4, 0.15, 0.15, False, 8))
-    middle: tuple[FitStage, ...] = (FitStage(10, 0.10, 0.15, False, 10), FitStage(10, 0.06, 0.10, True, 15))
-    fine: tuple[FitStage, ...] = (
-        FitStage(12, 0.05, 0.10, True, 20),
-        FitStage(12, 0.025, 0.06, True, 40),
-        FitStage(12, 0.012, 0.04, True, 60),
-    )
-    ranking: tuple[float, float, float] = (0.1, 0.05, 0.03)
 
 
 class NotHuman(BadInput):
@@ -156,55 +123,15 @@ def _find(
     """Let all starts compete and return the best fit."""
     rng = np.random.default_rng(settings.seed)
     surface = _sample(vertices, faces, settings.surface_count, rng)
-    first = slice(settings.coarse_count)
-    few = OrientedPoints(surface.points[first], surface.normals[first])
-    subset = spread_subset(template, settings.fine_count, rng)
-    coarse = Fitter(template, subset[: settings.coarse_count], few)
-    shape_count = settings.coarse[0].shape_count
+    subset = spread_subset(template, settings.search.fine_count, rng)
+    shape_count = settings.search.stages[0][0].shape_count
     starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset, shape_count)
-    ranked = []
-    for i, start in enumerate(starts):
-        hooks.progress(STAGE, 0.5 * i / len(starts), "trying headings and poses")
-        ranked.append(run_stages(coarse, settings.coarse, (0.0, i, start), settings.ranking[0]))
-    ranked.sort(key=lambda entry: entry[:2])
-    ranked = [run_stages(coarse, settings.middle, entry, settings.ranking[1]) for entry in ranked[: settings.starts[0]]]
-    ranked.sort(key=lambda entry: entry[:2])
+    state = rank_starts(template, surface, subset, starts, settings.search, hooks)[0][2]
     fine = Fitter(template, subset, surface)
-    finalists = []
-    best = ranked[: settings.starts[1]]
-    for entry in best + find_distinct_fits(template, best, ranked[settings.starts[1] :]):
-        hooks.progress(STAGE, 0.7, "comparing the best starts")
-        finalists.append(run_stages(fine, settings.fine[:1], entry, settings.ranking[2]))
-    state = min(finalists, key=lambda entry: entry[:2])[2]
-    for i, stage in enumerate(settings.fine[1:]):
+    for i, stage in enumerate(settings.stages):
         hooks.progress(STAGE, 0.9 + 0.05 * i, "fitting shape and pose")
         state = fine.fit(state, stage)
     return state
-
-
-def find_distinct_fits(template: Template, best: list[Start], rest: list[Start]) -> list[Start]:
-    """Return the best of each distinct fit among the rest, other than those before it."""
-    seen, others = [_joints(template, entry[2]) for entry in best], []
-    for entry in rest:
-        joints = _joints(template, entry[2])
-        if min(float(np.sqrt(((joints - other) ** 2).sum(axis=1).mean())) for other in seen) > MAX_SAME_FIT_DISTANCE:
-            seen.append(joints)
-            others.append(entry)
-    return others
-
-
-def _joints(template: Template, state: FitState) -> np.ndarray:
-    """Return the posed joints of a fit [m], shape [24, 3]."""
-    _, joints = template.shaped(state.shape)
-    return articulate(state.rotations, joints, state.translation)[1]
-
-
-def run_stages(fitter: Fitter, stages: tuple[FitStage, ...], entry: Start, scale: float) -> Start:
-    """Return a start after some stages, with its residual at a scale [m]."""
-    state = entry[2]
-    for stage in stages:
-        state = fitter.fit(state, stage)
-    return fitter.residual(state, scale, scale), entry[1], state
 
 
 def _starts(
@@ -231,12 +158,6 @@ def _starts(
             placed = skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
             starts.append(FitState(shape, rotations, centre - placed.mean(axis=0)))
     return starts
-
-
-def spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw indices of vertices in proportion to their area."""
-    area = vertex_areas(template.vertices, template.faces)
-    return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
 
 def _sample(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator) -> OrientedPoints:

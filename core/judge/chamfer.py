@@ -10,13 +10,13 @@ from scipy.spatial import cKDTree
 
 from ..geometry.surface import TriangleSurface
 
-SAMPLES_PER_SITE = 40
-"""Number of surface samples per mesh vertex that imitate a triangulation: the floor is 10 % above that of a perfect
-hexagonal lattice, as for even triangulations; 16 samples gave 17 %, 64 give 9 % and take twice the time."""
+SAMPLES_PER_SITE = 25
+"""Number of surface samples per mesh vertex that imitate a triangulation: the floor of the Chamfer distance is 9 to
+11 % above that of a perfect hexagonal lattice on seven garments, as for even triangulations."""
 
-LLOYD_ITERATIONS = 8
-"""Number of Lloyd iterations that spread the imitated vertices; later ones change the floor by less than 1 % each."""
-
+LLOYD_ITERATIONS, LLOYD_OVER_RELAXATION = 4, 1.9
+"""Number of Lloyd iterations that spread the imitated vertices, and factor of their steps but for the last [1]: four
+such steps spread them as eight of factor 1 do."""
 
 MAX_QUERY_VERTEX_COUNT = 200_000
 """Largest number of a mesh's vertices whose nearest vertex of the other mesh is searched; of a denser mesh every
@@ -96,14 +96,15 @@ def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.ran
 
 
 def _sample_evenly(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
-    """Spread points evenly over a surface by Lloyd's iteration; return them with their normals."""
+    """Spread points evenly over a surface by over-relaxed Lloyd iterations; return them with their normals."""
     samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]
-    for _ in range(LLOYD_ITERATIONS):
+    for factor in [LLOYD_OVER_RELAXATION] * (LLOYD_ITERATIONS - 1) + [1.0]:
         _, owner = cKDTree(sites).query(samples)
         size = np.bincount(owner, minlength=count)
         mean = np.stack([np.bincount(owner, samples[:, k], count) for k in range(3)], axis=1)
-        sites = np.where(size[:, None] > 0, mean / np.maximum(size, 1)[:, None], sites)
+        mean = np.where(size[:, None] > 0, mean / np.maximum(size, 1)[:, None], sites)
+        sites = sites + factor * (mean - sites)
     sites = surface.closest(sites).foot
     _, corners = cKDTree(sites).query(samples, k=min(3, count))
     corner = np.asarray(corners).reshape(-1)

@@ -1,8 +1,8 @@
 """Among the best starts of a registration, fits that are all one do not crowd out another."""
 
 import numpy as np
+from garmentq.core.body.competing_starts import find_distinct_fits
 from garmentq.core.body.fit import FitState
-from garmentq.core.body.registration import find_distinct_fits
 from garmentq.core.body.template import load_template, rotations_of
 
 

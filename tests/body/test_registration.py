@@ -7,6 +7,7 @@ import trimesh
 from everyday_body import everyday_body
 from garmentq.core.body.body import JOINTS, Body
 from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.competing_starts import SearchSettings
 from garmentq.core.body.fit import FitStage, FitState, Fitter, OrientedPoints
 from garmentq.core.body.registration import NotHuman, RegistrationSettings, register_body
 from garmentq.core.body.skinning import rest_body, skin
@@ -112,7 +113,8 @@ def test_a_fit_from_the_true_state_stays_there() -> None:
 def test_a_cube_is_no_person() -> None:
     """A wrong mesh must be refused with a stable code, not given bones."""
     cube = trimesh.creation.box((1.0, 1.0, 1.0)).subdivide().subdivide()
-    quick = RegistrationSettings(coarse_count=60, fine_count=300, surface_count=600, starts=(1, 1))
+    search = SearchSettings(coarse_count=60, fine_count=300, kept=(2, 1, 1))
+    quick = RegistrationSettings(search, surface_count=600)
     with pytest.raises(NotHuman, match="metres") as caught:
         register_body(cube.vertices, cube.faces, settings=quick)
     assert caught.value.code == "body.not_human"
