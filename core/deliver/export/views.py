@@ -8,7 +8,7 @@ import numpy as np
 
 from ...geometry.surface import TriangleSurface
 from ...recover.recovery import Recovery
-from .picture import ColouredMesh, aim_camera, png_base64, render_meshes
+from .picture import Canvas, ColouredMesh, aim_camera, png_base64
 
 REPORT_VIEW_WIDTH_PX = 480
 """Width of a picture [pixel]: three fit side by side on a page and are sharp in print."""
@@ -80,6 +80,7 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     views = []
     for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
         camera = aim_camera(both, turn @ body.heading, REPORT_VIEW_WIDTH_PX, height)
-        pictures = {name: png_base64(render_meshes([person, surface], camera)) for name, surface in shown.items()}
+        wearer = Canvas.empty(camera).with_meshes([person])
+        pictures = {name: png_base64(wearer.with_meshes([surface]).shade()) for name, surface in shown.items()}
         views.append(View(title, pictures))
     return tuple(views), end
