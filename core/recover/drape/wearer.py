@@ -10,6 +10,7 @@ import numpy as np
 from ...body.body import Body
 from ...body.distance import DistanceGrid
 from ...body.exposed import ExposedSurface
+from ...body.raised_distance import RaisedDistance
 from ...body.skinning import rest_body
 from .pose_path import PosePath
 
@@ -37,6 +38,11 @@ class WearerGeometry:
     def grid(self) -> DistanceGrid:
         """Return the distance to the wearer's own mesh in its pose."""
         return DistanceGrid.from_mesh(self.body.vertices, self.body.faces)
+
+    @cached_property
+    def raised_distance(self) -> RaisedDistance:
+        """Return the distance to the wearer with raised skin, to first order."""
+        return RaisedDistance.of(self.body, self.grid)
 
     @cached_property
     def rest_grid(self) -> DistanceGrid:

@@ -80,8 +80,7 @@ def estimate_body_offset(
     heights, pattern, registered = np.zeros(len(wearer.body.vertices)), problem.garment.pattern, problem.garment.nodes
     radii = settings.kernel_stds
     for radius in radii + (settings.iterations - len(radii)) * radii[-1:]:
-        raised = wearer.raised(heights)
-        on = replace(problem, scene=problem.scene.with_body(raised.grid))
+        on = replace(problem, scene=problem.scene.with_body(wearer.raised_distance.raise_by(heights)))
         nodes = on.drape(pattern, registered, hooks).nodes
         scene = on.at(pattern)
         force, normal = contact_forces(scene, nodes)
@@ -89,7 +88,7 @@ def estimate_body_offset(
         missing = ((registered - nodes) * normal).sum(1)[touching]
         areas = scene.topology.rest.node_areas[touching]
         heights = heights + _average_nearby(
-            raised.body.vertices, nodes[touching], missing, areas, radius, settings.half_weight
+            wearer.body.raised(heights).vertices, nodes[touching], missing, areas, radius, settings.half_weight
         )
         heights = _lower_protrusions(wearer, heights, registered, settings)
         allowed = settings.tolerance**2 * float(areas.sum())
@@ -103,12 +102,12 @@ def _lower_protrusions(
 ) -> np.ndarray:
     """Lower heights [m], shape [vertex_count], where the raised body is outside the cloth [m], shape [n, 3]."""
     for _ in range(settings.lowerings):
-        raised = wearer.raised(heights)
-        distance, _ = raised.exposed.measure(cloth)
+        distance, outward = wearer.raised_distance.raise_by(heights).measure(cloth)
         low = distance < settings.clearance
         if not low.any():
             break
-        body_distance, nearest = cKDTree(raised.exposed.closest(cloth[low]).foot).query(raised.body.vertices)
+        feet = cloth[low] - distance[low, None] * outward[low]
+        body_distance, nearest = cKDTree(feet).query(wearer.body.raised(heights).vertices)
         nearness = np.exp(-0.5 * (body_distance / settings.kernel_stds[-1]) ** 2)
         heights = heights + (distance[low] - settings.clearance)[nearest] * nearness
     return heights
