@@ -113,12 +113,14 @@ class DistanceGrid:
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Return signed distances [m] of points [m], shape [n, 3]; `OUTSIDE_GRID_DISTANCE` outside the grid."""
-        return self.evaluate(points)[0]
+        return self.measure(points)[0]
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return signed distances [m], shape [n], and gradients, shape [n, 3], of points [m], shape [n, 3]."""
-        distance, gradient, _ = self.evaluate(points)
-        return distance, gradient
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        values, slopes = np.zeros(len(points)), np.zeros((len(points), 3))
+        _sample_slopes(points, self.arrays, values, slopes)
+        return values, slopes
 
     def evaluate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return distances [m] [n], gradients [n, 3] and Hessians [1/m] [n, 3, 3] at points [m], shape [n, 3]."""
@@ -255,3 +257,12 @@ def _sample_all(points, grid, values, slopes, curves):  # type: ignore[no-untype
     for v in range(len(points)):
         point = (points[v, 0], points[v, 1], points[v, 2])
         values[v] = sample_distance(point, grid, np.inf, 2, slopes[v], curves[v])
+
+
+@kernel()
+def _sample_slopes(points, grid, values, slopes):  # type: ignore[no-untyped-def]
+    """Sample many points without their Hessians."""
+    unused = np.zeros((3, 3))
+    for v in range(len(points)):
+        point = (points[v, 0], points[v, 1], points[v, 2])
+        values[v] = sample_distance(point, grid, np.inf, 1, slopes[v], unused)

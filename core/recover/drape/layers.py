@@ -103,25 +103,23 @@ def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
     """Return pairs of a node and a face within reach; faces are sorted by their lowest y."""
     low, high = _boxes(nodes, faces)
     order = np.argsort(low[:, 1], kind="mergesort")
-    floor = low[order, 1]
+    low, high, faces = low[order], high[order], faces[order]  # read one by one
     tall = (high[:, 1] - low[:, 1]).max() if len(faces) else 0.0
     found, table, values = 0, np.zeros((64, 4), np.int64), np.zeros((64, 8))
     for i in single:
         x, y, z = nodes[i, 0], nodes[i, 1], nodes[i, 2]
-        for b in range(np.searchsorted(floor, y - reach - tall), len(order)):
-            f = order[b]
-            if floor[b] > y + reach:
+        for f in range(np.searchsorted(low[:, 1], y - reach - tall), len(order)):
+            if low[f, 1] > y + reach:
                 break
             if (
-                high[f, 1] < y - reach
-                or low[f, 0] > x + reach
-                or high[f, 0] < x - reach
-                or low[f, 2] > z + reach
-                or high[f, 2] < z - reach
-                or i == faces[f, 0]
-                or i == faces[f, 1]
-                or i == faces[f, 2]
+                (high[f, 1] < y - reach)
+                | (low[f, 0] > x + reach)
+                | (high[f, 0] < x - reach)
+                | (low[f, 2] > z + reach)
+                | (high[f, 2] < z - reach)
             ):
+                continue
+            if i == faces[f, 0] or i == faces[f, 1] or i == faces[f, 2]:
                 continue
             if found == len(table):
                 table = np.concatenate((table, np.zeros_like(table)))
@@ -138,22 +136,18 @@ def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
     """Return pairs of edges within reach that share no node, sorted by their lowest y."""
     low, high = _boxes(nodes, edges)
     order = np.argsort(low[:, 1], kind="mergesort")
+    low, high, edges = low[order], high[order], edges[order]  # read one by one
     found, table, values = 0, np.zeros((64, 4), np.int64), np.zeros((64, 8))
     for a in range(len(order)):
-        i = order[a]
-        p, q = edges[i]
+        p, q = edges[a]
+        west, east, back, front = low[a, 0] - reach, high[a, 0] + reach, low[a, 2] - reach, high[a, 2] + reach
+        top = high[a, 1] + reach
         for b in range(a + 1, len(order)):
-            j = order[b]
-            if low[j, 1] > high[i, 1] + reach:
+            if low[b, 1] > top:
                 break
-            if (
-                low[j, 0] > high[i, 0] + reach
-                or high[j, 0] < low[i, 0] - reach
-                or low[j, 2] > high[i, 2] + reach
-                or high[j, 2] < low[i, 2] - reach
-            ):
+            if (low[b, 0] > east) | (high[b, 0] < west) | (low[b, 2] > front) | (high[b, 2] < back):
                 continue
-            r, s = edges[j]
+            r, s = edges[b]
             if p == r or p == s or q == r or q == s:
                 continue
             if found == len(table):

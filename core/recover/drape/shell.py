@@ -32,6 +32,10 @@ MAX_CURVATURE_DISTANCE = 0.02
 MAX_BODY_CURVATURE = 50.0
 """Largest curvature used [1/m]: a finger's; sharper ones are creases of the mesh."""
 
+OPPOSITE_REACH = PbdSettings.thickness + PbdSettings.travel + MAX_CURVATURE_DISTANCE
+"""Distance of a point from the nearest vertex above which no opposite surface is searched [m]: cloth that far from the
+nearest surface touches neither in a step. The last part is the spacing of the body's vertices."""
+
 NO_SURFACE_DISTANCE = 1.0
 """Distance that is returned where there is no second surface [m]: beyond every contact."""
 
@@ -76,24 +80,34 @@ class Shell:
         Returns:
             Distances to both [m], shape [n], the second may be `NO_SURFACE_DISTANCE`, and their normals, shape [n, 3].
         """
-        _, index = self.tree.query(points, k=OPPOSITE_CANDIDATE_COUNT)
-        normals = self.normals[index]
-        offset = points[:, None] - self.vertices[index]
-        heights = np.einsum("nkd,nkd->nk", offset, normals)
+        away, nearest = self.tree.query(points)
+        normals = self.normals[nearest]
+        heights = self._heights(points[:, None], nearest[:, None])[:, 0]
+        second, opposite = np.full(len(points), NO_SURFACE_DISTANCE), normals.copy()
+        near = np.flatnonzero(away < OPPOSITE_REACH)
+        if len(near):
+            second[near], opposite[near] = self._find_opposite(points[near], normals[near])
+        return heights, second, normals, opposite
+
+    def _heights(self, points: np.ndarray, index: np.ndarray) -> np.ndarray:
+        """Return heights [m] of points, shape [n, 1, 3], over the paraboloids of vertices, shape [n, k]."""
+        offset = points - self.vertices[index]
+        heights = np.einsum("nkd,nkd->nk", offset, self.normals[index])
         aside = np.minimum(np.einsum("nkd,nkd->nk", offset, offset) - heights**2, MAX_CURVATURE_DISTANCE**2)
-        heights = heights + 0.5 * self.bends[index] * aside
-        ahead = self.vertices[index] - self.vertices[index[:, :1]]
-        before = np.einsum("nkd,nd->nk", ahead, normals[:, 0]) > 0
+        found: np.ndarray = heights + 0.5 * self.bends[index] * aside
+        return found
+
+    def _find_opposite(self, points: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] to surfaces opposite the nearest, whose normals are `first`, and their normals."""
+        _, index = self.tree.query(points, k=OPPOSITE_CANDIDATE_COUNT)
+        normals, ahead = self.normals[index], self.vertices[index] - self.vertices[index[:, :1]]
+        before = np.einsum("nkd,nd->nk", ahead, first) > 0
         behind = np.einsum("nkd,nkd->nk", ahead, normals) < 0
-        facing = np.einsum("nkd,nd->nk", normals, normals[:, 0]) < OPPOSITE_NORMAL_COSINE
+        facing = np.einsum("nkd,nd->nk", normals, first) < OPPOSITE_NORMAL_COSINE
         other = np.argmax(facing & before & behind, axis=1)
         row = np.arange(len(points))
-        return (
-            heights[:, 0],
-            np.where(other > 0, heights[row, other], NO_SURFACE_DISTANCE),
-            normals[:, 0],
-            normals[row, other],
-        )
+        heights = self._heights(points[:, None], index[row, other][:, None])[:, 0]
+        return np.where(other > 0, heights, NO_SURFACE_DISTANCE), normals[row, other]
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
@@ -139,4 +153,9 @@ class ShellDistance:
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
         distance, gradient = self.body.measure(points)
-        return Shell.open_hollows(*self.shell.surfaces(points), distance, gradient)
+        first, second = np.full(len(points), NO_SURFACE_DISTANCE), np.full(len(points), NO_SURFACE_DISTANCE)
+        normal, opposite = np.zeros_like(gradient), np.zeros_like(gradient)
+        near = np.flatnonzero(distance < OPPOSITE_REACH)
+        if len(near):
+            first[near], second[near], normal[near], opposite[near] = self.shell.surfaces(points[near])
+        return Shell.open_hollows(first, second, normal, opposite, distance, gradient)
