@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from ..geometry.linear import Solver
+from typing import TYPE_CHECKING
+
 from .block_pattern import BlockPattern
+
+if TYPE_CHECKING:
+    from ..geometry.multifrontal import Cholesky
 
 __all__ = ["make_solver"]
 
 
-def make_solver(pattern: BlockPattern, single: bool = False) -> Solver:
+def make_solver(pattern: BlockPattern, single: bool = False) -> Cholesky:
     """Return the fastest solver for definite matrices of a pattern, analysed; in single precision on request. It
     refuses an indefinite matrix, as descent needs; an adjoint with an indefinite Hessian takes `SuperLU`."""
     from ..geometry.multifrontal import Cholesky

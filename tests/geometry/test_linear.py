@@ -37,11 +37,12 @@ def test_random_positive_definite_matrices(seed, count, block):
         matrix = sparse.csr_matrix(matrix + 1e-300 * whole)
     matrix.sort_indices()
     solver = Cholesky(matrix.indptr, matrix.indices, block)
-    right = rng.normal(size=(matrix.shape[0], 2))
+    right = rng.normal(size=(matrix.shape[0], 7))  # enough to be solved together
     assert solver.factor(matrix.data) and solver.is_positive_definite()
     exact = np.linalg.solve(matrix.toarray(), right)
     assert np.allclose(solver.solve(right), exact, rtol=1e-8, atol=1e-8 * np.abs(exact).max())
-    assert np.allclose(solver.solve(right[:, 0]), exact[:, 0], rtol=1e-8, atol=1e-8 * np.abs(exact).max())
+    for few, own in ((right[:, 0], exact[:, 0]), (right[:, :2], exact[:, :2])):
+        assert np.allclose(solver.solve(few), own, rtol=1e-8, atol=1e-8 * np.abs(exact).max())
     lowest = np.linalg.eigvalsh(matrix.toarray())[0]
     matrix.setdiag(matrix.diagonal() - 1.5 * lowest)
     assert not solver.factor(matrix.data) and not solver.is_positive_definite()
@@ -56,6 +57,12 @@ def test_a_factor_of_single_precision_solves_to_its_digits():
     exact = spsolve(sparse.csc_matrix(matrix), right)
     coarse = Cholesky(matrix.indptr, matrix.indices, single=True)
     assert coarse.factor(matrix.data) and coarse.is_positive_definite()
+    shared = Cholesky(matrix.indptr, matrix.indices).in_single()
+    assert shared.single and shared.factor(matrix.data)
+    assert np.array_equal(shared.solve(right), coarse.solve(right))
+    together = coarse.solve(np.tile(right[:, None], 8))
+    assert together.dtype == np.float64
+    assert np.allclose(together.T, exact, rtol=1e-5, atol=1e-6 * np.abs(exact).max())
     found = coarse.solve(right)
     assert found.dtype == np.float64
     assert 1e-9 < np.abs(found - exact).max() / np.abs(exact).max() < 1e-5

@@ -24,10 +24,11 @@ def extend_sparsity(
 ) -> tuple[Energy, Solver]:
     """Return the energy with its pairs near nodes [m], shape [node_count, 3], and a solver whose pattern has them. Both
     are returned unchanged where nothing touches, or where at most a share `missing` of the pairs in contact is absent.
-    A missing solver is made here, so that for cloth in contact at the start the matrix is analysed once."""
+    A missing solver is made here, so that for cloth in contact at the start the matrix is analysed once; in single
+    precision, for descent needs no more of a preconditioner."""
     cloth, topology = energy.scene.self_contact, energy.scene.topology
     if cloth is None:
-        return energy, solver or make_solver(topology.pattern)
+        return energy, solver or make_solver(topology.pattern, single=True)
     energy = energy.watch(nodes)
     assert energy.near is not None
     touching = energy.near.within(nodes, 0.0)
@@ -35,8 +36,8 @@ def extend_sparsity(
         (topology.pattern.find_slots(touching.nodes)[:, 0] == ABSENT_BLOCK_SLOT).sum() if len(touching.kinds) else 0
     )
     if absent <= missing * len(touching.kinds):
-        return energy, solver or make_solver(topology.pattern)
+        return energy, solver or make_solver(topology.pattern, single=True)
     wide = energy.near.within(nodes, cloth.margin)
     coupled = topology.couple(wide.nodes)
-    single = solver is not None and solver.single
+    single = solver is None or solver.single
     return replace(energy, scene=replace(energy.scene, topology=coupled)), make_solver(coupled.pattern, single)

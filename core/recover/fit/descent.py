@@ -136,7 +136,7 @@ class DescentProblem:
         """Bring the cloth to rest from nodes [m]; return nodes and friction's anchors, shape [node_count, 3] each."""
         from ...cloth.statics import equilibrium
 
-        scene, solver, settings = self.at(variables), self.scene.solver, self.settings.solve
+        scene, solver, settings = self.at(variables), self.scene.preconditioner, self.settings.solve
         drape = equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=settings, hooks=hooks)
         return drape.nodes, drape.anchors
 

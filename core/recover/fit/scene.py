@@ -36,7 +36,8 @@ class FitScene:
         base: The template, which gives symmetry and the ratios of gathered seams.
         first: The scene of the first pattern.
         parameters: The derivatives of rest shape and fabric.
-        solver: Solver analysed for the mesh.
+        solver: Solver analysed for the mesh, for derivatives.
+        preconditioner: The same in single precision, for descent.
         locked: Which effective coordinates stay, shape [shape_count].
     """
 
@@ -45,6 +46,7 @@ class FitScene:
     first: Scene
     parameters: Parameters
     solver: Solver
+    preconditioner: Solver
     locked: np.ndarray
 
     @classmethod
@@ -72,7 +74,7 @@ class FitScene:
         parameters = Parameters.of_garment(garment, map_controls(garment), symmetry, fabric)
         none = np.zeros(symmetry.matrix.shape[1], dtype=bool)
         solver = make_solver(scene.topology.pattern)
-        return cls(garment, base, scene, parameters, solver, none if locked is None else locked)
+        return cls(garment, base, scene, parameters, solver, solver.in_single(), none if locked is None else locked)
 
     @property
     def symmetry(self) -> Symmetry:

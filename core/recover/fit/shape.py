@@ -107,7 +107,7 @@ class ShapeProblem:
         """Bring the cloth to rest from nodes [m], with friction anchored where it was registered."""
         from ...cloth.statics import equilibrium
 
-        scene, solver, anchors = self.at(pattern, fabric), self.scene.solver, self.garment.nodes
+        scene, solver, anchors = self.at(pattern, fabric), self.scene.preconditioner, self.garment.nodes
         return equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=self.settings.solve, hooks=hooks)
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
