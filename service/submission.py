@@ -18,6 +18,7 @@ from .. import __version__
 from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.people.hints import parse_wearing
+from ..core.recover.settings import WAIT, RecoverySettings
 from ..core.run.errors import BadInput
 from .database import Database, clock, take_advisory_lock
 from .families import grant_family, requeue_jobs
@@ -190,11 +191,11 @@ def _check_dressed(order: Order) -> None:
 
 def _describe(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
     """Return an order's request; files are given by hashes, so that the same files elsewhere are the same order."""
-    labels = _store_file(order.labels, store) if order.labels else None
+    labels, settings = _store_file(order.labels, store) if order.labels else None, _drop_wait(order.settings)
     file = FileRef(scan.sha256, clean_name(order.scan.name))
     template = _keep_template(order.template, order.settings.template, store)
     body = _keep_body(order, store)
-    return pack_request(RecoverRequest(file, body, template, order.settings, labels, given_as=order.given_as))
+    return pack_request(RecoverRequest(file, body, template, settings, labels, given_as=order.given_as))
 
 
 def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
@@ -207,7 +208,7 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
     }
     request = PersonRequest(
         FileRef(scan.sha256, clean_name(order.scan.name)),
-        order.settings,
+        _drop_wait(order.settings),
         _store_file(order.labels, store) if order.labels else None,
         _keep_body(order, store),
         _keep_template(order.template, order.settings.template, store),
@@ -219,6 +220,11 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
     if request.wearing is not None:
         request.choose([part.word for part in parse_wearing(request.wearing)])  # refuses now, not after the labelling
     return pack_request(request)
+
+
+def _drop_wait(settings: RecoverySettings) -> RecoverySettings:
+    """Return settings as they are stored: the re-drape that is waited for is not named, as in earlier versions."""
+    return replace(settings, redrape=None) if settings.redrape == WAIT else settings
 
 
 def _keep_body(order: Order, store: Store) -> FileRef | BuiltinWearer | None:

@@ -15,6 +15,7 @@ from ...core.run.units import UNITS
 from ...core.scan.header import CLOUDS, FORMATS
 from ..api.access import AppState, AppStateDependency
 from ..families import find_below
+from ..kinds.redrape_request import REDRAPE
 from ..materials import list_materials
 from ..models import JobRow, OwnerRow
 from ..query import JobQuery, find_roots
@@ -105,7 +106,8 @@ def _draw_list(families: list[list[JobReport]], is_filtered: bool) -> Html:
 
 
 def _draw_row(job: JobReport, is_below: bool) -> Html:
-    url = f"/results/{job.id}" if job.state == State.SUCCEEDED and not job.children else f"/jobs/{job.id}"
+    is_alone = job.kind != REDRAPE and all(child.kind == REDRAPE for child in job.children)
+    url = f"/results/{job.id}" if job.state == State.SUCCEEDED and is_alone else f"/jobs/{job.id}"
     thumbnail = Html()
     if job.state == State.SUCCEEDED:
         thumbnail = html('<img src="/jobs/{}/thumbnail" alt="" width="56" height="75" loading="lazy">', job.id)
