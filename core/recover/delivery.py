@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -45,15 +46,17 @@ REDRAPE_MISSING = "redrape_missing"
 """Name of the metric, 1, of a result whose method re-drapes the pattern, and for which that was not done."""
 
 
-def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | None = None) -> Recovery:
-    """Measure and judge a state, and return it as the result.
+@dataclass(frozen=True, kw_only=True)
+class UnfinishedRecovery(Recovery):
+    """Describe the result of a recovery whose re-drape was left for later, with what `pipeline.finish` starts from."""
 
-    Args:
-        case: The inputs.
-        state: The state after the method's last step.
-        clock: Times the measurement.
-        known: Metrics of the same state before its re-drape, which are not measured again; None: all are measured.
-    """
+    case: Case
+    state: RecoveryState
+
+
+def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | None = None) -> Recovery:
+    """Measure and judge a finished state, and return it as the result; `known` metrics, as they were before its
+    re-drape, are not measured again."""
     garment, settings, last = made(state.garment), case.settings, state
     state = state.with_findings(*(corner.describe() for corner in state.corners))
     omissions = [one.describe() for one in case.undeclared or () if one.is_off_body]
@@ -70,7 +73,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
     manifest = describe(case, state) | {"cut": cut}
     for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
-    return Recovery(
+    found = Recovery(
         scan=case.scan,
         body=state.body,
         target=case.scan_target,
@@ -85,8 +88,9 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
         point_std=state.point_std,
         rotation=made(state.drape).rotation,
         pieces=pieces.pieces,
-        unfinished=(case, last) if REDRAPE_MISSING in metrics and settings.redrape == LATER else None,
     )
+    is_finished = REDRAPE_MISSING not in metrics or settings.redrape != LATER
+    return found if is_finished else UnfinishedRecovery(**vars(found), case=case, state=last)
 
 
 def measure(case: Case, state: RecoveryState) -> Metrics:

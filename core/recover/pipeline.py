@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from ..run.checkpoints import load, save
@@ -37,36 +36,27 @@ def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
 
 
 def finish(case: Case, state: RecoveryState, known: Metrics, hooks: Hooks = SILENT_HOOKS) -> Recovery:
-    """Return a recovery with its re-drape, the same as if it had waited for it.
+    """Return an `UnfinishedRecovery`, of which case, state and metrics are given, as if it had waited for its re-drape.
 
-    Args:
-        case: The inputs, and
-        state: the state: `unfinished` of the recovery without the re-drape.
-        known: Its metrics.
-        hooks: Progress, cancellation and checkpoints.
+    A run that was interrupted after the drape resumes there.
     """
-    clock = Clock(hooks)
+    clock, inputs = Clock(hooks), (state.base.points, case.settings.vertex_count)
     case = replace(case, request=replace(case.request, settings=replace(case.settings, redrape=None)))
-    state = run_steps((drape_anew,), case, state, clock, {drape_anew: "redrape"})
+    state = load(hooks, "redrape", RecoveryState, *inputs) or run_steps((drape_anew,), case, state, clock)
+    save(hooks, "redrape", state, *inputs)
     return deliver(case, state, clock, known)
 
 
-def run_steps(
-    steps: tuple[Step, ...],
-    case: Case,
-    state: RecoveryState,
-    clock: Clock,
-    checkpoints: Mapping[Step, str] = STEP_CHECKPOINTS,
-) -> RecoveryState:
+def run_steps(steps: tuple[Step, ...], case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Run the steps in order, after the last one whose state an earlier run of the job saved."""
     first, inputs = 0, (state.base.points, case.settings.vertex_count)
     for number, step in enumerate(steps):
-        kept = load(clock.hooks, checkpoints[step], RecoveryState, *inputs) if step in checkpoints else None
+        kept = load(clock.hooks, STEP_CHECKPOINTS[step], RecoveryState, *inputs) if step in STEP_CHECKPOINTS else None
         if kept is not None:
             first, state = number + 1, kept
     for step in steps[first:]:
         state = step(case, state, clock)
         state = state.with_findings(*clock.take_findings())
-        if step in checkpoints:
-            save(clock.hooks, checkpoints[step], state, *inputs)
+        if step in STEP_CHECKPOINTS:
+            save(clock.hooks, STEP_CHECKPOINTS[step], state, *inputs)
     return state

@@ -24,8 +24,6 @@ if TYPE_CHECKING:  # so that a bad file is refused without importing the other p
     from ..run.report import ResultReport
     from ..scan.contours.target import Target
     from ..scan.scan import Scan
-    from .case import Case
-    from .state import RecoveryState
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
 """The stages of a recovery in order, the names by which progress and seconds are reported. Only methods that recover
@@ -91,7 +89,6 @@ class Recovery:
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
         rotation: The rotation of cloth and wearer that was found, or None for cloth at rest.
         pieces: Numbers of each production piece; empty where none can be cut.
-        unfinished: What `finish` starts from where the re-drape was left for later; else None.
     """
 
     scan: Scan
@@ -108,4 +105,3 @@ class Recovery:
     point_std: np.ndarray | None = None
     rotation: SteadyRotation | None = None
     pieces: tuple[PieceNumbers, ...] = ()
-    unfinished: tuple[Case, RecoveryState] | None = None

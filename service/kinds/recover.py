@@ -41,14 +41,15 @@ class Recover(Kind):
 
     def run(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
+        from ...core.recover.delivery import UnfinishedRecovery
+        from .unfinished import keep_unfinished
+
         person = work.inputs.get(PERSON)
         recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, person), hooks)
         if request.part is not None and person is not None:
             recovery.report.metrics["confidence"] = _read_confidence(person, request.part)
         work.settings.find("writer")(recovery, work.out)
-        if recovery.unfinished is not None:
-            from .unfinished import keep_unfinished
-
+        if isinstance(recovery, UnfinishedRecovery):
             keep_unfinished(recovery, work.out)
         return recovery
 

@@ -65,8 +65,10 @@ class Redrape(Kind):
 
 def order_redrape(recovery: Recovery) -> tuple[ChildRequest, ...]:
     """Return the re-drape of a recovery that left it for later, or none."""
-    if recovery.unfinished is None:
+    from ...core.recover.delivery import UnfinishedRecovery
+
+    if not isinstance(recovery, UnfinishedRecovery):
         return ()
-    asked = recovery.unfinished[0].request
-    request = pack_request(RedrapeRequest(asked.settings, asked.template is not None))
-    return (ChildRequest(REDRAPE, REDRAPE, request, inputs={RESULT: PARENT}, priority=REDRAPE_PRIORITY),)
+    recovered = recovery.case.request
+    request = RedrapeRequest(recovered.settings, recovered.template is not None)
+    return (ChildRequest(REDRAPE, REDRAPE, pack_request(request), inputs={RESULT: PARENT}, priority=REDRAPE_PRIORITY),)

@@ -10,7 +10,7 @@ REDRAPE = "redrape"
 """Name of the kind, and of the job among its siblings."""
 
 REDRAPE_PRIORITY = -100
-"""Priority of a re-drape, the lowest that an order may have: every result goes before it."""
+"""Number for the priority of a re-drape, the lowest that an order may have: every result goes before it."""
 
 UNFINISHED = "unfinished.npz"
 """File of a recovery's result from which its re-drape starts; it is dropped with the end of that."""

@@ -21,12 +21,12 @@ from ...core.scan.scan import Scan
 from .redrape_request import UNFINISHED, RedrapeRequest
 
 if TYPE_CHECKING:
-    from ...core.recover.recovery import Recovery
+    from ...core.recover.delivery import UnfinishedRecovery
     from ...core.run.report import ResultReport
 
 
 @dataclass(frozen=True)
-class UnfinishedRecovery:
+class StoredUnfinished:
     """Describe a recovery before its re-drape, without its request.
 
     Attributes:
@@ -54,8 +54,8 @@ class UnfinishedRecovery:
     def make_case(self, request: RedrapeRequest) -> Case:
         """Return the inputs of the recovery; its files, which no later step reads, are not there."""
         template = Path("pattern.json") if request.has_pattern_file else None
-        asked = Request(Path(self.scan.name), template=template, settings=request.settings)
-        return Case(asked, self.scan, self.scan_target, WearerGeometry(self.body), self.undeclared)
+        recovered = Request(Path(self.scan.name), template=template, settings=request.settings)
+        return Case(recovered, self.scan, self.scan_target, WearerGeometry(self.body), self.undeclared)
 
     def add_cost(self, report: ResultReport) -> ResultReport:
         """Return a report with the cost of both jobs."""
@@ -66,25 +66,23 @@ class UnfinishedRecovery:
         return replace(report, stage_seconds=seconds, cpu_seconds=total, peak_mb=peak)
 
 
-def keep_unfinished(recovery: Recovery, folder: Path) -> None:
-    """Write what a recovery's re-drape starts from into the folder of its result, if that was left for later."""
-    if recovery.unfinished is None:
-        return
-    (case, state), report = recovery.unfinished, recovery.report
-    found = UnfinishedRecovery(
+def keep_unfinished(recovery: UnfinishedRecovery, folder: Path) -> None:
+    """Write what a recovery's re-drape starts from into the folder of its result."""
+    case, state, report = recovery.case, recovery.state, recovery.report
+    found = StoredUnfinished(
         case.scan, case.scan_target, case.body, case.undeclared, state, report.metrics, report.stage_seconds,
         report.cpu_seconds, report.peak_mb,
     )  # fmt: skip
     write_record(found, folder / UNFINISHED)
 
 
-def load_unfinished(folder: Path) -> UnfinishedRecovery:
+def load_unfinished(folder: Path) -> StoredUnfinished:
     """Read a recovery before its re-drape from the folder of its result.
 
     Raises:
         ResultOld: if another version wrote it.
     """
     try:
-        return read_record(UnfinishedRecovery, folder / UNFINISHED)
+        return read_record(StoredUnfinished, folder / UNFINISHED)
     except ReaderCrashed as error:
         raise ResultOld() from error

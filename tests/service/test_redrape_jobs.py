@@ -147,7 +147,7 @@ def test_redrape_that_lost_its_claim_changes_nothing(recover, database, store, t
     kind = find_kind(recover.settings, "redrape")
     case = garmentq_redrape.recover(
         pipeline.Request(tmp_path / "skirt.ply", settings=RecoverySettings(redrape="later")), None
-    ).unfinished[0]
+    ).case
     result = garmentq_redrape.finish(case, None, {}, garmentq_redrape.Hooks())
     with pytest.raises(FenceLost):
         store_result(database, store, held, kind, result, tmp_path / "nothing")

@@ -14,6 +14,7 @@ from pathlib import Path
 import garmentq_standin
 from garmentq.core.judge.gates import evaluate_gates
 from garmentq.core.recover.case import Case
+from garmentq.core.recover.delivery import UnfinishedRecovery
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.recovery import Recovery, Request
 from garmentq.core.recover.settings import LATER, NEVER
@@ -41,8 +42,8 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
     wearer = WearerGeometry(found.body)
     state = RecoveryState(found.template, found.pattern, found.target, wearer, found.fabric)
     case = Case(request, found.scan, found.target, wearer)
-    left = (case, state) if request.settings.redrape == LATER else None
-    return replace(_judge(found, found.report.metrics | {MISSING: 1.0}), unfinished=left)
+    left = _judge(found, found.report.metrics | {MISSING: 1.0})
+    return UnfinishedRecovery(**vars(left), case=case, state=state) if request.settings.redrape == LATER else left
 
 
 def finish(case: Case, state: RecoveryState, known: Metrics, hooks: Hooks) -> Recovery:
