@@ -18,7 +18,7 @@ from .. import __version__
 from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.people.hints import parse_wearing
-from ..core.recover.settings import WAIT, RecoverySettings
+from ..core.recover.settings import LATER, WAIT, RecoverySettings
 from ..core.run.errors import BadInput
 from .database import Database, clock, take_advisory_lock
 from .families import grant_family, requeue_jobs
@@ -257,7 +257,7 @@ def _check_input(session: Session, job: str, key: str) -> None:
 
 def _hash(order: JobRequest) -> str:
     """Return the hash that equal jobs share: of what is computed, not of the job's name."""
-    terms, request = order.terms, _name_fabric(order.request)
+    terms, request = order.terms, _name_computed(order.request)
     value: dict[str, Any] = {"request": request, "version": __version__, "nonce": terms.nonce}
     if order.kind != Recover.name:
         value["kind"] = order.kind
@@ -268,9 +268,12 @@ def _hash(order: JobRequest) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()
 
 
-def _name_fabric(request: dict[str, Any]) -> dict[str, Any]:
-    """Return a request with the default fabric named explicitly: both forms compute the same."""
+def _name_computed(request: dict[str, Any]) -> dict[str, Any]:
+    """Return a request by what it computes: with the default fabric named, and a later re-drape as one at once."""
     settings = request.get("settings")
-    if not isinstance(settings, dict) or settings.get("fabric", "") is not None:
+    if not isinstance(settings, dict):
         return request
-    return {**request, "settings": {**settings, "fabric": DEFAULT_FABRIC}}
+    computed = {name: value for name, value in settings.items() if (name, value) != ("redrape", LATER)}
+    if computed.get("fabric", "") is None:
+        computed["fabric"] = DEFAULT_FABRIC
+    return {**request, "settings": computed}

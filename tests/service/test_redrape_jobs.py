@@ -172,3 +172,13 @@ def test_request_of_a_redrape_is_the_recoverys(recover, database, store):
     assert asked == RedrapeRequest(RecoverySettings(redrape="later"), has_pattern_file=False)
     with pytest.raises(RequestBad):
         submit_derived(Services(recover.settings, database, store), DerivedOrder("redrape", job))
+
+
+def test_later_and_at_once_are_one_order(recover, database, store, tmp_path):
+    """Breaks where `run` computes again what `submit` has queued, or who asked for no re-drape decides for others."""
+    files = put_file(tmp_path, "skirt.ply"), put_file(tmp_path, "body.ply")
+
+    def order(redrape: str) -> str:
+        return submit(database, store, Order(*files, settings=RecoverySettings(redrape=redrape))).job
+
+    assert order("later") == order("wait") != order("never")
