@@ -182,3 +182,36 @@ def test_later_and_at_once_are_one_order(recover, database, store, tmp_path):
         return submit(database, store, Order(*files, settings=RecoverySettings(redrape=redrape))).job
 
     assert order("later") == order("wait") != order("never")
+
+
+@pytest.mark.parametrize(("redrape", "stored"), [(None, None), ("wait", None), ("later", "later"), ("never", "never")])
+def test_order_reaches_the_home_and_the_service_alike(backend, database, tmp_path, redrape, stored):
+    """Breaks where a program that waits for re-drapes at home does not by HTTP, whose own default is another."""
+    files = put_file(tmp_path, "skirt.ply"), put_file(tmp_path, "body.ply")
+    job = backend.submit(Order(*files, settings=RecoverySettings(redrape=redrape))).job
+    assert find_job(database, job).request["settings"].get("redrape") == stored
+
+
+def test_commands_ask_for_it_later_or_wait(cli, database, tmp_path):
+    """Breaks where `submit` waits for re-drapes, its tables do not name the option, or another word is taken."""
+    body, table = put_file(tmp_path, "body.ply"), tmp_path / "batch.csv"
+    for name in ("one", "two", "three"):
+        put_file(tmp_path, f"{name}.ply")
+    table.write_text("scan,redrape\ntwo.ply,never\nthree.ply,\n")
+    jobs = cli("submit", tmp_path / "one.ply", table, "--body", body).stdout.split()
+    assert [find_job(database, job).request["settings"].get("redrape") for job in jobs] == ["later", "never", "later"]
+    waited = cli("submit", tmp_path / "one.ply", "--body", body, "--redrape", "wait", "--force").stdout.strip()
+    assert "redrape" not in find_job(database, waited).request["settings"]
+    assert cli("submit", tmp_path / "one.ply", "--body", body, "--redrape", "soon").returncode == 2
+
+
+def test_result_is_shown_before_its_redrape(recover, cli, database):
+    """Breaks where `garmentq result` waits for a re-drape, ends with a status for it, or hides that it is pending."""
+    job = recover()
+    (child,) = find_below(database, [job])
+    shown = cli("result", job)
+    assert shown.returncode == 0 and f"pending, job {child.id}" in shown.stdout
+    assert cli("result", child.id).returncode == 3
+    assert cli("result", job, "--json").stdout.count("\n") == 1
+    assert run_redrape(recover, database, job) == "succeeded"
+    assert "pending" not in cli("result", job).stdout
