@@ -22,6 +22,7 @@ SINGLE_OPTIONS = (
     "free",
     "method",
     "preset",
+    "redrape",
 )
 """Columns for an option that is given once."""
 

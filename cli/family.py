@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ..service.backend import Backend
+from ..service.kinds.redrape_request import REDRAPE
 from ..service.query import MAX_QUERY_ROWS, JobQuery
 from ..service.records import Event, Job, JobReport
 from ..service.states import ENDED, State
@@ -56,6 +57,11 @@ def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
     return [one for _, one in found[place:end]]
 
 
+def drop_redrapes(family: Sequence[JobReport]) -> list[JobReport]:
+    """Return a family without the re-drapes below its first job, which are parts of other jobs' results."""
+    return [job for number, job in enumerate(family) if not number or job.kind != REDRAPE]
+
+
 def change_families(
     backend: Backend, jobs: Sequence[str], change: Callable[[str], State], words: Mapping[State, str], as_json: bool
 ) -> None:
@@ -86,8 +92,9 @@ class FamilyEvents:
         names: Names of the jobs below by id; that of the job itself is empty.
     """
 
-    def __init__(self, backend: Backend, job: str, is_whole: bool = True) -> None:
+    def __init__(self, backend: Backend, job: str, is_whole: bool = True, with_redrapes: bool = True) -> None:
         """Begin with one job; if not `is_whole`, with the events since it was last queued."""
+        self._left_out = () if with_redrapes else (REDRAPE,)
         self.names: dict[str, str] = {job: ""}
         self._reports: dict[str, JobReport] = {}
         self._backend, self._is_whole = backend, is_whole
@@ -124,6 +131,7 @@ class FamilyEvents:
         """Record that a job has ended, and return its children."""
         found = self._reports[job] = self._backend.find_job(job)
         children = found.children if found.state == State.SUCCEEDED else []
+        children = [child for child in children if child.kind not in self._left_out]
         self.names |= {child.job: child.name for child in children}
         return [child.job for child in children]
 

@@ -41,12 +41,14 @@ class Wait:
         as_json: Show nothing meanwhile, so that only data is printed.
         keep_up: Called every few seconds while the job has no events.
         is_lenient: A result that fails a check has the exit status of one that passes.
+        with_redrapes: Wait for re-drapes that results were handed out before.
     """
 
     timeout: float | None = None
     as_json: bool = False
     keep_up: Callable[[], None] | None = None
     is_lenient: bool = False
+    with_redrapes: bool = True
 
 
 def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
@@ -59,7 +61,7 @@ def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
         WaitTimedOut: if `wait.timeout` passed first.
     """
     deadline = None if wait.timeout is None else time.monotonic() + wait.timeout
-    family, last_event = FamilyEvents(backend, job, is_whole=False), time.monotonic()
+    family, last_event = FamilyEvents(backend, job, False, wait.with_redrapes), time.monotonic()
     with _choose_display(wait.as_json) as display:
         while True:
             for event in family.poll():

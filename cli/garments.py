@@ -31,6 +31,6 @@ def wait_garments(backend: Backend, family: Sequence[JobReport], timeout: float 
         print_note("no worker is up, so the command does not wait; `garmentq up` starts one.")
         return list(family)
     try:
-        return follow(backend, person.id, Wait(timeout, as_json=True))
+        return follow(backend, person.id, Wait(timeout, as_json=True, with_redrapes=False))
     except WaitTimedOut:
         return list(family)

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from ..core.cloth.fabrics import DEFAULT_FABRIC
-from ..core.recover.settings import METHODS, PRESETS, RecoverySettings
+from ..core.recover.settings import METHODS, PRESETS, REDRAPES, RecoverySettings
 from ..core.run.units import UNITS
 from ..service.order import GIVEN_AS
 from .output import NewFolder, keep_private
@@ -129,6 +129,7 @@ class OrderOptions:
     up: str | None
     vertices: int
     seed: int
+    redrape: str | None
     force: bool
     name: str
     tags: tuple[str, ...]
@@ -213,6 +214,11 @@ def order_options(function: Decorator) -> Decorator:
             help="Vertices of the garment mesh.",
         ),
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of measured samples."),
+        click.option(
+            "--redrape",
+            type=click.Choice(REDRAPES),
+            help="Dress the pattern anew in the job, in one below it, or not.  [default: wait; submit: later]",
+        ),
         click.option("--force", is_flag=True, help="Create a new job even if an equal one exists."),
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
         click.option("--tag", "tags", multiple=True, help="Tag by which they are found; may be repeated."),

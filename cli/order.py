@@ -140,6 +140,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         cloth=",".join(options.cloth) or None,
         parts=split_lists(options.part).get(""),
         keep_cut=options.keep_cut or None,
+        redrape=options.redrape,
     )
 
 

@@ -36,13 +36,15 @@ def command(
     from ..service.results import ResultMissing
     from ..service.settings import read_settings
     from ..service.states import ENDED, State
-    from .family import find_family
+    from .family import drop_redrapes, find_family
     from .garments import wait_garments
     from .summary import print_result
     from .terminal import print_error, print_json, print_table
 
     backend = open_backend(read_settings(home=home))
-    family = wait_garments(backend, find_family(backend, backend.find_job(job)), waiting.timeout)
+    family = drop_redrapes(
+        wait_garments(backend, drop_redrapes(find_family(backend, backend.find_job(job))), waiting.timeout)
+    )
     statuses = []
     for found in family:
         if found.state not in ENDED:

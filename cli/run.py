@@ -133,12 +133,13 @@ def wait_and_show(
     from contextlib import suppress
 
     from ..service.results import ResultMissing
+    from .family import drop_redrapes
     from .follow import WaitTimedOut, follow
     from .summary import print_result
     from .terminal import print_error, print_json, print_note
 
     try:
-        family = follow(backend, job, wait)
+        family = drop_redrapes(follow(backend, job, wait))
     except WaitTimedOut:
         print_note(f"job {job} continues; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..core.recover.settings import LATER
 from ..service.states import QUEUES, State
 from . import exits
 from .options import OrderOptions, WaitOptions, home_option, json_option, order_options, wait_options
@@ -48,7 +49,8 @@ def command(
     `garmentq up` starts a worker.
 
     A raw scan of a dressed person needs no further options: its job makes one more for each worn garment. Each --keep
-    is a garment, and a job, of its own.
+    is a garment, and a job, of its own. A result is ready before its re-drape, which is a job below it; until that has
+    ended its verdict is `doubtful` at best (--redrape).
 
     \b
     Example:
@@ -65,6 +67,7 @@ def command(
     from .order import describe_choice, make_order, split_garments
     from .terminal import print_error, print_json, print_note
 
+    options = replace(options, redrape=options.redrape or LATER)
     backend = open_backend(read_settings(home=home))
     statuses, made = [], []
     pairs = [(file, one) for file, orders in find_scans(files, options) for one in split_garments(orders)]

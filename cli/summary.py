@@ -10,7 +10,7 @@ import click
 
 from ..core.run.errors import keep_printable
 from ..service.order import PERSON
-from ..service.records import Gate, JobReport
+from ..service.records import Gate, JobReport, Redrape, RedrapeState
 from .person_summary import describe_person
 from .terminal import format_cell, print_table, show_time
 
@@ -49,6 +49,8 @@ def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]
     else:
         yield from _describe_garment(job) if job.garment is not None else _describe_details(job)
         yield "checks", _describe_gates(job.gates)
+    if job.redrape is not None and job.redrape.state is not RedrapeState.DONE:
+        yield "re-drape", _describe_redrape(job.redrape)
     warnings = job.warnings
     more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
     yield "warnings", f"{warnings[0]}{more}" if warnings else "none"
@@ -144,6 +146,11 @@ def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
         crossed = metrics.get(f"{prefix}self_intersecting_faces")
         if depth is not None:
             yield f"{mesh} {depth:.1f} mm / {crossed or 0:.0f}"
+
+
+def _describe_redrape(redrape: Redrape) -> str:
+    code = f" ({redrape.code})" if redrape.code else ""
+    return f"{redrape.state}{code}" + (f", job {redrape.job}" if redrape.job else "")
 
 
 def _describe_gates(gates: Sequence[Gate]) -> str:

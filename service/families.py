@@ -207,8 +207,8 @@ def release_waiting_jobs(database: Database) -> int:
 def make_children(session: Session, parent: str, children: Sequence[ChildRequest]) -> dict[str, str]:
     """Create the children that a result requests, in the transaction that stores it.
 
-    They have their parent's priority, tags, payer and owners. If the parent was cancelled meanwhile, they are created
-    as cancelled, so that a retry finds them.
+    They have their parent's priority or a lower one, its tags, payer and owners. If the parent was cancelled
+    meanwhile, they are created as cancelled, so that a retry finds them.
 
     Returns:
         Their ids by name.
@@ -289,7 +289,7 @@ def _describe(
         child.request,
         parent.scan,
         child.name,
-        priority=parent.priority,
+        priority=parent.priority if child.priority is None else min(parent.priority, child.priority),
         queue=child.queue or parent.queue,
         payer=parent.payer,
         tags=tags,

@@ -96,7 +96,7 @@ class HeartbeatResult:
     is_cancelled: bool
 
 
-def record(session: Session, job: str, kind: str, **data: Any) -> None:
+def record(session: Session, job: str, kind: str, /, **data: Any) -> None:
     """Add one event."""
     session.add(EventRow(job=job, at=clock(), kind=kind, data=data))
 
@@ -216,11 +216,16 @@ def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
     Raises:
         FenceLost: if another worker has claimed the job.
     """
-    gates = result.get("gates")
-    verdict = worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
+    verdict = judge_result(result)
     change_state(
         session, claim, State.SUCCEEDED, "succeeded", progress=1.0, overall=1.0, result=result, verdict=verdict
     )
+
+
+def judge_result(result: Mapping[str, Any]) -> str | None:
+    """Return the worst verdict of a result's gates, or None if it has none."""
+    gates = result.get("gates")
+    return worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
 
 
 @skip_damaged_rows

@@ -152,5 +152,6 @@ def report(database: Database, claim: Claim, progress: Progress) -> None:
 
 
 def _method(request: Mapping[str, Any]) -> object:
+    """Return what decides which stages a job has."""
     settings = request.get("settings")
-    return settings.get("method") if isinstance(settings, Mapping) else None
+    return (settings.get("method"), settings.get("redrape")) if isinstance(settings, Mapping) else None

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from .adapters import ReadText, get_adapter
-from .states import State
+from .states import UNSUCCESSFUL, State
 
 if TYPE_CHECKING:
     from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow
@@ -95,6 +96,35 @@ class Child(JsonRecord):
     name: str
     kind: str
     state: State
+
+
+class RedrapeState(StrEnum):
+    """Describe whether a recovered pattern was dressed anew."""
+
+    PENDING = "pending"
+    DONE = "done"
+    FAILED = "failed"
+    NEVER = "never"
+
+
+@dataclass(frozen=True)
+class Redrape(JsonRecord):
+    """Describe the re-drape of a recovery: its state, the job that makes it, and why that failed.
+
+    `state` is `pending`, `done`, `failed` or `never`; without a `job` the recovery made it, or none was ordered.
+    """
+
+    __pydantic_config__: ClassVar = CLOSED
+    state: RedrapeState
+    job: JobId | None = None
+    code: str | None = None
+
+    @classmethod
+    def from_job(cls, row: JobRow) -> Self:
+        """Read the row of the job that makes it."""
+        if row.state in UNSUCCESSFUL:
+            return cls(RedrapeState.FAILED, row.id, row.error_code or f"job.{row.state}")
+        return cls(RedrapeState.DONE if row.state == State.SUCCEEDED else RedrapeState.PENDING, row.id)
 
 
 @dataclass(frozen=True)
@@ -249,6 +279,7 @@ class JobReport(Job):
         waits: Ids of the siblings that it waits for.
         tags: Words by which its family can be found.
         details: Fields of its kind, as JSON values.
+        redrape: The re-drape of a recovery; None where its method makes none.
     """
 
     garment: str | None
@@ -268,6 +299,7 @@ class JobReport(Job):
     waits: list[JobId]
     tags: list[str]
     details: dict[str, Any]
+    redrape: Redrape | None = None
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:

@@ -26,6 +26,7 @@ from urllib.parse import quote
 import httpx
 
 from ..core.body.spec import BuiltinWearer
+from ..core.recover.settings import WAIT
 from ..core.run.errors import NotFound
 from .connection import MAX_REQUEST_TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
@@ -99,7 +100,7 @@ class RemoteBackend(RemoteLibraries):
     def submit(self, order: Order) -> SubmissionResult:
         """Upload an order's files and create the job; a template that is not a file is sent by its name."""
         settings = order.settings.as_dict()
-        template = settings.pop("template")
+        template, settings["redrape"] = settings.pop("template"), settings["redrape"] or WAIT
         payload: dict[str, Any] = {
             "scan": self.upload("scans", order.scan),
             "settings": settings,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from .database import Database, clock, skip_damaged_rows
 from .families import make_children
 from .jobs import Claim, fail_with_result, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
+from .kinds.redrape_request import REDRAPE
 from .models import (
     ArtifactRow,
     BodyRow,
@@ -27,7 +28,7 @@ from .models import (
     PatternRow,
     PieceRow,
 )
-from .records import Artifact, Child, JobReport
+from .records import Artifact, Child, JobReport, Redrape, RedrapeState
 from .settings import ServiceSettings
 from .states import State
 from .store import Store
@@ -70,6 +71,8 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
     paths = sorted(path for path in folder.rglob("*") if path.is_file())
     files = [(path.relative_to(folder).as_posix(), store.put(path)) for path in paths]
     with database.write() as session:
+        if kind.changes:  # before the job's own row: rows of a family are locked from above
+            session.get(JobRow, claim.inputs[kind.changes], with_for_update=True)
         write_fenced(session, claim, touched=clock())
         for table in (PieceRow, PanelRow, PatternRow, BodyRow, MetricRow, ArtifactRow):
             session.execute(delete(table).where(table.job == claim.job))
@@ -148,8 +151,9 @@ def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSet
             found, family = _find_patterns(session, ids), _find_family(session, ids)
             garments = _load_garments(session, ids)
             for row in chunk:
-                details = _show_details(session, row, settings)
-                reports.append(JobReport.from_row(row, details=details, **found[row.id], **family[row.id]))
+                details, kept = _show_details(session, row, settings), found[row.id] | family[row.id]
+                kept["redrape"] = kept["redrape"] or _read_redrape(kept["metrics"])
+                reports.append(JobReport.from_row(row, details=details, **kept))
             del garments
     return reports
 
@@ -183,10 +187,15 @@ def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str,
 
 def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return for each job its children, inputs, awaited siblings and tags."""
-    found: dict[str, dict[str, Any]] = {job: {"children": [], "inputs": {}, "waits": [], "tags": []} for job in jobs}
+    lists = ("children", "waits", "tags")
+    found: dict[str, dict[str, Any]] = {
+        job: {"inputs": {}, "redrape": None, **{name: [] for name in lists}} for job in jobs
+    }
     children = select(JobRow).where(JobRow.parent.in_(jobs)).order_by(JobRow.created, JobRow.id)
     for child in session.scalars(children):
         found[child.parent or ""]["children"].append(Child(child.id, child.name, child.kind, child.state))
+        if child.kind == REDRAPE:
+            found[child.parent or ""]["redrape"] = Redrape.from_job(child)
     for row in session.scalars(select(JobInputRow).where(JobInputRow.job.in_(jobs)).order_by(JobInputRow.name)):
         found[row.job]["inputs"][row.name] = row.input
     for wait in session.scalars(select(JobWaitRow).where(JobWaitRow.job.in_(jobs)).order_by(JobWaitRow.awaited)):
@@ -194,6 +203,13 @@ def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, A
     for kept in session.scalars(select(JobTagRow).where(JobTagRow.job.in_(jobs)).order_by(JobTagRow.tag)):
         found[kept.job]["tags"].append(kept.tag)
     return found
+
+
+def _read_redrape(metrics: Mapping[str, float | None]) -> Redrape | None:
+    """Return the re-drape of a recovery that has no job for it, by its metrics."""
+    if "redrape_missing" in metrics:
+        return Redrape(RedrapeState.NEVER)
+    return Redrape(RedrapeState.DONE) if "redrape.surface_rms_mm.s2t" in metrics else None
 
 
 def _show_details(session: Session, row: JobRow, settings: ServiceSettings) -> dict[str, Any]:

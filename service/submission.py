@@ -18,6 +18,7 @@ from .. import __version__
 from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.people.hints import parse_wearing
+from ..core.recover.settings import LATER, WAIT, RecoverySettings
 from ..core.run.errors import BadInput
 from .database import Database, clock, take_advisory_lock
 from .families import grant_family, requeue_jobs
@@ -190,11 +191,11 @@ def _check_dressed(order: Order) -> None:
 
 def _describe(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
     """Return an order's request; files are given by hashes, so that the same files elsewhere are the same order."""
-    labels = _store_file(order.labels, store) if order.labels else None
+    labels, settings = _store_file(order.labels, store) if order.labels else None, _drop_wait(order.settings)
     file = FileRef(scan.sha256, clean_name(order.scan.name))
     template = _keep_template(order.template, order.settings.template, store)
     body = _keep_body(order, store)
-    return pack_request(RecoverRequest(file, body, template, order.settings, labels, given_as=order.given_as))
+    return pack_request(RecoverRequest(file, body, template, settings, labels, given_as=order.given_as))
 
 
 def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, Any]:
@@ -207,7 +208,7 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
     }
     request = PersonRequest(
         FileRef(scan.sha256, clean_name(order.scan.name)),
-        order.settings,
+        _drop_wait(order.settings),
         _store_file(order.labels, store) if order.labels else None,
         _keep_body(order, store),
         _keep_template(order.template, order.settings.template, store),
@@ -219,6 +220,11 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
     if request.wearing is not None:
         request.choose([part.word for part in parse_wearing(request.wearing)])  # refuses now, not after the labelling
     return pack_request(request)
+
+
+def _drop_wait(settings: RecoverySettings) -> RecoverySettings:
+    """Return settings as they are stored: the re-drape that is waited for is not named, as in earlier versions."""
+    return replace(settings, redrape=None) if settings.redrape == WAIT else settings
 
 
 def _keep_body(order: Order, store: Store) -> FileRef | BuiltinWearer | None:
@@ -251,7 +257,7 @@ def _check_input(session: Session, job: str, key: str) -> None:
 
 def _hash(order: JobRequest) -> str:
     """Return the hash that equal jobs share: of what is computed, not of the job's name."""
-    terms, request = order.terms, _name_fabric(order.request)
+    terms, request = order.terms, _name_computed(order.request)
     value: dict[str, Any] = {"request": request, "version": __version__, "nonce": terms.nonce}
     if order.kind != Recover.name:
         value["kind"] = order.kind
@@ -262,9 +268,12 @@ def _hash(order: JobRequest) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()
 
 
-def _name_fabric(request: dict[str, Any]) -> dict[str, Any]:
-    """Return a request with the default fabric named explicitly: both forms compute the same."""
+def _name_computed(request: dict[str, Any]) -> dict[str, Any]:
+    """Return a request by what it computes: with the default fabric named, and a later re-drape as one at once."""
     settings = request.get("settings")
-    if not isinstance(settings, dict) or settings.get("fabric", "") is not None:
+    if not isinstance(settings, dict):
         return request
-    return {**request, "settings": {**settings, "fabric": DEFAULT_FABRIC}}
+    computed = {name: value for name, value in settings.items() if (name, value) != ("redrape", LATER)}
+    if computed.get("fabric", "") is None:
+        computed["fabric"] = DEFAULT_FABRIC
+    return {**request, "settings": computed}

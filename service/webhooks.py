@@ -162,8 +162,15 @@ def withdraw_message(database: Database, message: str) -> None:
         session.execute(delete(DeliveryRow).where(DeliveryRow.id == message))
 
 
-def queue_messages(session: Session, job: str, state: State) -> None:
-    """Queue one message for each webhook that may see an ended job, in the transaction that ends the job."""
+def queue_messages(session: Session, job: str, state: State, event: str = "") -> None:
+    """Queue one message for each webhook that may see an ended job, in the transaction that ends or changes the job.
+
+    Args:
+        session: The transaction.
+        job: Id of the job.
+        state: How it ended, which the webhook must have asked for.
+        event: What happened; empty: it ended.
+    """
     owned = exists().where(OwnerRow.job == job, OwnerRow.key == WebhookRow.key)
     hooks = session.scalars(select(WebhookRow).where((WebhookRow.key == "") | owned, _is_valid())).all()
     hook_ids = [hook.id for hook in hooks if state in hook.states]
@@ -176,7 +183,7 @@ def queue_messages(session: Session, job: str, state: State) -> None:
     shown = {"job": job, "state": state, **{name: getattr(row, name) for name in names[:5]}, "error": error}
     for hook in hook_ids:
         mark = uuid.uuid4().hex
-        body = {"id": mark, "type": f"job.{state}", "at": row.at, "job": shown}
+        body = {"id": mark, "type": f"job.{event or state}", "at": row.at, "job": shown}
         session.add(DeliveryRow(id=mark, webhook=hook, job=job, body=body, created=clock(), due=clock(), tries=0))
 
 

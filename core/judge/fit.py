@@ -111,13 +111,13 @@ def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str,
         Flat dotted names to numbers, units in the name; None where a metric does not apply.
     """
     found: dict[str, float | None] = {"vertices": float(len(meshes.detail)), "faces": float(len(garment.faces))}
-    found |= _measure_mesh(garment, meshes.detail, truth)
+    found |= measure_mesh(garment, meshes.detail, truth)
     floors = meshing_floor(truth.surface, len(meshes.detail), np.random.default_rng(truth.seed))
     found["chamfer_vertex_floor_m2e3"] = 1e3 * floors[0]
     found["normal_cosine_floor"] = floors[1]
     for prefix, nodes in (("sim.", meshes.simulation), ("redrape.", meshes.redraped)):
         if nodes is not None:
-            draped = _measure_mesh(garment, nodes, truth)
+            draped = measure_mesh(garment, nodes, truth)
             found |= {prefix + name: value for name, value in draped.items()}
     graded = _measure_place(garment, meshes.graded, truth)
     graded |= count_crossings(meshes.graded, garment.faces, truth.skin)
@@ -158,7 +158,7 @@ def _measure_distance(found_surface: TriangleSurface, truth: Reference) -> dict[
     return found
 
 
-def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
+def measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return every metric of one mesh with the garment's topology."""
     faces = garment.faces
     surface = TriangleSurface(nodes, faces)

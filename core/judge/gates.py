@@ -251,6 +251,13 @@ GATE_RULES = (
         "A waist bears and a hem leaves room to step: skirts have 0.3 to 0.8, a hem drawn together at the knees 1.2.",
     ),
     GateRule(
+        "redrape", _read_metric("redrape_missing"), 0.0, 1.0,
+        "The pattern has not been dressed anew from its flat panels",
+        "wait for the re-drape's job or retry it, or recover with --redrape wait; the field `redrape` shows its state.",
+        "Whether flat panels give the garment is known only after they were sewn; nothing is known to be wrong.",
+        Product.DRAPE,
+    ),
+    GateRule(
         "redrape_fit", _read_larger_distance("redrape.surface_rms_mm"), 20.0, 40.0,
         "The pattern dressed anew from its flat panels lies {value:.1f} mm (RMS) from the scan",
         "look at the re-draped mesh: what was sewn from this pattern may hang another way than what was scanned.",

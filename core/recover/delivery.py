@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -12,7 +13,7 @@ from ..garment.pieces.numbers import measure_pieces
 from ..judge.contour_shape import measure_contour_shapes
 from ..judge.estimates import summarise_estimates
 from ..judge.fairness import measure_fairness
-from ..judge.fit import Reference, measure_fit
+from ..judge.fit import Reference, measure_fit, measure_mesh
 from ..judge.gates import evaluate_gates
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
@@ -25,6 +26,7 @@ from ..scan.contours.target import mark_hidden_border
 from .case import Case
 from .grade.cut_name import describe_cut_change, name_recovered
 from .recovery import Recovery
+from .settings import LATER
 from .state import RecoveryState, made
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
@@ -40,15 +42,29 @@ SHOWN_FINDING_KINDS = (FindingKind.NOTE, FindingKind.PANEL_CHANGE, FindingKind.C
 """Findings that are warnings, in the order in which a result shows them."""
 
 
-def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
-    """Measure and judge a finished state, and return it as the result."""
-    garment, settings = made(state.garment), case.settings
+REDRAPE_MISSING = "redrape_missing"
+"""Name of the metric, 1, of a result whose method re-drapes the pattern, and for which that was not done."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnfinishedRecovery(Recovery):
+    """Describe the result of a recovery whose re-drape was left for later, with what `pipeline.finish` starts from."""
+
+    case: Case
+    state: RecoveryState
+
+
+def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | None = None) -> Recovery:
+    """Measure and judge a finished state, and return it as the result; `known` metrics, as they were before its
+    re-drape, are not measured again."""
+    garment, settings, last = made(state.garment), case.settings, state
     state = state.with_findings(*(corner.describe() for corner in state.corners))
     omissions = [one.describe() for one in case.undeclared or () if one.is_off_body]
     omissions += find_misfit_warnings(case.scan.vertices, case.body)
     with clock.stage("measure", "measuring the result"):
         pieces = measure_pieces(garment.pattern)
-        metrics = {**measure(case, state), **pieces.metrics}
+        measured = measure(case, state) if known is None else measure_redrape(case, state, known)
+        metrics = {**measured, **pieces.metrics}
         cut = state.template
         if case.request.template is None:
             cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
@@ -57,7 +73,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
     manifest = describe(case, state) | {"cut": cut}
     for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
-    return Recovery(
+    found = Recovery(
         scan=case.scan,
         body=state.body,
         target=case.scan_target,
@@ -73,19 +89,18 @@ def deliver(case: Case, state: RecoveryState, clock: Clock) -> Recovery:
         rotation=made(state.drape).rotation,
         pieces=pieces.pieces,
     )
+    is_finished = REDRAPE_MISSING not in metrics or settings.redrape != LATER
+    return found if is_finished else UnfinishedRecovery(**vars(found), case=case, state=last)
 
 
 def measure(case: Case, state: RecoveryState) -> Metrics:
     """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
-    scan, garment, meshes, body = case.scan, made(state.garment), made(state.meshes), state.body
-    contours, seed = case.scan_target.contours_of_scan(), case.settings.seed
-    hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
-    truth = Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
+    garment, meshes, body, seed = made(state.garment), made(state.meshes), state.body, case.settings.seed
     metrics = summarise_estimates(state.estimates, state.point_std)
     for name, equilibrium in (("drape", state.drape), ("sim", state.simulated), ("redrape", state.redrape)):
         if equilibrium is not None:
             metrics |= equilibrium.measure(name)
-    metrics |= measure_fit(garment, meshes, truth) | measure_seams(garment.pattern)
+    metrics |= measure_fit(garment, meshes, make_reference(case, state)) | measure_seams(garment.pattern)
     proved = {corner.join: corner.angle for corner in state.corners}
     metrics |= measure_fairness(garment.pattern, state.base, proved) | measure_plausibility(garment.pattern)
     metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.scan_target, body)
@@ -95,9 +110,26 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     rotation = made(state.drape).rotation
     metrics["drape.spin_rad_s"] = 0.0 if rotation is None else rotation.rate
     metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
+    if meshes.simulation is not None and meshes.redraped is None:
+        metrics[REDRAPE_MISSING] = 1.0
     if case.undeclared is not None:
         metrics["body.undeclared_mm"] = 1e3 * max((one.offset for one in case.undeclared), default=0.0)
     return metrics
+
+
+def measure_redrape(case: Case, state: RecoveryState, known: Metrics) -> Metrics:
+    """Return known metrics with those of the re-draped mesh, which `measure` measures in the same way."""
+    nodes, before = made(made(state.meshes).redraped), {name: known[name] for name in known if name != REDRAPE_MISSING}
+    found = measure_mesh(made(state.garment), nodes, make_reference(case, state))
+    return before | made(state.redrape).measure("redrape") | {f"redrape.{name}": found[name] for name in found}
+
+
+def make_reference(case: Case, state: RecoveryState) -> Reference:
+    """Return what meshes are measured against: the scan."""
+    scan, contours = case.scan, case.scan_target.contours_of_scan()
+    hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
+    seed = case.settings.seed
+    return Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
 
 
 def describe(case: Case, state: RecoveryState) -> dict[str, Any]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..run.checkpoints import load, save
 from ..run.clock import Clock
 from ..run.hooks import SILENT_HOOKS, Hooks
+from ..run.report import Metrics
 from .case import Case
 from .delivery import deliver
 from .methods import METHODS, STEP_CHECKPOINTS
 from .recovery import Recovery, Request
 from .start import choose_base, read_case
 from .state import RecoveryState
-from .steps import Step
+from .steps import Step, drape_anew
 
 
 def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
@@ -30,6 +33,18 @@ def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
     state = choose_base(case)
     state = run_steps(METHODS[request.settings.method], case, state, clock)
     return deliver(case, state, clock)
+
+
+def finish(case: Case, state: RecoveryState, known: Metrics, hooks: Hooks = SILENT_HOOKS) -> Recovery:
+    """Return an `UnfinishedRecovery`, of which case, state and metrics are given, as if it had waited for its re-drape.
+
+    A run that was interrupted after the drape resumes there.
+    """
+    clock, inputs = Clock(hooks), (state.base.points, case.settings.vertex_count)
+    case = replace(case, request=replace(case.request, settings=replace(case.settings, redrape=None)))
+    state = load(hooks, "redrape", RecoveryState, *inputs) or run_steps((drape_anew,), case, state, clock)
+    save(hooks, "redrape", state, *inputs)
+    return deliver(case, state, clock, known)
 
 
 def run_steps(steps: tuple[Step, ...], case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:

@@ -11,6 +11,7 @@ from ..run.errors import BadInput
 
 METHODS = ("deform", "inverse", "hybrid")
 PRESETS = ("default", "thesis")
+WAIT, LATER, NEVER = REDRAPES = ("wait", "later", "never")
 _LOCK = re.compile(r"fabric|symmetry|panel:.+|point:.+/\d+")
 
 
@@ -52,6 +53,8 @@ class RecoverySettings:
         keep_cut: True leaves every panel with the seams and darts of its base pattern; otherwise `hybrid` adds a dart
             where a panel cannot be isometric to the scan, and closes a needless one. Left out as `parts` is.
         cloth: Labels of a dressed person's other clothes, by commas, or None: they hide the body and are no skin.
+        redrape: When the pattern is dressed anew: `wait`, which None stands for, before the result is handed out;
+            `later`, by a job of its own; or `never`. Left out as `parts` is.
     """
 
     method: str = "hybrid"
@@ -72,6 +75,7 @@ class RecoverySettings:
     cloth: str | None = None
     parts: str | None = field(default=None, metadata={"is_left_out": True})
     keep_cut: bool | None = field(default=None, metadata={"is_left_out": True})
+    redrape: str | None = field(default=None, metadata={"is_left_out": True})
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -84,6 +88,8 @@ class RecoverySettings:
             raise SettingsBad(f"method '{self.method}' is not one of {', '.join(METHODS)}.")
         if self.preset not in PRESETS:
             raise SettingsBad(f"preset '{self.preset}' is not one of {', '.join(PRESETS)}.")
+        if self.redrape not in (None, *REDRAPES):
+            raise SettingsBad(f"redrape '{self.redrape}' is not one of {', '.join(REDRAPES)}.")
         if not 500 <= self.vertex_count <= 20000:
             raise SettingsBad(f"vertex_count {self.vertex_count} is outside 500 to 20000.")
         if self.keep is not None and not self.kept_labels:

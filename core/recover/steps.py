@@ -35,6 +35,7 @@ from .fit.settings import ShapeSettings
 from .grade.completion import complete_target
 from .grade.grading import grade_pattern
 from .grade.sliding import SlideSettings, slide_seams
+from .settings import WAIT
 from .state import RecoveryState, made
 
 Step = Callable[[Case, RecoveryState, Clock], RecoveryState]
@@ -174,7 +175,7 @@ class Descend:
 def drape_anew(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Drape a fitted pattern from its rest placement, in the graded drape's rotation if any; else change nothing."""
     meshes, garment = made(state.meshes), made(state.garment)
-    if meshes.simulation is None:
+    if meshes.simulation is None or case.settings.redrape not in (None, WAIT):
         return state
     with clock.stage("redrape", "dressing the body in the recovered pattern") as hooks:
         rotation = made(state.drape).rotation

@@ -14,7 +14,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ... import __version__
 from ...core.body.spec import read_wearer
-from ...core.recover.settings import RecoverySettings
+from ...core.recover.settings import LATER, RecoverySettings
 from ...core.run.sandbox import IsStopped, never_stopped
 from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
@@ -49,6 +49,7 @@ EXAMPLE = {
     "stage_seconds": {"drape": 12.3}, "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover",
     "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
+    "redrape": {"state": "done", "job": None, "code": None},
 }  # fmt: skip
 UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file field of a derived job; other fields accept any upload."""
@@ -216,7 +217,10 @@ def _create(
 
 def fingerprint(payload: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what identifies a repeated request; without later versions' fields it equals that of earlier versions."""
-    return payload.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)})
+    found = payload.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)})
+    if found.get("settings", {}).get("redrape") == LATER:
+        del found["settings"]["redrape"]
+    return found
 
 
 def _derive(rooms: AppState, caller: Caller, payload: DerivedIn, nonce: str) -> DerivedOrder:

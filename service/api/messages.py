@@ -39,12 +39,13 @@ class EndedJob(Answer):
 class Message(Answer):
     """Report to a webhook that a job ended, or test the webhook: a message of the type `test` has no `job`.
 
-    `id` is the same when the message is sent again; `at` is when the job ended [s since 1970].
+    `job.verdict_changed` reports the new verdict of a result whose re-drape has ended. `id` is the same when the
+    message is sent again; `at` is when it happened [s since 1970].
     """
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": hide_nulls(EXAMPLE)})
     id: str
-    type: Literal["job.succeeded", "job.failed", "job.dead", "job.cancelled", "test"]
+    type: Literal["job.succeeded", "job.failed", "job.dead", "job.cancelled", "job.verdict_changed", "test"]
     at: float
     job: EndedJob | None = None
 

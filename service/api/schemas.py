@@ -10,7 +10,7 @@ from pydantic import Tag as Choice
 
 from ...core.body.spec import BUILTIN
 from ...core.people.part import GARMENTS
-from ...core.recover.settings import METHODS, PRESETS, RecoverySettings
+from ...core.recover.settings import LATER, METHODS, PRESETS, REDRAPES, RecoverySettings
 from ...core.run.units import UNITS
 from ..order import GIVEN_AS
 from ..states import QUEUES
@@ -34,12 +34,18 @@ MAX_JOBS_PER_REQUEST = 1000
 
 ALLOWED = {
     "method": METHODS, "preset": PRESETS, "units": tuple(UNITS), "up": ("y", "z", "-y", "-z"),
-    "free": ("symmetry",),
+    "free": ("symmetry",), "redrape": REDRAPES,
 }  # fmt: skip
 """Closed sets of values in the OpenAPI document; `RecoverySettings` refuses other values, by its own code."""
 
 
+DEFAULTS = {"redrape": LATER}
+"""Defaults that differ from those of `RecoverySettings`: a service hands a result out before its re-drape."""
+
+
 def _field(name: str, hint: Any) -> Any:
+    if name in DEFAULTS:
+        hint = str
     if name in ALLOWED:
         known: list[JsonValue] = [*ALLOWED[name], *([None] if hint == (str | None) else [])]
         return Annotated[Text if hint is str else Text | None, Field(json_schema_extra={"enum": known})]
@@ -53,9 +59,13 @@ def _field(name: str, hint: Any) -> Any:
 _HINTS = get_type_hints(RecoverySettings)
 SettingsIn: Any = create_model(
     "Settings",
-    __doc__="Describe how a garment is recovered; defaults are those of `garmentq run` (docs/reference/cli.md).",
+    __doc__="Describe how a garment is recovered; defaults are those of `garmentq submit` (docs/reference/cli.md).",
     __config__=ConfigDict(extra="forbid"),
-    **{f.name: (_field(f.name, _HINTS[f.name]), f.default) for f in fields(RecoverySettings) if f.name != "template"},  # type: ignore[call-overload]
+    **{  # type: ignore[call-overload]
+        f.name: (_field(f.name, _HINTS[f.name]), DEFAULTS.get(f.name, f.default))
+        for f in fields(RecoverySettings)
+        if f.name != "template"
+    },
 )
 """The fields of `RecoverySettings` except the template, which a job names beside its files."""
 

@@ -35,6 +35,7 @@ KINDS = {
     "edit": "garmentq.service.kinds.edit:Edit",
     "animate": "garmentq.service.kinds.animate:Animate",
     "export": "garmentq.service.kinds.export:Export",
+    "redrape": "garmentq.service.kinds.redrape:Redrape",
 }
 """Dotted path of each kind's class by name."""
 

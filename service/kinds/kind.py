@@ -36,6 +36,7 @@ class ChildRequest:
         inputs: The results that it reads, by the name of the folder in which the child finds the files: `PARENT`, the
             name of a sibling that it waits for, or a job's id.
         queue: One of `QUEUES`; None: its parent's.
+        priority: Its largest priority; None: its parent's.
     """
 
     name: str
@@ -44,6 +45,7 @@ class ChildRequest:
     waits: tuple[str, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
     queue: str | None = None
+    priority: int | None = None
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,7 @@ class Kind(ABC):
         reads: For a kind of derived jobs: the kinds of job that each input may be, by the input's name.
         persons: Name of the kind that replaces this one if a person's job is named as the result; empty: none.
         reads_too: The same as `reads` for an optional input; `DerivedOrder.over` names its job.
+        changes: Name of the input whose rows `store` changes too, of the job that made this one; empty: none.
     """
 
     name: ClassVar[str]
@@ -111,6 +114,7 @@ class Kind(ABC):
     reads: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     reads_too: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     persons: ClassVar[str] = ""
+    changes: ClassVar[str] = ""
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return the function that reads and checks the user's files: the first stage, in a limited process.

@@ -14,6 +14,7 @@ from ..models import JobRow, ScanRow
 from .kind import Kind, KindChange, Outcome, RunContext
 from .person_request import make_person
 from .recover_request import AS_PERSON, PERSON, PERSON_REPORT_FILE, READING, RecoverRequest
+from .redrape import order_redrape
 from .request import pack_request
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
@@ -40,11 +41,16 @@ class Recover(Kind):
 
     def run(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
+        from ...core.recover.delivery import UnfinishedRecovery
+        from .unfinished import keep_unfinished
+
         person = work.inputs.get(PERSON)
         recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, person), hooks)
         if request.part is not None and person is not None:
             recovery.report.metrics["confidence"] = _read_confidence(person, request.part)
         work.settings.find("writer")(recovery, work.out)
+        if isinstance(recovery, UnfinishedRecovery):
+            keep_unfinished(recovery, work.out)
         return recovery
 
     def turn(self, request: RecoverRequest, work: RunContext, hooks: Hooks) -> KindChange | None:
@@ -56,13 +62,13 @@ class Recover(Kind):
         return None
 
     def store(self, session: Session, claim: Claim, result: Recovery) -> Outcome:
-        """Add the rows of pattern, panels, pieces, fabric, wearer and metrics."""
+        """Add the rows of pattern, panels, pieces, fabric, wearer and metrics, and order the re-drape."""
         _add_scan(session, result)
         session.add(describe_body(claim.job, result.body))
         add_pattern(session, claim.job, result.pattern, result.fabric, _find_names(result))
         add_pieces(session, claim.job, result.pieces)
         add_metrics(session, claim.job, result.report.metrics)
-        return Outcome(summarise(result.report))
+        return Outcome(summarise(result.report), order_redrape(result))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return garment, template, fabric and body by name."""

@@ -13,7 +13,16 @@ from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .words import describe_understood, draw_family, draw_gates, draw_state, draw_time, draw_verdict, is_ended
+from .words import (
+    describe_understood,
+    draw_family,
+    draw_gates,
+    draw_redrape,
+    draw_state,
+    draw_time,
+    draw_verdict,
+    is_ended,
+)
 
 router = make_router()
 
@@ -58,8 +67,9 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
     error = Html()
     if job.error:
         error = html('<p class="error" role="alert">{} <code>{}</code></p>', job.error.message, job.error.code)
+    verdict = join([draw_verdict(job.verdict), draw_redrape(job)])
     return html(
-        PROGRESS, job=job.id, state=draw_state(job), verdict=draw_verdict(job.verdict), kind=job.kind,
+        PROGRESS, job=job.id, state=draw_state(job), verdict=verdict, kind=job.kind,
         created=draw_time(job.created), stage=job.stage, fraction=f"{job.overall or job.progress:.4f}", error=error,
         hidden=Html(" hidden" if is_ended(job) else ""), ended="1" if is_ended(job) else "",
         delay=html('<p class="doubt">Paused: {}.</p>', job.delay.code) if job.delay else Html(),

@@ -10,11 +10,12 @@ from urllib.parse import urlencode
 from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
-from ...core.recover.settings import METHODS
+from ...core.recover.settings import METHODS, REDRAPES
 from ...core.run.units import UNITS
 from ...core.scan.header import CLOUDS, FORMATS
 from ..api.access import AppState, AppStateDependency
 from ..families import find_below
+from ..kinds.redrape_request import REDRAPE
 from ..materials import list_materials
 from ..models import JobRow, OwnerRow
 from ..query import JobQuery, find_roots
@@ -105,7 +106,8 @@ def _draw_list(families: list[list[JobReport]], is_filtered: bool) -> Html:
 
 
 def _draw_row(job: JobReport, is_below: bool) -> Html:
-    url = f"/results/{job.id}" if job.state == State.SUCCEEDED and not job.children else f"/jobs/{job.id}"
+    is_alone = job.kind != REDRAPE and all(child.kind == REDRAPE for child in job.children)
+    url = f"/results/{job.id}" if job.state == State.SUCCEEDED and is_alone else f"/jobs/{job.id}"
     thumbnail = Html()
     if job.state == State.SUCCEEDED:
         thumbnail = html('<img src="/jobs/{}/thumbnail" alt="" width="56" height="75" loading="lazy">', job.id)
@@ -138,9 +140,10 @@ def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
                    for one in list_materials(rooms.database))  # fmt: skip
     methods = join(html("<option>{}</option>", name) for name in METHODS)
     units = join((html("<option>{}</option>", name) for name in UNITS), "")
+    redrapes = join(html("<option>{}</option>", name) for name in REDRAPES)
     scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz")))
-    return html(DROP, fabrics=fabrics, methods=methods, units=units, scans=",".join(scans), bodies=",".join(bodies),
-                formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
+    return html(DROP, fabrics=fabrics, methods=methods, redrapes=redrapes, units=units, scans=",".join(scans),
+                bodies=",".join(bodies), formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
 
 
 VERDICTS = ["pass", "doubtful", "fail"]
@@ -183,6 +186,7 @@ DROP = """<form id="submit" class="card"><h2>New job</h2>
 <label>Template <input name="template" placeholder="chosen from the scan"></label>
 <label>Fabric <select name="fabric"><option value="">default</option>{fabrics}</select></label>
 <label>Method <select name="method"><option value="">default</option>{methods}</select></label>
+<label>Re-drape <select name="redrape"><option value="">default</option>{redrapes}</select></label>
 </div></details>
 <p class="row"><button type="submit" class="primary">Queue the job</button><progress id="sent" max="1" value="0" hidden
  aria-label="Upload"></progress></p><div id="problem"></div>

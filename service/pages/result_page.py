@@ -22,7 +22,7 @@ from .session import VisitorOf
 from .shell import Visitor, draw_shell
 from .shown_meshes import BODY, SCANS, WORN, WORN_TOGETHER, is_companion_mesh, list_shown
 from .stored_files import REPORT, find_file, list_pictures, read_json
-from .words import draw_family, draw_gates, draw_verdict
+from .words import draw_family, draw_gates, draw_redrape, draw_verdict
 
 router = make_router()
 
@@ -74,8 +74,8 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
         links.append(html('<a class="button" href="/match?a={}">Match</a>', job.id))
     links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))
     what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
-    head = '<div class="head"><h1>{}</h1><p class="row">{}<span class="soft">{}</span></p><p class="row">{}</p></div>'
-    return html(head, job.name, draw_verdict(job.verdict), what, join(links, " "))
+    head = '<div class="head"><h1>{}</h1><p class="row">{}{}<span class="soft">{}</span></p><p class="row">{}</p></div>'
+    return html(head, job.name, draw_verdict(job.verdict), draw_redrape(job), what, join(links, " "))
 
 
 def _has_view(names: set[str]) -> bool:

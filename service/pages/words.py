@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from ..records import Gate, JobReport
+from ..kinds.redrape_request import REDRAPE
+from ..records import Gate, JobReport, RedrapeState
 from ..states import ENDED, State
 from .markup import Html, html, join
 
@@ -26,6 +27,14 @@ def draw_state(job: JobReport) -> Html:
 def draw_verdict(verdict: str | None) -> Html:
     """Return a verdict; empty if there is none."""
     return html('<span class="tag {}">{}</span>', VERDICTS.get(verdict, ""), verdict) if verdict else Html()
+
+
+def draw_redrape(job: JobReport) -> Html:
+    """Return the state of a re-drape that is not done; empty if it is, or if there is none."""
+    if job.redrape is None or job.redrape.state is RedrapeState.DONE:
+        return Html()
+    text = f"re-drape: {job.redrape.state}" + (f", {job.redrape.code}" if job.redrape.code else "")
+    return html('<span class="tag doubt">{}</span>', text)
 
 
 def draw_time(seconds: float | None) -> Html:
@@ -50,11 +59,12 @@ def draw_family(job: JobReport) -> Html:
     """Return links to a job's parent, inputs and children; empty if it has none."""
     links: Sequence[Html] = [
         html('<li><a href="{}">{}</a> <span class="soft">{}</span> <span data-child="{}">{}</span></li>',
-             f"/{'results' if child.state == State.SUCCEEDED else 'jobs'}/{child.job}", child.name, child.kind,
-             child.job, child.state)
+             f"/{'results' if child.state == State.SUCCEEDED and child.kind != REDRAPE else 'jobs'}/{child.job}",
+             child.name, child.kind, child.job, child.state)
         for child in job.children
     ]  # fmt: skip
-    items = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
+    maker = "its recovery" if job.kind == REDRAPE else "its person"
+    items = [html('<li>made by <a href="/jobs/{}">{}</a></li>', job.parent, maker)] if job.parent else []
     read = [html('<li>reads <a href="/results/{}">{}</a></li>', one, name) for name, one in job.inputs.items()]
     if not (links or items or read):
         return Html()

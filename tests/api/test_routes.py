@@ -36,6 +36,16 @@ def test_a_job_is_accepted_once(client, database):
     assert code_of(client.post(f"/v1/jobs/{job}/retry")) == "job.not_ended"
 
 
+def test_a_result_is_asked_for_before_its_redrape(client, database):
+    """Broken where the service's default waits for re-drapes, or a setting of the closed set is taken or refused."""
+    for settings, stored in (({}, "later"), ({"redrape": "wait"}, None), ({"redrape": "never"}, "never")):
+        job = ask(client, force=True, settings=settings).json()["job"]
+        assert find_job(database, job).request["settings"].get("redrape") == stored
+    assert code_of(ask(client, settings={"redrape": "soon"})) == "settings.bad"
+    described = client.get("/openapi.json").json()["components"]["schemas"]["Settings"]["properties"]["redrape"]
+    assert described["default"] == "later" and described["enum"] == ["wait", "later", "never"]
+
+
 def test_an_idempotency_key_makes_a_forced_job_once(client, database):
     """Broken where a repeated request makes a second job, or another request passes under the same key."""
     headers = {"idempotency-key": "abc"}
