@@ -38,7 +38,7 @@ CAVITY_RADIUS = 0.015
 """Standard deviation of the weights by which a point's surroundings are averaged [m]."""
 
 PNG_COMPRESSION_LEVEL = 3
-"""Of zlib's nine: half the time of its default for files that are a fifth larger."""
+"""Level of compression [1 to 9, as zlib]: half the time of 6, the default, for files that are a fifth larger."""
 
 
 @dataclass(frozen=True)
