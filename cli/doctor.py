@@ -33,23 +33,30 @@ OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", 
 
 @click.command("doctor")
 @home_option
-@click.option("--worker", "needs_worker", is_flag=True, help="Also check that a worker of this machine is alive.")
+@click.option(
+    "--worker", "needs_worker", is_flag=True, help="Check that a worker of this machine is alive, and leave out kernels."
+)
+@click.option("--warm", is_flag=True, help="Only compile the kernels that are not compiled for this processor yet.")
 @json_option
 @click.pass_context
-def command(context: click.Context, home: Path | None, needs_worker: bool, as_json: bool) -> None:
+def command(context: click.Context, home: Path | None, needs_worker: bool, warm: bool, as_json: bool) -> None:
     """Check that everything garmentq needs is available.
 
-    Starts and changes nothing. Passwords are not shown. The exit status is 1 if a check failed.
+    Starts nothing, and changes nothing without --warm. Passwords are not shown. The exit status is 1 if a check failed.
 
     \b
     Example:
       garmentq doctor
+      garmentq doctor --warm
     """
     from ..service.settings import read_settings
     from .terminal import print_json, print_table
 
-    settings = read_settings(home=home)
-    findings = [*_examine(settings), *(_check_own_worker(settings) if needs_worker else ())]
+    if warm:
+        findings = list(_compile_kernels())
+    else:
+        settings = read_settings(home=home)
+        findings = [*_examine(settings), *(_check_own_worker(settings) if needs_worker else _check_kernels())]
     if as_json:
         for name, passed, text in findings:
             print_json({"check": name, "ok": passed, "message": text})
@@ -250,6 +257,31 @@ def _names_files(settings: ServiceSettings) -> bool:
         return bool(count_states(open_database(settings)))
     except GarmentqError:
         return False
+
+
+def _check_kernels() -> Iterator[Finding]:
+    """Report whether the first job has to compile; a client of a service runs no jobs."""
+    if os.environ.get("GARMENTQ_URL"):
+        return
+    from ..workers.kernels import list_uncompiled, read_table
+
+    count, missing = len(read_table()), len(list_uncompiled())
+    rest = f"{missing} of {count} are not compiled for this processor; `garmentq doctor --warm` does it now, or the first job"
+    yield "kernels", True, rest if missing else f"all {count} compiled for this processor"
+
+
+def _compile_kernels() -> Iterator[Finding]:
+    """Compile what is missing; that it is kept is checked, since nothing is where no folder can be written."""
+    from ..workers.kernels import compile_ahead, list_uncompiled, read_table
+    from .terminal import print_note
+
+    count, missing = len(read_table()), list_uncompiled()
+    if missing:
+        print_note(f"compiling {len(missing)} of {count} kernels, which takes about a minute.")
+    seconds = compile_ahead(missing)
+    lost = len(list_uncompiled()) if missing else 0
+    text = f"{len(missing)} compiled in {seconds:.0f} s, {count - len(missing)} were" if missing else f"all {count} were"
+    yield "kernels", not lost, f"{lost} could not be kept; set NUMBA_CACHE_DIR to a folder that you may write" if lost else text
 
 
 def _check_threads(settings: ServiceSettings) -> Iterator[Finding]:
