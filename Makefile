@@ -12,7 +12,7 @@ export NUMBA_NUM_THREADS ?= 1
 # Without bytecode every process of the suite would compile all sources and rewrite all tests anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test accept nightly fuzz mutate plant unseen lock sbom lint types bench persons train clean
+.PHONY: demo test accept kernels nightly fuzz mutate plant unseen lock sbom lint types bench persons train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -47,6 +47,10 @@ REASON ?=
 SCENES ?=
 accept: $(VENV)/.installed-test
 	PYTHONPATH=benchmarks $(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %)
+
+# Which kernels `garmentq doctor --warm` compiles, and for which types: those that the golden scenes call are added.
+kernels: $(VENV)/.installed-test
+	PYTHONPATH=benchmarks $(BIN)/python tests/golden/kernel_calls.py
 
 # Mutated files of every kind through the readers; a failure names the seed: make fuzz FUZZ=1 SEED=1234
 FUZZ ?= 2000

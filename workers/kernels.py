@@ -77,7 +77,9 @@ class KernelCall:
 
 def read_table() -> list[KernelCall]:
     """Return the calls of `kernels.json`."""
-    return [KernelCall(name, json.dumps(call)) for name, calls in json.loads(TABLE.read_text()).items() for call in calls]
+    return [
+        KernelCall(name, json.dumps(call)) for name, calls in json.loads(TABLE.read_text()).items() for call in calls
+    ]
 
 
 def write_table(calls: Iterable[KernelCall]) -> None:

@@ -70,6 +70,8 @@ class KernelCache(FunctionCache):
             try:
                 if (found := file.load(key)) is not None:  # type: ignore[no-untyped-call]
                     return found
+            except OSError:  # a folder that this user may not read
+                continue
             except (AttributeError, ImportError):
                 with suppress(OSError):
                     file.flush()  # type: ignore[no-untyped-call]

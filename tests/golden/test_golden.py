@@ -10,9 +10,11 @@ import json
 
 import numpy as np
 import pytest
+from garmentq.workers.kernels import read_table
 from golden_numbers import Measured
 from golden_record import accept, compare, describe_scatter, load_record
 from golden_scenes import SCENES, SCENES_FOLDER, Shift, list_provenance
+from kernel_calls import record_calls
 
 MOST_BYTES = 15 * 1024**2
 """Of all inputs of the scenes."""
@@ -23,8 +25,11 @@ LEAST_NUMBERS = 20
 
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_a_scene_measures_what_was_accepted(name):
-    """Broken where a constant, a formula or a step drifts: of pattern, fabric, mesh, wearer, labels, gate or export."""
-    wrong = compare(name, load_record()["scenes"][name], SCENES[name](Shift()))
+    """Broken where a constant, a formula or a step drifts: of pattern, fabric, mesh, wearer, labels, gate or export; or
+    where a kernel that the scene calls is not compiled ahead."""
+    with record_calls() as calls:
+        wrong = compare(name, load_record()["scenes"][name], SCENES[name](Shift()))
+    assert calls <= set(read_table()), "make kernels"
     assert not wrong, "\n".join([*map(str, wrong), "where this is meant: make accept REASON='why'"])
 
 

@@ -42,3 +42,56 @@ def test_kernels_are_loaded_or_compiled_anew_after_an_update(tmp_path: Path) -> 
     assert run(tmp_path, "Pair", 10) == [34, 1]
     assert run(tmp_path, "Couple", 100) == [304, 0]
     assert run(tmp_path, "Couple", 100) == [304, 1]
+
+
+LENGTH = """
+from garmentq.core.run.kernels import kernel
+
+@kernel()
+def double(x):
+    return {factor} * x
+"""
+
+USER = """
+from garmentq.core.run.kernels import kernel
+from length import double
+from constant import OFFSET
+
+@kernel()
+def move(x):
+    return double(x) + OFFSET
+
+print(move(3), sum(move.stats.cache_hits.values()))
+"""
+
+
+def test_a_kernel_is_compiled_anew_where_what_it_uses_changed(tmp_path: Path) -> None:
+    """Broken where a kernel keeps the code of another file's kernel, or another file's constant, as it was before."""
+    variables = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    (tmp_path / "user.py").write_text(USER)
+    for factor, offset, told in ((2, 1, "7 0"), (2, 1, "7 1"), (3, 1, "10 0"), (3, 2, "11 0"), (3, 2, "11 1")):
+        (tmp_path / "length.py").write_text(LENGTH.format(factor=factor))
+        (tmp_path / "constant.py").write_text(f"OFFSET = {offset}\n")
+        done = subprocess.run([sys.executable, "-B", "-c", "import user"], cwd=tmp_path, env=variables,
+                              capture_output=True, text=True)  # fmt: skip
+        assert done.stdout.strip() == told, done.stderr
+
+
+def test_what_an_administrator_compiled_is_read(tmp_path: Path) -> None:
+    """Broken where a user with a cache of his own compiles what the package's folder holds, or one without any fails."""
+    variables = {**os.environ, "HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null/cache"}
+    variables.pop("NUMBA_CACHE_DIR", None)
+    (tmp_path / "length.py").write_text(LENGTH.format(factor=2) + "import sys; print(double(3 if sys.argv[1:] else 1.0)"
+                                        ", sum(double.stats.cache_hits.values()))")  # fmt: skip
+
+    def call(word: str = "", **changes: str) -> str:
+        line = [sys.executable, "-B", "-c", "import length", *word.split()]
+        done = subprocess.run(line, cwd=tmp_path, env=variables | changes, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    assert call() == "2.0 0"
+    assert call(NUMBA_CACHE_DIR=str(tmp_path / "own")) == "2.0 1"
+    (tmp_path / "__pycache__").rename(tmp_path / "kept")
+    (tmp_path / "__pycache__").write_text("where nothing can be written, not even by root")
+    assert call("whole") == "6 0" and call("whole") == "6 0"
