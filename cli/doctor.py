@@ -34,7 +34,10 @@ OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", 
 @click.command("doctor")
 @home_option
 @click.option(
-    "--worker", "needs_worker", is_flag=True, help="Check that a worker of this machine is alive, and leave out kernels."
+    "--worker",
+    "needs_worker",
+    is_flag=True,
+    help="Check that a worker of this machine is alive, and leave out kernels.",
 )
 @click.option("--warm", is_flag=True, help="Only compile the kernels that are not compiled for this processor yet.")
 @json_option
@@ -280,8 +283,14 @@ def _compile_kernels() -> Iterator[Finding]:
         print_note(f"compiling {len(missing)} of {count} kernels, which takes about a minute.")
     seconds = compile_ahead(missing)
     lost = len(list_uncompiled()) if missing else 0
-    text = f"{len(missing)} compiled in {seconds:.0f} s, {count - len(missing)} were" if missing else f"all {count} were"
-    yield "kernels", not lost, f"{lost} could not be kept; set NUMBA_CACHE_DIR to a folder that you may write" if lost else text
+    text = (
+        f"{len(missing)} compiled in {seconds:.0f} s, {count - len(missing)} were" if missing else f"all {count} were"
+    )
+    yield (
+        "kernels",
+        not lost,
+        f"{lost} could not be kept; set NUMBA_CACHE_DIR to a folder that you may write" if lost else text,
+    )
 
 
 def _check_threads(settings: ServiceSettings) -> Iterator[Finding]:

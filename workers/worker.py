@@ -50,6 +50,7 @@ from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .courier import start_courier
 from .detached import end_group, has_ended
 from .messages import MessageGuard
+from .quiet import QuietQueue
 from .recovery import run_job
 from .threads import limit_threads
 
@@ -57,6 +58,9 @@ log = logging.getLogger(__name__)
 
 LIFE_SECONDS = 5.0
 """Interval between a worker's heartbeats [s]."""
+
+ROUNDS_PER_LEASE = 2
+"""Rounds of a quiet queue in the shorter of the leader lease and a job's lease: one may be late by half a lease."""
 
 IDLE_CHECK_SECONDS = 5.0
 """Longest interval between the checks whether an embedded worker is idle and may stop [s]."""
@@ -73,7 +77,10 @@ class DispatcherStep(bootsteps.StartStopStep):
     def start(self, parent: Any) -> None:
         """Start the timers."""
         self.settings: ServiceSettings = parent.app.garmentq_settings
-        self.database = Database(self.settings.database, pooled=False)
+        self.database = Database(
+            self.settings.database
+        )  # closed after each round: none is open where a child is forked
+        self.quiet = QuietQueue(self.database, min(LEADER_LEASE_TIME, self.settings.lease_seconds) / ROUNDS_PER_LEASE)
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
@@ -97,33 +104,48 @@ class DispatcherStep(bootsteps.StartStopStep):
             release_leader_lease(self.database, DISPATCHER_LEASE, self.name)
         except GarmentqError as error:
             log.warning("the leader lease could not be released: %s", error)
+        finally:
+            self.database.dispose()
 
     def _round(self) -> None:
+        """Renew the leases, and do the dispatcher's duties, unless nothing can have come up since the last round."""
+        if not self.quiet.is_over():
+            return
         try:
-            if time.monotonic() - self.last_heartbeat > LIFE_SECONDS:
-                queues, concurrency = self.app.garmentq_strength
-                record_heartbeat(self.database, self.name, queues, concurrency, FORGET_SECONDS)
-                self.last_heartbeat = time.monotonic()
-            if acquire_leader_lease(self.database, DISPATCHER_LEASE, self.name, LEADER_LEASE_TIME):
-                clamp_future_times(self.database)
-                self.clock_guard.note(read_clock(self.database))
-                if self.clock_guard.is_steady:
-                    reap(self.database, self.settings.max_attempts)
-                release_waiting_jobs(self.database)
-                republish_stalled_jobs(
-                    self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0
-                )
-                dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
-                self._send_messages()
-                if time.monotonic() - self.last_purge > FORGET_OLD_SECONDS:
-                    self.last_purge = time.monotonic()
-                    forget_accesses(self.database)
-                    forget_messages(self.database)
+            is_leader = self._renew_leases()
+            if self.quiet.begin() and is_leader:
+                self._do_duties()
         except DatabaseUnreachable as error:
             self.clock_guard.note_outage()
             log.warning("a round of the dispatcher failed: %s", error)
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
+        finally:
+            self.database.dispose()
+
+    def _renew_leases(self) -> bool:
+        """Send a heartbeat, if it is time; return whether this worker has the leader lease."""
+        if time.monotonic() - self.last_heartbeat > LIFE_SECONDS:
+            queues, concurrency = self.app.garmentq_strength
+            record_heartbeat(self.database, self.name, queues, concurrency, FORGET_SECONDS)
+            self.last_heartbeat = time.monotonic()
+        if not acquire_leader_lease(self.database, DISPATCHER_LEASE, self.name, LEADER_LEASE_TIME):
+            return False
+        clamp_future_times(self.database)
+        self.clock_guard.note(read_clock(self.database))
+        if time.monotonic() - self.last_purge > FORGET_OLD_SECONDS:
+            self.last_purge = time.monotonic()
+            forget_accesses(self.database)
+            forget_messages(self.database)
+        return True
+
+    def _do_duties(self) -> None:
+        if self.clock_guard.is_steady:
+            reap(self.database, self.settings.max_attempts)
+        release_waiting_jobs(self.database)
+        republish_stalled_jobs(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
+        dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
+        self._send_messages()
 
     def _send_messages(self) -> None:
         """Start a courier if webhook messages are due and none runs, unless a separate courier sends them."""
@@ -140,6 +162,8 @@ class DispatcherStep(bootsteps.StartStopStep):
                 os.kill(os.getpid(), signal.SIGTERM)
         except GarmentqError as error:
             log.warning("%s", error)
+        finally:
+            self.database.dispose()
 
 
 def run_worker(
