@@ -17,7 +17,6 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
-from ..core.people.hints import parse_wearing
 from ..core.recover.settings import LATER, WAIT, RecoverySettings
 from ..core.run.errors import BadInput
 from .database import Database, clock, take_advisory_lock
@@ -218,6 +217,8 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
         order.given_as,
     )
     if request.wearing is not None:
+        from ..core.people.hints import parse_wearing
+
         request.choose([part.word for part in parse_wearing(request.wearing)])  # refuses now, not after the labelling
     return pack_request(request)
 

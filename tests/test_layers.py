@@ -145,10 +145,11 @@ HEAVY = {"torch", "open3d", "igl", "numba"}
     ("module", "heavy"),
     [*((one, HEAVY) for one in ("cli.main", "service.jobs", "workers.embedded")),
      *((one, HEAVY) for one in ("core.recover.recovery", "core.geometry")),
+     ("service.local", HEAVY | {"numpy", "scipy", "trimesh", "alembic", "httpx"}),
      ("service.api.app", HEAVY | {"scipy", "httpx", "trimesh"})],
 )  # fmt: skip
 def test_what_must_stay_light(module, heavy):
-    """Broken where a command that only looks at the queue pays for torch, or the API for scipy."""
+    """Broken where a command that only looks at the queue pays for torch or numpy, or the API for scipy."""
     code = f"import sys, garmentq.{module}; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -223,6 +223,7 @@ def _prepare_server(settings: ServiceSettings, folder: Path) -> list[str]:
         "save": "",
         "maxmemory-policy": "noeviction",
         "daemonize": "no",
+        "hz": "1",  # rounds of its own upkeep a second; it has few clients
     }
     arguments = [part for name, value in options.items() for part in (f"--{name}", value)]
     return [str(server), *arguments]

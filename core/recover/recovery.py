@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..body.spec import Wearer
 from ..scan.selection import Selection
 from .settings import RecoverySettings
 
 if TYPE_CHECKING:  # so that a bad file is refused without importing the other packages
+    import numpy as np
+
     from ..body.body import Body
     from ..cloth.fabric import Fabric, FabricEstimate
     from ..cloth.scene import SteadyRotation

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from sqlalchemy.orm import Session
 
 from ..database import take_advisory_lock
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
 
 def describe_body(job: str, body: Body) -> BodyRow:
     """Return the row of a wearer as a job estimated it."""
+    import numpy as np
+
     from ...core.body.body import JOINTS
 
     joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}

@@ -26,7 +26,8 @@ from garmentq.core.scan.contours.rounded_rims import straighten_scan
 from garmentq.core.scan.cut import cut_garment
 from garmentq.core.scan.pieces import ScanInput, load_scan_input
 from garmentq.core.scan.scan import Scan
-from garmentq.core.scan.selection import Selection, select_other_cloth, select_vertices
+from garmentq.core.scan.selection import Selection
+from garmentq.core.scan.vertex_selection import select_other_cloth, select_vertices
 
 GAP = 0.015
 """Distance of the cloth from the skin at the waist [m]; on the shoulders, where clothes rest, it is a fifth of that."""
