@@ -23,8 +23,10 @@ RUN apt-get update \
     && useradd --uid 10001 --create-home garmentq \
     && install -d -o garmentq -g garmentq -m 0700 /data
 COPY --from=build /venv /venv
-ENV PATH=/venv/bin:$PATH \
-    PYTHONUNBUFFERED=1 \
+ENV PATH=/venv/bin:$PATH
+# Into the package's folder, from which everybody reads. Another processor than this one's compiles once into the home.
+RUN garmentq doctor --warm
+ENV PYTHONUNBUFFERED=1 \
     GARMENTQ_HOME=/data \
     NUMBA_CACHE_DIR=/data/numba
 USER 10001:10001

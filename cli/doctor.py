@@ -269,8 +269,8 @@ def _check_kernels() -> Iterator[Finding]:
     from ..workers.kernels import list_uncompiled, read_table
 
     count, missing = len(read_table()), len(list_uncompiled())
-    rest = f"{missing} of {count} are not compiled for this processor; `garmentq doctor --warm` does it now, or the first job"
-    yield "kernels", True, rest if missing else f"all {count} compiled for this processor"
+    rest = f"{missing} of {count} are not compiled for this processor; run `garmentq doctor --warm`"
+    yield "kernels", True, rest if missing else f"all {count} are compiled for this processor"
 
 
 def _compile_kernels() -> Iterator[Finding]:

@@ -155,6 +155,19 @@ def test_what_must_stay_light(module, heavy):
     assert done.stdout.strip() == "[]"
 
 
+def test_only_clouds_need_open3d():
+    """Broken where the modules of a recovery, or of its files, load open3d, which takes a second and 100 MB."""
+    code = (
+        "import sys, garmentq.core.recover.pipeline, garmentq.core.deliver.export.result\n"
+        "import garmentq.core.people.pipeline\n"
+        "from garmentq.core.scan.load import load_scan\nfrom pathlib import Path\n"
+        "load_scan(Path(sys.argv[1]))\n"
+        "print('open3d' in sys.modules)"
+    )
+    line = [sys.executable, "-c", code, str(ROOT / "examples" / "data" / "garment.ply")]
+    assert subprocess.run(line, capture_output=True, text=True, check=True).stdout.strip() == "False"
+
+
 def test_the_workers_parent_has_no_torch():
     """Broken where the parent could run a torch operation before it forks: its children would hang."""
     code = "import sys, garmentq.workers.worker; print('torch' in sys.modules)"

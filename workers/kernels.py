@@ -1,7 +1,7 @@
 """Compile the kernels that jobs use ahead of the first job, for this machine's processor.
 
 `kernels.json` lists each kernel with the types of the arguments that a recovery, a person, an edit, a dressing and an
-animation call it with; `make kernels` writes it from the golden scenes and the example.
+animation call it with; `make kernels` adds what is missing. Kernels that only kernels call are compiled with these.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ARRAY = re.compile(r"array\((\w+), (\d)d, ([CFA])\)")
 
 
 class KernelTableBad(GarmentqError):
-    """A kernel is called with a type that its table cannot name; pass arrays, numbers and tuples, or extend the table."""
+    """A kernel is called with a type that its table cannot name; pass contiguous arrays, numbers and tuples."""
 
     code = "kernels.table_bad"
 
@@ -108,7 +108,8 @@ def _encode(kind: Any) -> Any:
     if isinstance(kind, types.BaseTuple):
         made = getattr(kind, "instance_class", None)
         name = "tuple" if made is None else f"{made.__module__.removeprefix(ROOT + '.')}:{made.__qualname__}"
-        return [name, *(_encode(one) for one in kind.types)]
+        inner: Any = kind.types  # type: ignore[attr-defined]
+        return [name, *(_encode(one) for one in inner)]
     name = str(kind)
     if (isinstance(kind, types.Array) and ARRAY.fullmatch(name)) or isinstance(kind, types.Number | types.Boolean):
         return name
@@ -119,9 +120,9 @@ def _decode(value: Any) -> Any:
     if isinstance(value, list):
         name, *inner = value
         kinds = [_decode(one) for one in inner]
-        return types.BaseTuple.from_types(kinds, None if name == "tuple" else _find(name))
+        return types.BaseTuple.from_types(kinds, None if name == "tuple" else _find(name))  # type: ignore[no-untyped-call]
     if found := ARRAY.fullmatch(value):
-        return types.Array(_decode(found[1]), int(found[2]), found[3])
+        return types.Array(_decode(found[1]), int(found[2]), found[3])  # type: ignore[arg-type]
     return getattr(types, value)
 
 

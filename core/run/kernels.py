@@ -16,6 +16,9 @@ from numba import njit
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, InTreeCacheLocator
 from numba.core.dispatcher import Dispatcher
 
+DISPATCHER: Any = Dispatcher
+"""Class of compiled functions; numba's own types of it lack the cache."""
+
 
 class PackageLocator(InTreeCacheLocator):
     """The package's folder, whether it can be written or not."""
@@ -29,7 +32,7 @@ class PackageLocator(InTreeCacheLocator):
 class KernelCacheImpl(CompileResultCacheImpl):
     """Where no folder can be written, the package's is still read."""
 
-    _locator_classes = [*CompileResultCacheImpl._locator_classes, PackageLocator]
+    _locator_classes: Any = (*CompileResultCacheImpl._locator_classes, PackageLocator)
 
 
 class KernelCache(FunctionCache):
@@ -86,8 +89,8 @@ def _describe_used(function: Any, seen: set[Any]) -> Iterator[str]:
     """Describe what a kernel's code takes from elsewhere: kernels by their file's content, constants by their value."""
     seen.add(function)
     for name in _list_names(function.__code__):
-        value = function.__globals__.get(name)
-        if isinstance(value, Dispatcher):
+        value: Any = function.__globals__.get(name)
+        if isinstance(value, DISPATCHER):
             if value.py_func not in seen:
                 yield f"{name}: {value._cache._impl.locator.get_source_stamp()!r}"
                 yield from _describe_used(value.py_func, seen)

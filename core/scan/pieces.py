@@ -15,8 +15,8 @@ from .limits import Limits
 from .load import _find_unit_and_axis, _Mesh, _read, _to_scan, lies_on, load_pair, load_scan
 from .scan import Scan
 from .selection import Selection
-from .vertex_selection import select_other_cloth, select_vertices
 from .units import check_choice
+from .vertex_selection import select_other_cloth, select_vertices
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def list_kernels() -> Iterator[Dispatcher]:
 
 @contextmanager
 def record_calls() -> Iterator[set[KernelCall]]:
-    """Fill a set with the calls of core's kernels by Python, within the block, that this process has not made before."""
+    """Fill a set with the calls of core's kernels by Python within the block, if they are new to this process."""
     found: set[KernelCall] = set()
     compile_for = Dispatcher._compile_for_args
 

@@ -29,7 +29,7 @@ def test_a_scene_measures_what_was_accepted(name):
     where a kernel that the scene calls is not compiled ahead."""
     with record_calls() as calls:
         wrong = compare(name, load_record()["scenes"][name], SCENES[name](Shift()))
-    assert calls <= set(read_table()), "make kernels"
+    assert calls <= set(read_table()), "a call that is not in workers/kernels.json: make kernels"
     assert not wrong, "\n".join([*map(str, wrong), "where this is meant: make accept REASON='why'"])
 
 

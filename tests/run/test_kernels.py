@@ -78,7 +78,7 @@ def test_a_kernel_is_compiled_anew_where_what_it_uses_changed(tmp_path: Path) ->
 
 
 def test_what_an_administrator_compiled_is_read(tmp_path: Path) -> None:
-    """Broken where a user with a cache of his own compiles what the package's folder holds, or one without any fails."""
+    """Broken where a user with an own cache compiles what the package's folder holds, or one without any fails."""
     variables = {**os.environ, "HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null/cache"}
     variables.pop("NUMBA_CACHE_DIR", None)
     (tmp_path / "length.py").write_text(LENGTH.format(factor=2) + "import sys; print(double(3 if sys.argv[1:] else 1.0)"

@@ -176,12 +176,14 @@ def test_the_secrets_script(tmp_path):
 
 
 def test_the_dockerfile():
-    """Broken where the image runs as root, carries secrets, or lacks an extra or library that is needed."""
+    """Broken where the image runs as root, carries secrets, or lacks an extra, a library or compiled kernels."""
     text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     stages = re.findall(r"^FROM (\S+)(?: AS (\w+))?$", text, re.MULTILINE)
     assert len(stages) == 2 and stages[0][1] == "build" and "--from=build" in text
     last = text.rsplit("\nFROM ", 1)[1]
     assert re.search(r"^USER 10001:10001$", last, re.MULTILINE) and "pip" not in last
+    warm = last.index("\nRUN garmentq doctor --warm\n")  # before the cache of a user: into the package's folder
+    assert last.index("COPY --from=build") < warm < last.index("NUMBA_CACHE_DIR") < last.index("\nUSER ")
     lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
     assert "-r requirements.lock" in text and "\npsycopg==" in lock and "\nboto3==" in lock
     assert 'ENTRYPOINT ["garmentq"]' in last
