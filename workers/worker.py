@@ -60,7 +60,7 @@ LIFE_SECONDS = 5.0
 """Interval between a worker's heartbeats [s]."""
 
 ROUNDS_PER_LEASE = 2
-"""Rounds of a quiet queue in the shorter of the leader lease and a job's lease: one may be late by half a lease."""
+"""Number of rounds of a quiet queue in the shorter of the leader lease and a job's lease: one may be late by a half."""
 
 IDLE_CHECK_SECONDS = 5.0
 """Longest interval between the checks whether an embedded worker is idle and may stop [s]."""
