@@ -87,11 +87,10 @@ def polish_nodes(
         rows = curves.rows(x)
         if rows is not None:
             # rows sum to 2; scaled by the area of a strip as wide as the garment's mean edge along the border
-            weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.share * float(np.sum(mass[np.unique(rows.first)]))
-            picks = _selection_matrix(
-                np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x)
-            )
-            matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goal)
+            strip = float(np.sum(mass[np.unique(rows.nodes[:, 0])]))
+            weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.weights * strip
+            picks = _selection_matrix(rows.nodes, rows.shares, len(x))
+            matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goals)
         if step % 5 == 0:
             distance, out = body.measure(x)
             planes = (out, (out * x).sum(1) - distance)
