@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..run.kernels import kernel
-from .vectors import dot, subtract
+from .vectors import dot, scale, subtract
 
 MAX_LEAF_FACE_COUNT = 2
 """Largest number of faces in a leaf: with 1 a search takes as long and refitting longer, with 8 a search takes half as
@@ -25,7 +25,7 @@ class BoxTree:
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, order: np.ndarray | None = None) -> None:
-        """Build the tree.
+        """Order the faces and fit the boxes.
 
         Args:
             vertices: Positions [m], float64, shape [vertex_count, 3].
@@ -188,17 +188,13 @@ def _closest_in_triangle(p, corners):  # type: ignore[no-untyped-def]
     that p's projection is beyond (Ericson 2005, section 5.1.5).
     """
     first, second, offset = subtract(corners[1], corners[0]), subtract(corners[2], corners[0]), subtract(p, corners[0])
-    bb, bc, cc, pb, pc = dot(first, first), dot(first, second), dot(second, second), dot(offset, first), dot(offset, second)
-    double_area = bb * cc - bc * bc
-    flat = double_area <= DEGENERATE_AREA_RATIO * bb * cc
+    bb, bc, cc = dot(first, first), dot(first, second), dot(second, second)
+    pb, pc, squared_area = dot(offset, first), dot(offset, second), bb * cc - bc * bc
+    flat = squared_area <= DEGENERATE_AREA_RATIO * bb * cc
     if not flat:
-        v, w = (cc * pb - bc * pc) / double_area, (bb * pc - bc * pb) / double_area
+        v, w = (cc * pb - bc * pc) / squared_area, (bb * pc - bc * pb) / squared_area
         if v >= 0.0 and w >= 0.0 and v + w <= 1.0:
-            away = (
-                offset[0] - v * first[0] - w * second[0],
-                offset[1] - v * first[1] - w * second[1],
-                offset[2] - v * first[2] - w * second[2],
-            )
+            away = subtract(subtract(offset, scale(v, first)), scale(w, second))
             return dot(away, away), v, w
     best, found_v, found_w = np.inf, 0.0, 0.0
     if flat or w < 0.0:
@@ -216,7 +212,7 @@ def _closest_in_triangle(p, corners):  # type: ignore[no-untyped-def]
 
 @kernel(error_model="numpy")
 def _closest_on_edge(offset, edge):  # type: ignore[no-untyped-def]
-    """Return the squared distance [m2] of a point, given from the edge's start, and the share of the edge at its foot."""
+    """Return a point's squared distance [m2] from an edge, given from its start, and the share of it at the foot."""
     along = min(max(dot(offset, edge) / max(dot(edge, edge), 1e-300), 0.0), 1.0)
-    away = (offset[0] - along * edge[0], offset[1] - along * edge[1], offset[2] - along * edge[2])
+    away = subtract(offset, scale(along, edge))
     return dot(away, away), along

@@ -21,3 +21,9 @@ def cross(a, b):  # type: ignore[no-untyped-def]
 def dot(a, b):  # type: ignore[no-untyped-def]
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel(inline="always")
+def scale(factor, a):  # type: ignore[no-untyped-def]
+    """Return factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]

@@ -9,7 +9,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...run.hooks import Hooks
-from ...run.kernels import kernel
 from .objective import Objective
 from .poisson import PoissonSystem
 from .rest_metric import RestMetric
@@ -37,35 +36,21 @@ class FaceAdam:
 
     def __init__(self, values: np.ndarray, block: int, rate: float) -> None:
         """Begin at `values`, shape [n, d], which are moved in place; `block` rows share a second moment."""
-        self.values, self._block, self._rate = values, block, rate
-        self._moments = (np.zeros_like(values), np.zeros(len(values) // block))
+        self.values, self._rate = values, rate
+        self._mean = np.zeros((len(values) // block, block * values.shape[1]))
+        self._square = np.zeros((len(self._mean), 1))
         self._count = 0
 
     def step(self, gradient: np.ndarray, factor: float) -> None:
-        """Take one step at the rate times a factor, along a gradient, shape [n, d]."""
+        """Take one step at the rate times a factor, against a gradient, shape [n, d]; decay rates 0.9 and 0.999 are
+        those of the source."""
         self._count += 1
-        _move_blocks(self.values, gradient, self._block, self._moments, (self._rate * factor, self._count))
-
-
-@kernel(error_model="numpy")
-def _move_blocks(values, gradient, block, moments, step):  # type: ignore[no-untyped-def]
-    """Take an Adam step in place; decay rates 0.9 and 0.999 are those of the source. `moments` the mean of the
-    gradient, shape [n, d], and of a block's squared gradient, shape [n / block]; `step` its rate and its number."""
-    mean, square = moments
-    rate, count = step
-    first, second = 1.0 - 0.9**count, 1.0 - 0.999**count
-    width = values.shape[1]
-    for b in range(len(square)):
-        total = 0.0
-        for r in range(b * block, (b + 1) * block):
-            for d in range(width):
-                total += gradient[r, d] * gradient[r, d]
-        square[b] = 0.999 * square[b] + 0.001 * total / (block * width)
-        move = rate / (first * (math.sqrt(square[b] / second) + 1e-12))
-        for r in range(b * block, (b + 1) * block):
-            for d in range(width):
-                mean[r, d] = 0.9 * mean[r, d] + 0.1 * gradient[r, d]
-                values[r, d] -= move * mean[r, d]
+        pull = gradient.reshape(self._mean.shape)
+        self._mean = 0.9 * self._mean + 0.1 * pull
+        self._square = 0.999 * self._square + 0.001 * np.mean(pull**2, axis=1, keepdims=True)
+        size = np.sqrt(self._square / (1 - 0.999**self._count)) + 1e-12
+        rate = self._rate * factor / (1 - 0.9**self._count)
+        self.values -= (rate / size * self._mean).reshape(self.values.shape)
 
 
 def optimise_jacobians(

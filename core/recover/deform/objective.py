@@ -138,9 +138,7 @@ class Objective:
         if matches.contours is not None and settings.contour > 0:
             terms["contour"] = squared_distances(nodes, matches.contours, settings.contour, gradient)
         if settings.bending > 0:
-            terms["bending"] = fold_energy(
-                nodes, self._hinges, settings.bending * settings.bending_stiffness, gradient
-            )
+            terms["bending"] = fold_energy(nodes, self._hinges, settings.bending * settings.bending_stiffness, gradient)
         if strain and settings.strain > 0:
             rest, lame = (self._inverse, metric.undo, self._areas), (settings.lame_lambda, settings.lame_mu)
             terms["strain"] = strain_energy(nodes, faces, rest, lame, settings.strain, gradient)

@@ -90,7 +90,10 @@ def polish_nodes(
             strip = float(np.sum(mass[np.unique(rows.nodes[:, 0])]))
             weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.weights * strip
             picks = _selection_matrix(rows.nodes, rows.shares, len(x))
-            matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goals)
+            matrix, right = (
+                matrix + picks.T @ sp.diags(weight) @ picks,
+                right + picks.T @ (weight[:, None] * rows.goals),
+            )
         if step % 5 == 0:
             distance, out = body.measure(x)
             planes = (out, (out * x).sum(1) - distance)
