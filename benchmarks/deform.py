@@ -10,7 +10,6 @@ import sys
 import time
 
 import numpy as np
-import torch
 import trimesh
 from garmentq.core.body.body import Body
 from garmentq.core.body.exposed import ExposedSurface
@@ -80,7 +79,6 @@ def cpu_ms(call, repeats: int = 10) -> float:
 
 def main() -> None:
     """Print the tables."""
-    torch.set_num_threads(1)
     settings = DeformSettings.thesis() if "--thesis" in sys.argv else DeformSettings()
     body = ExposedSurface.of(make_body())
     deform(make_tube(0.05), make_target(0.045), body, settings=DeformSettings(iterations=5, polish_iterations=1))

@@ -24,18 +24,16 @@ USES = """
 import igl, numpy as np, trimesh, sys
 from garmentq.core.body.solid import Solid
 from garmentq.cli.bench import raw_states
-from garmentq.core.geometry.surface import TriangleSurface
 import garmentq.training.body_assets
 ball = trimesh.creation.icosphere(subdivisions=4)
 points, faces = np.array(ball.vertices), np.array(ball.faces)
 assert list(Solid(points, faces).contains(np.array([[0.0, 0, 0], [2.0, 0, 0]]))) == [True, False]
-assert abs(TriangleSurface(points, faces)._search(np.array([[2.0, 0, 0]]))[0][0] - 1.0) < 1e-3
 assert len(raw_states._collapse(points, faces, 500)[1]) == 1000
 squared, _, _ = igl.point_mesh_squared_distance(np.array([[2.0, 0, 0]]), points, faces)
 assert abs(squared - 1.0) < 1e-3
 print(igl.__file__)
 """
-"""What the four modules that use libigl do with it."""
+"""What the three modules that use libigl do with it."""
 
 
 @pytest.fixture

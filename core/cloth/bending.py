@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..geometry.vectors import cross, dot, subtract
 from ..run.kernels import kernel
 from .block_pattern import add_block
 
@@ -136,21 +137,3 @@ def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
         return 0.5 * sine / half_cosine, half_cosine
     half_sine = math.copysign(math.sqrt(0.5 - 0.5 * cosine), sine)
     return half_sine, 0.5 * sine / half_sine
-
-
-@kernel(inline="always")
-def subtract(a, b):  # type: ignore[no-untyped-def]
-    """Return a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@kernel(inline="always")
-def cross(a, b):  # type: ignore[no-untyped-def]
-    """Return a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@kernel(inline="always")
-def dot(a, b):  # type: ignore[no-untyped-def]
-    """Return a . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

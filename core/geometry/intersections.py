@@ -13,6 +13,10 @@ HALVING_ITERATIONS = 3
 """Number of first iterations that halve crossing steps, and of last ones that undo them altogether."""
 
 
+MAX_RETESTED_SHARE = 0.5
+"""Largest share of faces that are tested one by one against the rest; of more all pairs are tested anew."""
+
+
 def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Find the faces that intersect a face with which they share no vertex.
 
@@ -30,8 +34,9 @@ def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.unique(pairs)
 
 
-def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """List the intersecting pairs of faces that share no vertex, shape [pair_count, 2]."""
+def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray, changed: np.ndarray | None = None) -> np.ndarray:
+    """List the intersecting pairs of faces that share no vertex, shape [pair_count, 2]; with `changed`, shape
+    [face_count], only pairs of which a face is among these."""
     if len(faces) == 0:
         return np.zeros((0, 2), dtype=np.int64)
     vertices = np.asarray(vertices, dtype=np.float64)
@@ -41,8 +46,44 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     axes = [axis, (axis + 1) % 3, (axis + 2) % 3]
     low, high = low[order][:, axes], high[order][:, axes]  # in the order of the sweep, which reads them one by one
     ordered = np.asarray(faces, dtype=np.int64)[order]
-    found = order[_sweep(vertices[ordered], ordered, low, high)]
+    corners = vertices[ordered]
+    if changed is None:
+        found = order[_sweep(corners, ordered, low, high)]
+    else:
+        found = order[_sweep_changed(corners, ordered, low, high, changed[order])]
     return np.stack([found.min(axis=1), found.max(axis=1)], axis=1)
+
+
+class CrossingTracker:
+    """Track the intersecting pairs of faces of a mesh whose vertices move: where few moved, only their faces are
+    tested against the rest.
+
+    Args:
+        faces: Vertex indices, shape [face_count, 3].
+    """
+
+    def __init__(self, faces: np.ndarray) -> None:
+        self._faces = faces
+        self._vertices = np.zeros((0, 3))
+        self._pairs = np.zeros((0, 2), dtype=np.int64)
+
+    def find_pairs(self, vertices: np.ndarray) -> np.ndarray:
+        """Return the pairs at positions [m], shape [vertex_count, 3], as `intersecting_pairs` does, in another
+        order."""
+        changed = None
+        if len(self._vertices) == len(vertices):
+            changed = (vertices != self._vertices).any(axis=1)[self._faces].any(axis=1)
+        if changed is None or changed.mean() > MAX_RETESTED_SHARE:
+            self._pairs = intersecting_pairs(vertices, self._faces)
+        elif changed.any():
+            kept = self._pairs[~changed[self._pairs].any(axis=1)]
+            self._pairs = np.concatenate([kept, intersecting_pairs(vertices, self._faces, changed)])
+        self._vertices = np.array(vertices)
+        return self._pairs
+
+    def find_faces(self, vertices: np.ndarray) -> np.ndarray:
+        """Return the faces that intersect others at positions [m], as `self_intersections` does."""
+        return np.unique(self.find_pairs(vertices))
 
 
 def face_boxes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -67,7 +108,8 @@ def undo_crossings(
         crossed: Faces that crossed before.
         room: Distance that each node may move without a crossing [m], shape [node_count]; None: 0.
     """
-    found = self_intersections(nodes, faces)
+    tracker = CrossingTracker(faces)
+    found = tracker.find_faces(nodes)
     for turn in range(MAX_UNDO_ITERATIONS):
         fresh = np.setdiff1d(found, crossed)
         if not len(fresh):
@@ -83,7 +125,7 @@ def undo_crossings(
         else:
             move *= np.minimum(1.0, room[back] / np.maximum(np.linalg.norm(move, axis=1), 1e-12))[:, None]
         nodes[back] = before[back] + move
-        found = self_intersections(nodes, faces)
+        found = tracker.find_faces(nodes)
     return found
 
 
@@ -109,6 +151,33 @@ def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.nda
                     pairs = larger
                 pairs[count, 0] = i
                 pairs[count, 1] = j
+                count += 1
+    return pairs[:count]
+
+
+@kernel()
+def _sweep_changed(
+    corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.ndarray, changed: np.ndarray
+) -> np.ndarray:
+    """Test the pairs of overlapping boxes of which one is of a changed face; arguments as those of `_sweep`."""
+    pairs = np.zeros((64, 2), np.int64)
+    count, longest = 0, (high[:, 0] - low[:, 0]).max()
+    for i in np.flatnonzero(changed):
+        x, y, z = low[i]
+        x_end, y_end, z_end = high[i]
+        for j in range(np.searchsorted(low[:, 0], x - longest), low.shape[0]):
+            if low[j, 0] > x_end:
+                break
+            if (x > high[j, 0]) | (low[j, 1] > y_end) | (y > high[j, 1]) | (low[j, 2] > z_end) | (z > high[j, 2]):
+                continue
+            if i == j or (changed[j] and j < i) or _adjacent(faces[i], faces[j]):
+                continue
+            if _crosses(corners[i], corners[j]) or _crosses(corners[j], corners[i]):
+                if count == pairs.shape[0]:
+                    larger = np.zeros((2 * count, 2), np.int64)
+                    larger[:count] = pairs
+                    pairs = larger
+                pairs[count, 0], pairs[count, 1] = i, j
                 count += 1
     return pairs[:count]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .intersections import self_intersections
+from .intersections import CrossingTracker
 
 MAX_MOVE_STEP_LENGTH = 5e-4
 """Largest motion of a vertex in one iteration [m]; the distance of layers that meet is then less than twice this."""
@@ -36,14 +36,15 @@ def move_towards(vertices: np.ndarray, goal: np.ndarray, faces: np.ndarray) -> n
         faces: Vertex indices, shape [face_count, 3].
     """
     moved, free = vertices.copy(), np.ones(len(vertices), dtype=bool)
+    ahead = {share: CrossingTracker(faces) for share in (CROSSING_LOOKAHEAD_RATIO, 1.0)}
     for _ in range(MAX_MOVE_ITERATIONS):
         displacement = np.where(free[:, None], goal - moved, 0.0)
         length = np.linalg.norm(displacement, axis=1, keepdims=True)
         if length.max() < MOVE_CONVERGENCE_TOLERANCE:
             break
         displacement *= np.minimum(1.0, MAX_MOVE_STEP_LENGTH / np.maximum(length, MAX_MOVE_STEP_LENGTH))
-        for share in (CROSSING_LOOKAHEAD_RATIO, 1.0):
-            while (crossing := np.unique(faces[self_intersections(moved + share * displacement, faces)])).size:
+        for share, tracker in ahead.items():
+            while (crossing := np.unique(faces[tracker.find_faces(moved + share * displacement)])).size:
                 displacement[crossing], free[crossing] = 0.0, False
         moved = moved + displacement
     return moved

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from .geometry import area_vectors, face_areas, lump, unit, vertex_normals
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
+
+    from .box_tree import BoxTree
 
 
 @dataclass(frozen=True)
@@ -83,15 +85,35 @@ class TriangleSurface:
         """Mark faces with two corners or more on the border, shape [face_count]."""
         return np.asarray(self.half_edges.border_vertices[self.faces].sum(axis=1) > 1)
 
-    def closest(self, points: np.ndarray) -> ClosestPoints:
-        """Find the closest point of the surface to each point [m], shape [n, 3]; exact, by libigl's AABB tree."""
-        squared, face, foot = self._search(points)
-        coordinates = barycentric_coordinates(foot, self.vertices[self.faces[face]])
-        return ClosestPoints(foot, face, coordinates, np.sqrt(np.maximum(squared, 0.0)))
+    def moved(self, vertices: np.ndarray) -> TriangleSurface:
+        """Return the surface of the same faces with other vertices [m], shape [vertex_count, 3]; connectivity and the
+        order of the search tree are those of this one."""
+        found = TriangleSurface(vertices, self.faces)
+        for name in ("half_edges", "border_faces"):
+            if name in self.__dict__:
+                found.__dict__[name] = self.__dict__[name]
+        found.__dict__["_tree"] = self._tree.refit(found.vertices)
+        return found
+
+    def closest(self, points: np.ndarray, hints: np.ndarray | None = None) -> ClosestPoints:
+        """Find the closest point of the surface to each point [m], shape [n, 3]; exact.
+
+        Args:
+            points: Positions.
+            hints: Face of each that is near, such as the one found before, shape [n]. It saves time; of several equally
+                near faces another one may be found.
+        """
+        distance, face, foot, coordinates = self._tree.search(_as_points(points), hints)
+        return ClosestPoints(foot, face, coordinates, distance)
+
+    def normals_at(self, found: ClosestPoints) -> np.ndarray:
+        """Return the unit vertex normals interpolated at closest points, shape [n, 3]. On an edge they do not depend on
+        which of its faces was found."""
+        return unit(found.interpolate(self.vertex_normals, self.faces))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Compute the unsigned distances [m], shape [n], of points [m], shape [n, 3], from the surface."""
-        return np.asarray(np.sqrt(np.maximum(self._search(points)[0], 0.0)))
+        return self._tree.search(_as_points(points))[0]
 
     def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """Draw points uniformly by area: one in each equal slice of the area, with less scatter than independent draws.
@@ -111,21 +133,15 @@ class TriangleSurface:
         a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
         return (1.0 - root) * a + root * (1.0 - along) * b + root * along * c, face
 
-    def _search(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Find squared distances [m2], faces and feet [m]."""
-        points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-        if not len(points):
-            return np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        squared, face, foot = self._tree.squared_distance(self.vertices, self.faces, points)
-        return np.asarray(squared).reshape(-1), np.asarray(face).reshape(-1), np.asarray(foot).reshape(-1, 3)
-
     @cached_property
-    def _tree(self) -> Any:
-        import igl
+    def _tree(self) -> BoxTree:
+        from .box_tree import BoxTree
 
-        tree = igl.AABB()
-        tree.init(self.vertices, self.faces)
-        return tree
+        return BoxTree(self.vertices, self.faces)
+
+
+def _as_points(points: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
 
 
 def barycentric_coordinates(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

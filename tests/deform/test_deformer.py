@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pickle
+import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,8 @@ from garmentq.core.recover.deform.deformer import deform
 from garmentq.core.recover.deform.settings import DeformSettings
 from garmentq.core.run.errors import Cancelled
 from garmentq.core.run.hooks import Hooks
+
+ROOT = Path(__file__).parents[2]
 
 QUICK = DeformSettings(iterations=40, polish_iterations=5)
 
@@ -187,3 +192,34 @@ def test_the_room_is_light_to_import():
     """Breaks if the command line would load torch for its help."""
     code = "import sys, garmentq.core.recover.deform; assert not {'torch', 'igl', 'numba'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_no_recovery_by_the_default_settings_needs_torch(scene, tmp_path):
+    """Breaks if a stage of the default method, or a module that it imports, loads torch: 170 MB and a second."""
+    garment, target, body = scene
+    path = tmp_path / "scene.pickle"
+    path.write_bytes(pickle.dumps((garment, target, body.vertices, body.faces)))
+    code = f"""if True:
+        import pickle, sys
+        import garmentq, garmentq.core.recover.pipeline, garmentq.core.recover.methods
+        from garmentq.core.body.exposed import ExposedSurface
+        from garmentq.core.recover.deform.deformer import deform
+        from garmentq.core.recover.deform.settings import DeformSettings
+        garment, target, *skin = pickle.load(open({str(path)!r}, "rb"))
+        found = deform(garment, target, ExposedSurface(*skin), settings=DeformSettings(iterations=4))
+        assert found.iterations == 4
+        assert "torch" not in sys.modules, "torch was imported"
+    """
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_torch_is_imported_for_derivatives_alone():
+    """Breaks if a module of the package but the two that differentiate through a drape imports torch, even late."""
+    needs = re.compile(r"^\s*(?:import torch|from torch)\b", re.MULTILINE)
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for layer in ("core", "service", "workers", "cli")
+        for path in (ROOT / layer).rglob("*.py")
+        if needs.search(path.read_text(encoding="utf-8"))
+    }
+    assert found == {"core/cloth/hessian_form.py", "core/cloth/torch_bridge.py"}

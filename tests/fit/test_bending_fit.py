@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
+from garmentq.core.cloth.outcome import Outcome
 from garmentq.core.cloth.pins import Pins
+from garmentq.core.cloth.statics import Drape
+from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.resampling import resample
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.drape.waist import waist_loop
 from garmentq.core.recover.fit.material import fit_bending, nearest_fabrics, posterior
 from garmentq.core.recover.fit.settings import MaterialSettings
+from garmentq.core.recover.fit.shape import ShapeProblem
 from worn_skirt import Worn, bring_to_rest, pose, state
 
 
@@ -44,6 +50,24 @@ def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Worn) -> None:
     fabric, estimate = fit_bending(state(scene), unsure)
     assert fabric == scene.fabric
     assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
+
+
+@pytest.mark.parametrize("at_rest", [5, 2])
+def test_drapes_that_do_not_rest_are_no_evidence(scene: Worn, monkeypatch: pytest.MonkeyPatch, at_rest: int) -> None:
+    """Breaks where cloth that is stuck enters the curve that k is read from: here it has the scan's folds."""
+    usual, ratios = ShapeProblem.drape, []
+
+    def drape(problem: ShapeProblem, pattern: Pattern, nodes: np.ndarray, *rest: Any) -> Drape:
+        ratios.append(problem.fabric.k)
+        found = usual(problem, pattern, nodes, *rest)
+        stuck = replace(found, nodes=problem.garment.nodes + 1e-4, outcome=Outcome.STILL, residual=500.0)
+        return stuck if len(set(ratios)) > at_rest else found
+
+    monkeypatch.setattr(ShapeProblem, "drape", drape)
+    fabric, estimate = fit_bending(state(scene), MaterialSettings(values=7))
+    assert fabric.k <= max(ratios[:at_rest] + [scene.fabric.k])
+    if at_rest == 2:
+        assert fabric == scene.fabric and not estimate.identifiable and "does not come to rest" in estimate.note
 
 
 def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Worn) -> None:

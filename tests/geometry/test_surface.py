@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import igl
 import numpy as np
 import pytest
 import trimesh
@@ -65,24 +64,24 @@ def test_no_sample_is_nearer_than_the_closest_point(seed: int) -> None:
     np.testing.assert_allclose(matrix @ surface.vertices, found.foot, atol=1e-9)
 
 
-def test_closest_points_are_those_of_libigl_without_a_kept_tree() -> None:
-    """Breaks if the kept tree answers for other vertices or faces than the surface's own."""
-    surface = crumpled(3)
-    points = np.random.default_rng(3).normal(size=(200, 3))
-    squared, face, foot = igl.point_mesh_squared_distance(points, surface.vertices, surface.faces)
-    found = surface.closest(points)
-    np.testing.assert_array_equal(found.foot, foot)
-    np.testing.assert_array_equal(found.face, face)
-    np.testing.assert_array_equal(found.distance, np.sqrt(squared))
-    np.testing.assert_array_equal(surface.distance(points), found.distance)
-
-
 def test_barycentric_coordinates_stay_in_the_triangle_and_stand_a_flat_one() -> None:
     """Breaks if rounding makes a coordinate negative, or a triangle without area divides by zero."""
     corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 0], [0, 0, 0]]], dtype=float)
     found = barycentric_coordinates(np.array([[1.0 + 1e-9, -1e-9, 0.0], [0.0, 0.0, 0.0]]), corners)
     np.testing.assert_allclose(found, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], atol=1e-8)
     assert found.min() >= 0.0
+
+
+def test_a_moved_surface_is_a_new_one() -> None:
+    """Breaks if the tree of moved vertices answers for the old ones, the old for the new, or a border is lost."""
+    surface, rng = crumpled(3), np.random.default_rng(3)
+    points, vertices = rng.normal(size=(200, 3)), rng.normal(size=(30, 3))
+    before, border = surface.closest(points), surface.border_faces
+    moved, fresh = surface.moved(vertices), TriangleSurface(vertices, surface.faces)
+    np.testing.assert_array_equal(moved.distance(points), fresh.distance(points))
+    np.testing.assert_array_equal(moved.face_normals, fresh.face_normals)
+    np.testing.assert_array_equal(moved.border_faces, border)
+    np.testing.assert_array_equal(surface.closest(points).foot, before.foot)
 
 
 def test_samples_are_uniform_by_area_and_seeded() -> None:

@@ -6,8 +6,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...body.exposed import ExposedSurface
+from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import bending_matrix, vertex_areas
-from ...geometry.linear import factor_symmetric
+from ...geometry.linear import analyse_pattern, factor_symmetric
 from .settings import ClearanceSettings
 from .strain_limits import find_strain_violations
 
@@ -88,6 +89,7 @@ def enforce_clearance(
     typical = float(mass.mean())
     x, weight, shallowest = np.array(nodes), settings.push * typical, np.inf
     best, least = x, (np.inf, 0)
+    solver = analyse_pattern(HalfEdges.of(watch.faces, len(nodes)), rings=2)
     for _ in range(settings.iterations + 1):
         rows, push, depth = watch.pushes(x)
         wrong, change = find_strain_violations(x, gradient, areas, settings.least_stretch, settings.most_stretch)
@@ -103,6 +105,6 @@ def enforce_clearance(
         shallowest = min(shallowest, depth)
         pull = (gradient.T @ sp.diags(np.repeat(settings.strain * areas * wrong, 2))).tocsr()
         system = stay + weight * (rows.T @ rows) + pull @ gradient
-        factor = factor_symmetric(system)
+        factor = factor_symmetric(system, solver)
         x = x + factor.solve(weight * np.asarray(rows.T @ push) + pull @ change)
     return best

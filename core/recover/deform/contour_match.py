@@ -2,34 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...geometry.curves import ClosedCurve, CurvePoints
 from ...scan.contours.target import Contour
+from .data_terms import PointRows
 
 CONTOUR_MATCH_SPACING = 5e-3
 """Distance between samples along a contour [m]: a third of the garment's edges, so that no vertex is missed."""
-
-
-@dataclass(frozen=True)
-class CurveRows:
-    """Describe rows (1 - t) x_a + t x_b with a goal each.
-
-    Attributes:
-        first: Node a of each row, shape [row_count].
-        second: Node b of each row, shape [row_count].
-        along: Parameter t, shape [row_count].
-        goal: Goal of each row [m], shape [row_count, 3].
-        share: Weight of each row; all rows of both directions sum to 2, shape [row_count].
-    """
-
-    first: np.ndarray
-    second: np.ndarray
-    along: np.ndarray
-    goal: np.ndarray
-    share: np.ndarray
 
 
 class ContourMatch:
@@ -45,21 +25,21 @@ class ContourMatch:
             self._curves.append((loop, sample_curve(ClosedCurve(nodes[loop])), goal, sample_curve(goal).foot))
         self._total = max(sum(goal.length for _, _, goal, _ in self._curves), 1e-12)
 
-    def rows(self, nodes: np.ndarray) -> CurveRows | None:
-        """Return both directions' rows for the current nodes [m]; None where nothing is matched."""
+    def rows(self, nodes: np.ndarray) -> PointRows | None:
+        """Return rows (1 - t) x_a + t x_b of both directions for the current nodes [m], whose weights sum to 2; None
+        where nothing is matched."""
         if not self._curves:
             return None
         parts: list[tuple[np.ndarray, ...]] = []
         for loop, at, goal, samples in self._curves:
-            share = goal.length / self._total
-            ahead = np.roll(loop, -1)
-            first, second = loop[at.segment], ahead[at.segment]
-            points = nodes[first] * (1 - at.along)[:, None] + nodes[second] * at.along[:, None]
-            parts.append((first, second, at.along, goal.closest(points).foot, np.full(len(first), share / len(first))))
-            closest = ClosedCurve(nodes[loop]).closest(samples)
-            weight = np.full(len(samples), share / len(samples))
-            parts.append((loop[closest.segment], ahead[closest.segment], closest.along, samples, weight))
-        return CurveRows(*(np.concatenate([p[k] for p in parts]) for k in range(5)))
+            share, ahead = goal.length / self._total, np.roll(loop, -1)
+            points = nodes[loop[at.segment]] * (1 - at.along)[:, None] + nodes[ahead[at.segment]] * at.along[:, None]
+            on_loop = ClosedCurve(nodes[loop]).closest(samples)
+            for on, goals in ((at, goal.closest(points).foot), (on_loop, samples)):
+                pair = np.stack([loop[on.segment], ahead[on.segment]], axis=1)
+                weight = np.full(len(pair), share / len(pair))
+                parts.append((pair, np.stack([1 - on.along, on.along], axis=1), goals, weight))
+        return PointRows(*(np.concatenate([part[k] for part in parts]) for k in range(4)))
 
 
 def sample_curve(curve: ClosedCurve) -> CurvePoints:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-import torch
 
 from ...run.hooks import Hooks
 from .objective import Objective
-from .poisson import PoissonSystem, solve_poisson
+from .poisson import PoissonSystem
 from .rest_metric import RestMetric
 from .settings import DeformSettings
 
@@ -35,25 +34,23 @@ class FaceAdam:
     of each, so that the step turns with the garment (Ling et al. 2022, VectorAdam).
     """
 
-    def __init__(self, values: torch.Tensor, block: int, rate: float) -> None:
-        self.values, self._block, self._rate = values, block, rate
-        self._mean = torch.zeros_like(values)
-        self._square = torch.zeros(len(values) // block, 1, dtype=values.dtype)
+    def __init__(self, values: np.ndarray, block: int, rate: float) -> None:
+        """Begin at `values`, shape [n, d], which are moved in place; `block` rows share a second moment."""
+        self.values, self._rate = values, rate
+        self._mean = np.zeros((len(values) // block, block * values.shape[1]))
+        self._square = np.zeros((len(self._mean), 1))
         self._count = 0
 
-    def step(self, factor: float) -> None:
-        """Take one step at the rate times a factor; decay rates 0.9 and 0.999 are those of the source."""
-        gradient = self.values.grad
-        if gradient is None:
-            return
+    def step(self, gradient: np.ndarray, factor: float) -> None:
+        """Take one step at the rate times a factor, against a gradient, shape [n, d]; decay rates 0.9 and 0.999 are
+        those of the source."""
         self._count += 1
-        with torch.no_grad():
-            self._mean.mul_(0.9).add_(gradient, alpha=0.1)
-            square = (gradient.reshape(len(self._square), -1) ** 2).mean(1, keepdim=True)
-            self._square.mul_(0.999).add_(square, alpha=0.001)
-            mean = self._mean / (1 - 0.9**self._count)
-            size = (self._square / (1 - 0.999**self._count)).sqrt() + 1e-12
-            self.values.sub_(self._rate * factor * mean / size.repeat_interleave(self._block, 0))
+        pull = gradient.reshape(self._mean.shape)
+        self._mean = 0.9 * self._mean + 0.1 * pull
+        self._square = 0.999 * self._square + 0.001 * np.mean(pull**2, axis=1, keepdims=True)
+        size = np.sqrt(self._square / (1 - 0.999**self._count)) + 1e-12
+        rate = self._rate * factor / (1 - 0.9**self._count)
+        self.values -= (rate / size * self._mean).reshape(self.values.shape)
 
 
 def optimise_jacobians(
@@ -77,32 +74,26 @@ def optimise_jacobians(
         hooks: Progress and cancellation, called at every step.
     """
     system = PoissonSystem(gradient, areas)
-    jacobians = torch.from_numpy(np.asarray(gradient @ nodes)).requires_grad_(True)
+    jacobians = np.ascontiguousarray(gradient @ nodes)
     # positions() returns zero mean up to the regularisation's share: the rest is in the offset
-    offset = torch.from_numpy(nodes - system.positions(np.asarray(gradient @ nodes)))
-    shift = torch.zeros(1, 3, dtype=torch.float64, requires_grad=True)
-    moves = (FaceAdam(jacobians, 2, settings.learning_rate), FaceAdam(shift, 1, settings.translation_rate))
+    offset, shift = nodes - system.positions(jacobians), np.zeros((1, 3))
+    turns, moves = FaceAdam(jacobians, 2, settings.learning_rate), FaceAdam(shift, 1, settings.translation_rate)
     history: dict[str, list[float]] = {}
     best = (math.inf, np.array(nodes))
     totals: list[float] = []
     taken = 0
     for step in range(settings.iterations + 1):
-        for move in moves:
-            move.values.grad = None
-        x = solve_poisson(jacobians, system) + offset + shift
-        now = x.detach().numpy()
+        now = system.positions(jacobians) + offset + shift
         if step % settings.metric_every == 0:
             metric.follow(rows_to_jacobians(gradient @ now))
         if step % settings.match_every == 0:
             matches = objective.match(now)
-        strained = step >= settings.strain_from
-        terms = objective.terms(x, matches, metric, strained)
-        total = torch.stack(list(terms.values())).sum()
-        value = float(total.detach())
+        terms, slope = objective.evaluate(now, matches, metric, step >= settings.strain_from)
+        value = sum(terms.values())
         if not math.isfinite(value):
             break
         if value < best[0] or step == settings.strain_from:
-            best = (value, now.copy())
+            best = (value, now)
         if step == settings.iterations or _is_flat(totals, settings):
             break
         totals.append(value)
@@ -110,10 +101,9 @@ def optimise_jacobians(
         for name in terms:
             history.setdefault(name, [0.0] * step)
         for name, values in history.items():
-            values.append(float(terms[name].detach()) if name in terms else 0.0)
-        total.backward()  # type: ignore[no-untyped-call]
-        for move in moves:
-            move.step(_decay(step, settings))
+            values.append(terms.get(name, 0.0))
+        turns.step(system.pull_back(slope), _decay(step, settings))
+        moves.step(slope.sum(axis=0, keepdims=True), _decay(step, settings))
         hooks.progress("deform", 0.1 + 0.6 * taken / max(settings.iterations, 1), f"step {taken}")
     losses = {name: np.array(values) for name, values in history.items()}
     losses["total"] = np.array(totals)

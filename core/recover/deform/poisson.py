@@ -1,12 +1,9 @@
-"""Solve the prefactored Poisson system from per-face Jacobians to positions (thesis eq. 4.1) as a torch function."""
+"""Solve the prefactored Poisson system from per-face Jacobians to positions (thesis eq. 4.1), and its adjoint."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
-import torch
 
 from ...geometry.linear import factor_symmetric
 
@@ -42,21 +39,3 @@ class PoissonSystem:
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
         """Return the gradient with respect to the Jacobian rows from that with respect to the positions."""
         return np.asarray(self._adjoint @ self._factor.solve(gradient - gradient.mean(axis=0)))
-
-
-class _Solve(torch.autograd.Function):
-    @staticmethod
-    def forward(ctx: Any, jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
-        ctx.system = system
-        return torch.from_numpy(system.positions(jacobians.detach().numpy()))
-
-    @staticmethod
-    def backward(ctx: Any, *gradients: torch.Tensor) -> tuple[torch.Tensor, None]:
-        return torch.from_numpy(ctx.system.pull_back(np.ascontiguousarray(gradients[0].numpy()))), None
-
-
-def solve_poisson(jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
-    """Return zero-mean positions [m], shape [node_count, 3], differentiable in the Jacobian rows."""
-    result = _Solve.apply(jacobians, system)  # type: ignore[no-untyped-call]
-    assert isinstance(result, torch.Tensor)
-    return result

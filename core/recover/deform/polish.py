@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from ...body.exposed import ExposedSurface
 from ...geometry.connectivity import HalfEdges
-from ...geometry.geometry import bending_matrix, polar_rotations, unit, vertex_areas, vertex_normals
+from ...geometry.geometry import bending_matrix, polar_rotations, unit, vertex_areas
 from ...geometry.linear import analyse_pattern, factor_symmetric
 from ...geometry.surface import TriangleSurface
 from ...run.hooks import Hooks
@@ -72,25 +72,28 @@ def polish_nodes(
     bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
     goal_area = target.shares * mass.sum()
-    x = nodes.copy()
+    x, surface = nodes.copy(), TriangleSurface(nodes, faces)
     planes: tuple[np.ndarray, ...] = ()
     steps = settings.polish_iterations
     for step in range(steps):
         part = step / max(steps - 1, 1)
         rigidity = REST_STRETCH_WEIGHTS[0] ** (1 - part) * REST_STRETCH_WEIGHTS[1] ** part
         stiffness = SQUARED_CURVATURE_WEIGHTS[0] ** (1 - part) * SQUARED_CURVATURE_WEIGHTS[1] ** part
-        normals = vertex_normals(x, faces)
+        surface = surface.moved(x)
+        normals = surface.vertex_normals
         matrix, right = _assemble_node_pulls(x, normals, mass, target)
-        back_matrix, back_right = _assemble_target_pulls(x, normals, faces, goal_area, target)
+        back_matrix, back_right = _assemble_target_pulls(surface, normals, goal_area, target)
         matrix, right = matrix + back_matrix, right + back_right
         rows = curves.rows(x)
         if rows is not None:
             # rows sum to 2; scaled by the area of a strip as wide as the garment's mean edge along the border
-            weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.share * float(np.sum(mass[np.unique(rows.first)]))
-            picks = _selection_matrix(
-                np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x)
+            strip = float(np.sum(mass[np.unique(rows.nodes[:, 0])]))
+            weight = CONTOUR_DISTANCE_WEIGHT * 0.5 * rows.weights * strip
+            picks = _selection_matrix(rows.nodes, rows.shares, len(x))
+            matrix, right = (
+                matrix + picks.T @ sp.diags(weight) @ picks,
+                right + picks.T @ (weight[:, None] * rows.goals),
             )
-            matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goal)
         if step % 5 == 0:
             distance, out = body.measure(x)
             planes = (out, (out * x).sum(1) - distance)
@@ -125,11 +128,12 @@ def _assemble_node_pulls(
 
 
 def _assemble_target_pulls(
-    x: np.ndarray, normals: np.ndarray, faces: np.ndarray, area: np.ndarray, target: PreparedTarget
+    surface: TriangleSurface, normals: np.ndarray, area: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
     """Return rows that pull the garment to the target's vertices."""
-    found = TriangleSurface(x, faces).closest(target.surface.vertices)
-    picks = found.interpolation(faces, len(x))
+    found = surface.closest(target.surface.vertices)
+    x = surface.vertices
+    picks = found.interpolation(surface.faces, len(x))
     cover, normal = picks @ x, target.normals
     weight = area * _normal_weights((unit(picks @ normals) * normal).sum(1), target.unsigned)
     goal = target.surface.vertices

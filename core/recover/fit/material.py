@@ -25,6 +25,9 @@ _MAX_FOLDING_SIGMA_COUNT = 3.0
 """Number of standard deviations by which the folding of the nearest drape may be off before folds and misfit count as
 contradicting each other: k then replaces something that the simulator lacks, and is not identified."""
 
+_MIN_DRAPE_COUNT = 3
+"""Smallest number of drapes at rest from which k is estimated: with fewer a curve has no minimum."""
+
 FOUND_BENDING_SUFFIX = ", bending found from the scan"
 """End of a fabric's title where its k is not the named fabric's."""
 
@@ -53,9 +56,15 @@ def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class _TriedStiffnesses:
-    """Describe the stiffnesses tried (checkpoint `fit.fabric`): rows of ln(k / density), ln folding, ln loss."""
+    """Describe the stiffnesses tried (checkpoint `fit.fabric`): rows of ln(k / density), ln folding, ln loss, and 1 for
+    a drape at rest."""
 
-    rows: tuple[tuple[float, float, float], ...]
+    rows: tuple[tuple[float, float, float, float], ...]
+
+
+def _list_at_rest(rows: list[tuple[float, float, float, float]]) -> np.ndarray:
+    """Return ln(k / density), ln folding and ln loss of the drapes at rest, in ascending order, shape [n, 3]."""
+    return np.array(sorted(row[:3] for row in rows if row[3])).reshape(-1, 3)
 
 
 def fit_bending(
@@ -66,7 +75,8 @@ def fit_bending(
     Equilibria from the registered nodes over the library's range of k / density, widened; then
         -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
     with S `measure_folding`, L the registered loss, its noise unknown, and the library's prior; both curves
-    interpolated. Two more equilibria beside the best sharpen it.
+    interpolated. Two more equilibria beside the best sharpen it. Drapes that do not come to rest are no evidence:
+    caught cloth has the folds in which it was caught.
 
     **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a search
     over the range with a measure that is independent of the folds' places has no local minima.
@@ -92,13 +102,13 @@ def fit_bending(
         folds, loss = (
             float(np.log(value)) for value in (measure_folding(problem, drape.nodes), problem.loss.value(drape.nodes))
         )
-        rows.append((at, folds, loss))
+        rows.append((at, folds, loss, float(drape.at_rest)))
         save(hooks, "fit.fabric", _TriedStiffnesses(tuple(rows)), problem.garment.nodes)
 
     def cost(fine: np.ndarray) -> np.ndarray:
         from scipy.interpolate import PchipInterpolator
 
-        known = np.array(sorted(rows))
+        known = _list_at_rest(rows)
         folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
         misfit = (folds - target) / settings.folding_spread
         return np.asarray(0.5 * misfit**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
@@ -107,6 +117,11 @@ def fit_bending(
     for n, at in enumerate(grid):
         hooks.progress("fit", 0.3 * n / len(grid), "looking for the cloth's bending stiffness")
         sample(float(at))
+    known = _list_at_rest(rows)
+    if len(known) < _MIN_DRAPE_COUNT:
+        note = "not identifiable, the given fabric's: the cloth does not come to rest on the body at other stiffnesses"
+        return fabric, FabricEstimate("k", fabric.k, spread, spread, False, note)
+    low, high = known[0, 0], known[-1, 0]
     fine = np.linspace(low, high, 801)
     best = float(fine[np.argmin(cost(fine))])
     for side in (-1.0, 1.0):
@@ -121,7 +136,7 @@ def fit_bending(
         return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    bias = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - target) / settings.folding_spread
+    bias = float(np.interp(value, *_list_at_rest(rows)[:, :2].T) - target) / settings.folding_spread
     if abs(bias) > _MAX_FOLDING_SIGMA_COUNT:
         bound += f"; not identifiable: the nearest drape folds {'more' if bias > 0.0 else 'less'} than the scan"
     return _report_bending(fabric, k, FabricEstimate("k", k, std, spread, abs(bias) <= _MAX_FOLDING_SIGMA_COUNT, bound))
