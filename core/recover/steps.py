@@ -13,6 +13,7 @@ import numpy as np
 from ..garment.garment import Garment
 from ..garment.meshes import Meshes
 from ..garment.resampling import resample
+from ..geometry.intersections import self_intersections
 from ..run.best import choose_best
 from ..run.clock import Clock
 from ..run.errors import Cancelled, GarmentqError
@@ -115,9 +116,11 @@ def drape(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
 def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
     """Deform the garment onto the scan, and make the curves of its pattern fair.
 
-    **Deviation** from thesis chapter 4, which starts from the drape: unless the preset is `thesis`, a second
-    registration starts from the slid seams' nodes, and the nearer result is taken. Those nodes have the target's folds
-    but cross where the target does not show them; a drape does not cross, but full skirts have other folds, 15 mm off.
+    **Deviation** from thesis chapter 4, which starts from the drape: unless the preset is `thesis`, a second start is
+    the slid seams' nodes. They have the target's folds but cross where the target does not show them; a drape does not
+    cross, but full skirts have other folds, 15 mm off. The start with fewer crossing faces after a trial is taken, of
+    equal ones the one nearer to the target: on six garments without crossings both ended equally near within 0.06 mm,
+    trousers with 64 and 18 crossing faces at 1.45 and 1.21 mm.
     """
     garment, graded, simulation = made(state.garment), made(state.graded), None
     starts = {"from the drape": garment}
@@ -125,11 +128,15 @@ def register(case: Case, state: RecoveryState, clock: Clock) -> RecoveryState:
         starts = {"from the target": garment.at(state.laid)} | starts
     settings = DeformSettings.of_preset(case.settings.preset)
     with clock.stage("deform", "deforming the garment onto the scan") as hooks:
-        found = {
-            name: deform(start, state.target, state.wearer.exposed, settings=settings, hooks=start_hooks)
-            for (name, start), start_hooks in zip(starts.items(), (hooks, hooks.quiet()), strict=False)
-        }
-        detail = choose_best("registration", found, lambda one: surface_rms(garment.at(one.nodes), state.target), hooks)
+
+        def judge(start: Garment) -> tuple[int, float]:
+            """Return the crossing faces after a trial, and its distance from the scan [m], RMS, the worse way."""
+            trial = settings.for_trial()
+            tried = deform(start, state.target, state.wearer.exposed, settings=trial, hooks=hooks.quiet())
+            return len(self_intersections(tried.nodes, start.faces)), surface_rms(start.at(tried.nodes), state.target)
+
+        start = choose_best("registration", starts, judge, hooks)
+        detail = deform(start, state.target, state.wearer.exposed, settings=settings, hooks=hooks)
     nodes = garment.nodes
     if state.simulated is not None:  # a fit has changed the pattern since grading
         nodes, simulation = resample(graded, graded.nodes, garment), garment.nodes

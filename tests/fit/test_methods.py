@@ -20,21 +20,35 @@ from garmentq.core.scan.contours.target import Target
 @pytest.mark.parametrize(
     ("preset", "is_laid", "count"), [("default", True, 2), ("default", False, 1), ("thesis", True, 1)]
 )
-@pytest.mark.parametrize("nearer", [0, 1])
-def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid: bool, count: int, nearer: int) -> None:
-    """Broken where it begins in the drape's folds only, the further result is taken, or the thesis is not followed."""
+@pytest.mark.parametrize(
+    ("offsets", "crossed", "taken"), [((0.0, 0.01), (0, 0), 0), ((0.01, 0.0), (0, 0), 1), ((0.0, 0.01), (9, 2), 1)]
+)
+def test_a_deformation_begins_on_the_scan_too(
+    monkeypatch,
+    preset: str,
+    is_laid: bool,
+    count: int,
+    offsets: tuple[float, float],
+    crossed: tuple[int, int],
+    taken: int,
+) -> None:
+    """Broken where only the drape's folds are tried, the further trial or one that crosses more is taken, a start is
+    deformed twice, or the thesis is not followed."""
     worn = load_draped_template("skirt")
     assert worn is not None
-    began, exposed = [], object()
+    whole, tried, began, exposed = DeformSettings.of_preset(preset), [], [], object()
 
     def begin(garment, towards, skin, **options):
         assert towards is target and skin is exposed
-        assert options["settings"] == DeformSettings.of_preset(preset)
-        began.append(garment.nodes)
-        off = 0.0 if len(began) == 1 + nearer else 0.01
-        return SimpleNamespace(nodes=worn.nodes + [0.0, off, 0.0], warnings=(str(len(began)),))
+        if options["settings"] == whole:
+            began.append(garment.nodes)
+            return SimpleNamespace(nodes=worn.nodes, warnings=("whole",))
+        assert options["settings"] == whole.for_trial()
+        tried.append(garment.nodes)
+        return SimpleNamespace(nodes=worn.nodes + [0.0, offsets[len(tried) - 1], 0.0], warnings=("trial",))
 
     monkeypatch.setattr(steps, "deform", begin)
+    monkeypatch.setattr(steps, "self_intersections", lambda *given: np.arange(crossed[len(tried) - 1]))
     monkeypatch.setattr(steps, "prove_corners", lambda *given: ())
     monkeypatch.setattr(steps, "fair_garment", lambda garment, *given: garment)
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
@@ -48,11 +62,11 @@ def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid:
     fit = steps.register(case, state, clock)
     choices = [finding.evidence for finding in clock.take_findings()]
     assert [len(choice["scores"]) for choice in choices] == [2] * (count - 1)
-    assert len(began) == count
-    assert np.array_equal(began[-1], worn.nodes)
-    assert [one.message for one in fit.findings] == [str(1 + nearer) if count == 2 else "1"]
-    off = 0.01 if count == 1 and nearer == 1 else 0.0
-    np.testing.assert_array_equal(fit.meshes.detail, worn.nodes + [0.0, off, 0.0])
+    assert len(tried) == (2 if count == 2 else 0) and len(began) == 1
+    on_scan = count == 2 and taken == 0
+    np.testing.assert_array_equal(began[0], laid if on_scan else worn.nodes)
+    assert [one.message for one in fit.findings] == ["whole"]
+    np.testing.assert_array_equal(fit.meshes.detail, worn.nodes)
     np.testing.assert_array_equal(fit.garment.nodes, fit.meshes.detail)
     np.testing.assert_array_equal(fit.meshes.graded, worn.nodes)
 

@@ -173,6 +173,16 @@ class DeformSettings:
             learning_rate=self.learning_rate / 2.0,
         )
 
+    def for_trial(self) -> DeformSettings:
+        """Return the settings that show where a start leads: a fifth of the steps, without polish and clearance."""
+        return replace(
+            self,
+            iterations=self.iterations // 5,
+            strain_from=self.strain_from // 5,
+            polish_iterations=0,
+            clear_body=False,
+        )
+
     @classmethod
     def of_preset(cls, name: str) -> DeformSettings:
         """Return the settings of a preset: `default`, or `thesis` for the published ones."""
