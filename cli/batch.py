@@ -20,6 +20,7 @@ SINGLE_OPTIONS = (
     "up",
     "name",
     "free",
+    "quality",
     "method",
     "preset",
     "redrape",

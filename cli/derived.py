@@ -15,18 +15,15 @@ from .options import Decorator, gather, home_option, json_option, lenient_option
 from .output import NewFolder
 
 if TYPE_CHECKING:
+    from ..service.backend import Backend
     from ..service.derived import DerivedOrder
+    from ..service.submission import SubmissionResult
 
 
 @dataclass(frozen=True)
-class DerivedOptions:
-    """Describe the options of a derived job; each field is the option of its name."""
+class EndOptions:
+    """Describe the options about the end of a job that was queued; each field is the option of its name."""
 
-    name: str
-    tags: tuple[str, ...]
-    priority: int
-    queue: str
-    force: bool
     wait: bool
     timeout: float | None
     lenient: bool
@@ -34,6 +31,30 @@ class DerivedOptions:
     workers: int | None
     home: Path | None
     as_json: bool
+
+
+@dataclass(frozen=True)
+class DerivedOptions(EndOptions):
+    """Describe the options of a derived job; each field is the option of its name."""
+
+    name: str
+    tags: tuple[str, ...]
+    priority: int
+    queue: str
+    force: bool
+
+
+def end_options() -> list[Decorator]:
+    """Return the options about the end of a job that was queued."""
+    return [
+        click.option("--wait", is_flag=True, help="Start a worker here if none runs, wait, and show the result."),
+        timeout_option,
+        lenient_option,
+        click.option("--out", type=NewFolder(), help="Folder for the result's files; waits."),
+        workers_option,
+        home_option,
+        json_option,
+    ]
 
 
 def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -46,13 +67,7 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
             "--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker."
         ),
         click.option("--force", is_flag=True, help="Create a new job even if an equal one exists."),
-        click.option("--wait", is_flag=True, help="Start a worker here if none runs, wait, and show the result."),
-        timeout_option,
-        lenient_option,
-        click.option("--out", type=NewFolder(), help="Folder for the result's files; waits."),
-        workers_option,
-        home_option,
-        json_option,
+        *end_options(),
     ]
     command: Decorator = gather(DerivedOptions, options)(function)
     return command
@@ -68,9 +83,24 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     Returns:
         The exit status.
     """
+    from ..service.terms import JobTerms
+
+    terms = JobTerms(options.name, options.tags, options.priority, options.queue, options.force)
+    return queue_and_end(lambda backend: backend.submit_derived(replace(order, terms=terms)), options)
+
+
+def queue_and_end(queue: Callable[[Backend], SubmissionResult], options: EndOptions) -> int:
+    """Queue a job, and with `--wait` or `--out` wait for it and show its result.
+
+    Args:
+        queue: Queues the job in a backend.
+        options: The options.
+
+    Returns:
+        The exit status.
+    """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.terms import JobTerms
     from ..workers.embedded import ensure_services
     from .follow import Wait
     from .run import wait_and_show
@@ -78,8 +108,7 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
 
     settings = read_settings(home=options.home)
     backend = open_backend(settings)
-    terms = JobTerms(options.name, options.tags, options.priority, options.queue, options.force)
-    done = backend.submit_derived(replace(order, terms=terms))
+    done = queue(backend)
     if not (options.wait or options.out):
         if options.as_json:
             print_json({"job": done.job, "state": done.state, "is_new": done.is_new})

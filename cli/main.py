@@ -22,6 +22,7 @@ COMMANDS = {
     "submit": "Queue one or more scans.",
     "dress": "Dress another body in a stored result, or in all garments of a person.",
     "refit": "Fit a stored result to another body's measures.",
+    "refine": "Recover a preview's garment at standard quality.",
     "edit": "Drape an edited pattern of a stored result.",
     "animate": "Move a stored result with its wearer.",
     "status": "Show the jobs, or one of them.",

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from ..core.cloth.fabrics import DEFAULT_FABRIC
-from ..core.recover.settings import METHODS, PRESETS, REDRAPES, RecoverySettings
+from ..core.recover.settings import METHODS, PRESETS, QUALITIES, REDRAPES, RecoverySettings
 from ..core.run.units import UNITS
 from ..service.order import GIVEN_AS
 from .output import NewFolder, keep_private
@@ -78,16 +78,16 @@ class WaitOptions:
 wait_options = gather(WaitOptions, [timeout_option, lenient_option], "waiting")
 
 
-def method_options() -> list[Decorator]:
-    """Return the options about the recovery method."""
+def method_options(is_beside_quality: bool = False) -> list[Decorator]:
+    """Return the options about the recovery method, which is None beside a quality if it is not given."""
     default = RecoverySettings()
     return [
         click.option(
             "--method",
             type=click.Choice(METHODS),
-            default=default.method,
+            default=None if is_beside_quality else default.method,
             show_default=True,
-            help="Recovery method.",
+            help=f"Recovery method.{'  [default: that of the quality]' if is_beside_quality else ''}",
         ),
         click.option(
             "--preset",
@@ -123,11 +123,12 @@ class OrderOptions:
     free: str | None
     part: tuple[str, ...]
     keep_cut: bool
-    method: str
+    quality: str | None
+    method: str | None
     preset: str
     units: str | None
     up: str | None
-    vertices: int
+    vertices: int | None
     seed: int
     redrape: str | None
     force: bool
@@ -203,15 +204,18 @@ def order_options(function: Decorator) -> Decorator:
             help="Part of the cut, overriding the detected one: neckline=v; see `templates list --parts`.",
         ),
         click.option("--keep-cut", is_flag=True, help="Add no dart to the base pattern's panels, and close none."),
-        *method_options(),
+        click.option(
+            "--quality",
+            type=click.Choice(tuple(QUALITIES)),
+            help="Method and vertices: preview fits no pattern, in a fifth of the time.  [default: standard]",
+        ),
+        *method_options(is_beside_quality=True),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: detected]"),
         click.option(
             "--vertices",
             type=click.IntRange(500, 20000),
-            default=default.vertex_count,
-            show_default=True,
-            help="Vertices of the garment mesh.",
+            help="Vertices of the garment mesh.  [default: those of the quality]",
         ),
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of measured samples."),
         click.option(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..core.body.spec import read_wearer
 from ..core.people.part import GARMENTS
-from ..core.recover.settings import RecoverySettings, SettingsBad
+from ..core.recover.settings import QUALITIES, RecoverySettings, SettingsBad, complete_by_quality
 from ..service.backend import Backend
 from ..service.order import Order, PartOrder, is_person
 from ..service.terms import JobTerms
@@ -116,14 +116,26 @@ def describe_choice(order: Order) -> str:
     return "treated as a garment on its body, unless it shows head, hands or feet; --as person overrides this"
 
 
+def describe_overrides(options: OrderOptions) -> str:
+    """Return which options override the chosen quality, as text for users; empty if none does."""
+    given = {"method": ("--method", options.method), "vertex_count": ("--vertices", options.vertices)}
+    own = QUALITIES.get(options.quality or "", {})
+    return "".join(
+        f"; {option} {value} overrides --quality {options.quality}"
+        for name, (option, value) in given.items()
+        if value is not None and own.get(name, value) != value
+    )
+
+
 def make_settings(options: OrderOptions) -> RecoverySettings:
     """Return the settings in the options, without the template.
 
     Raises:
         SettingsBad: if a value is outside its list or range, or is given twice.
     """
+    given = {"method": options.method, "vertex_count": options.vertices}
     return RecoverySettings(
-        method=options.method,
+        **complete_by_quality(options.quality, {name: value for name, value in given.items() if value is not None}),
         preset=options.preset,
         garment=split_choice("garment", options.garment)[0],
         fabric=split_choice("fabric", options.fabric)[0],
@@ -131,7 +143,6 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         free=options.free,
         units=options.units,
         up=options.up,
-        vertex_count=options.vertices,
         seed=options.seed,
         keep=options.keep[0] if options.keep else None,
         labels_key=options.labels_key,

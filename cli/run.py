@@ -70,7 +70,7 @@ def command(
     from ..service.settings import read_settings
     from ..workers.embedded import StoppedByUser, ensure_services, was_stopped
     from .follow import Wait
-    from .order import describe_choice, make_order, split_garments
+    from .order import describe_choice, describe_overrides, make_order, split_garments
     from .terminal import print_note
 
     settings = read_settings(home=home)
@@ -93,7 +93,7 @@ def command(
         start()
     for order, submitted in zip(orders, garments, strict=True):
         print_note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
-        print_note(f"{file.name}: {describe_choice(order)}")
+        print_note(f"{file.name}: {describe_choice(order)}{describe_overrides(options)}")
     submitted_jobs = {submitted.job for submitted in garments if submitted.state in OPEN}
     others = sum(count for state, count in backend.read_queue().states.items() if state in OPEN) - len(submitted_jobs)
     if submitted_jobs and others > 0:

@@ -64,7 +64,7 @@ def command(
     from ..service.backend import open_backend
     from ..service.settings import read_settings
     from .batch import find_scans
-    from .order import describe_choice, make_order, split_garments
+    from .order import describe_choice, describe_overrides, make_order, split_garments
     from .terminal import print_error, print_json, print_note
 
     options = replace(options, redrape=options.redrape or LATER)
@@ -74,7 +74,7 @@ def command(
     for file, chosen in pairs:
         try:
             order = make_order(backend, file, chosen)
-            choice = describe_choice(order)
+            choice = describe_choice(order) + describe_overrides(chosen)
             submitted = backend.submit(replace(order, terms=replace(order.terms, priority=priority, queue=queue)))
         except GarmentqError as error:
             print_error(error.code, name_file(str(file), error.message))

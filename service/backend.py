@@ -93,6 +93,13 @@ class Backend(Protocol):
             GarmentqError: with the code of what cannot be used.
         """
 
+    def refine(self, job: str) -> SubmissionResult:
+        """Queue the recovery at standard quality of a preview's files.
+
+        Raises:
+            NotPreview: if the job is not a preview.
+        """
+
     def list_versions(self, job: str) -> list[Version]:
         """Return all versions of the result that a job belongs to: the first and every edit, oldest first."""
 

@@ -17,6 +17,7 @@ from . import (
     materials,
     ordering,
     query,
+    refining,
     results,
     submission,
     templates,
@@ -104,6 +105,10 @@ class LocalBackend:
     def submit_derived(self, order: derived.DerivedOrder) -> submission.SubmissionResult:
         """Store an order's files, and queue the job that works on a stored result."""
         return derived.submit_derived(self.services, order)
+
+    def refine(self, job: str) -> submission.SubmissionResult:
+        """Queue the recovery at standard quality of a preview's files."""
+        return refining.submit_refinement(self.services, jobs.find_job(self._database, job))
 
     def list_versions(self, job: str) -> list[Version]:
         """Return all versions of the result that a job belongs to, oldest first."""

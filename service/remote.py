@@ -264,6 +264,10 @@ class RemoteBackend(RemoteLibraries):
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/retry", tries=1)
         return read(lambda: State(found["state"]))
 
+    def refine(self, job: str) -> SubmissionResult:
+        """Queue the recovery at standard quality of a preview's files."""
+        return _read_submitted(self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/refine"))
+
     def read_health(self) -> dict[str, Any]:
         """Return the service's version, and `ok` or the fault of its database and store."""
         version = str(self._ask("GET", "/healthz")["version"])

@@ -26,6 +26,7 @@ from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
 from ..query import MAX_QUERY_OFFSET, JobQuery, find_jobs
+from ..refining import Refiner, submit_refinement
 from ..results import report_jobs
 from ..submission import SubmissionResult, clean_name, own_name, submit
 from ..terms import JobTerms
@@ -95,9 +96,7 @@ async def create_job(
         done = await rooms.limited.run(request, caller.key, create)
     else:
         done = await run_in_threadpool(create)
-    response.headers["location"] = f"/v1/jobs/{done.job}"
-    response.status_code = 202 if done.is_new else 200
-    return {"job": done.job, "state": done.state, "is_new": done.is_new}
+    return _answer(response, done)
 
 
 @dataclass(frozen=True)
@@ -179,6 +178,26 @@ def retry_job(job: str, rooms: AppStateDependency, caller: Submitter) -> Any:
     return {"job": row.id, "state": retry(rooms.database, row.id, caller.key, caller.quota)}
 
 
+@router.post(
+    "/{job}/refine", status_code=202, summary="Recover a preview's garment at standard quality.",
+    responses=show_created(),
+)  # fmt: skip
+def refine_job(job: str, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
+    """Queue the recovery at standard quality of the same files, with all other settings; the preview stays.
+
+    If an equal job exists, that is returned: 200, not 202.
+    """
+    refiner = Refiner(caller.key, caller.quota, find_realm(rooms, caller))
+    return _answer(response, submit_refinement(rooms, find_own(rooms, caller, job), refiner))
+
+
+def _answer(response: Response, done: SubmissionResult) -> dict[str, Any]:
+    """Return the response of a submission."""
+    response.headers["location"] = f"/v1/jobs/{done.job}"
+    response.status_code = 202 if done.is_new else 200
+    return {"job": done.job, "state": done.state, "is_new": done.is_new}
+
+
 def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
     """Return a job as JSON values."""
     return report_jobs(rooms.database, [row], rooms.settings)[0].as_json()
@@ -218,8 +237,10 @@ def _create(
 def fingerprint(payload: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what identifies a repeated request; without later versions' fields it equals that of earlier versions."""
     found = payload.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)})
-    if found.get("settings", {}).get("redrape") == LATER:
-        del found["settings"]["redrape"]
+    if isinstance(payload, JobIn):
+        found["settings"] = payload.settings.complete()
+        if found["settings"]["redrape"] == LATER:
+            del found["settings"]["redrape"]
     return found
 
 
@@ -274,7 +295,7 @@ def _unpack(rooms: AppState, caller: Caller, payload: JobIn, folder: Path) -> Or
         scan=unpack("scan", payload.scan, "scans"),
         body=body,
         template=unpack("pattern", payload.pattern, "patterns") if payload.pattern else None,
-        settings=RecoverySettings(**payload.settings.model_dump()),
+        settings=RecoverySettings(**payload.settings.complete()),
         labels=unpack("labels", payload.labels, "labels") if payload.labels else None,
         given_as=payload.given_as,
         wearing=payload.wearing,

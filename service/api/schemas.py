@@ -10,7 +10,7 @@ from pydantic import Tag as Choice
 
 from ...core.body.spec import BUILTIN
 from ...core.people.part import GARMENTS
-from ...core.recover.settings import LATER, METHODS, PRESETS, REDRAPES, RecoverySettings
+from ...core.recover.settings import LATER, METHODS, PRESETS, QUALITIES, REDRAPES, RecoverySettings, complete_by_quality
 from ...core.run.units import UNITS
 from ..order import GIVEN_AS
 from ..states import QUEUES
@@ -56,18 +56,36 @@ def _field(name: str, hint: Any) -> Any:
     return Text | None if hint == (str | None) or name == "fabric" else hint  # a fabric by its name only
 
 
+class QualityIn(BaseModel):
+    """Describe the quality of a recovery, which stands for some of its settings."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"quality": "preview", "fabric": "denim"}})
+    quality: Annotated[Text | None, Field(json_schema_extra={"enum": [*QUALITIES, None]})] = Field(
+        None, description="Method and vertex_count, unless they are given; null: standard."
+    )
+
+    def complete(self) -> dict[str, Any]:
+        """Return the fields of `RecoverySettings`.
+
+        Raises:
+            SettingsBad: if there is no such quality.
+        """
+        left = {"method", "vertex_count"} - self.model_fields_set
+        return complete_by_quality(self.quality, self.model_dump(exclude={"quality", *left}))
+
+
 _HINTS = get_type_hints(RecoverySettings)
 SettingsIn: Any = create_model(
     "Settings",
     __doc__="Describe how a garment is recovered; defaults are those of `garmentq submit` (docs/reference/cli.md).",
-    __config__=ConfigDict(extra="forbid"),
+    __base__=QualityIn,
     **{  # type: ignore[call-overload]
         f.name: (_field(f.name, _HINTS[f.name]), DEFAULTS.get(f.name, f.default))
         for f in fields(RecoverySettings)
         if f.name != "template"
     },
 )
-"""The fields of `RecoverySettings` except the template, which a job names beside its files."""
+"""A quality, and the fields of `RecoverySettings` except the template, which a job names beside its files."""
 
 
 class PartIn(BaseModel):
@@ -94,7 +112,7 @@ class JobIn(BaseModel):
                 "scan": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
                 "body": "builtin:female,height=1.70",
                 "template": "skirt",
-                "settings": {"vertex_count": 2000, "fabric": "denim"},
+                "settings": {"quality": "preview", "fabric": "denim"},
             }
         },
     )

@@ -6,8 +6,9 @@ from fastapi import Response
 
 from ..api.access import AppStateDependency, find_own
 from ..records import JobReport
+from ..refining import is_preview
 from ..results import list_files, report_jobs
-from ..states import UNSUCCESSFUL
+from ..states import UNSUCCESSFUL, State
 from ..submission import PERSON_KIND
 from .markup import Html, html, join
 from .page_route import make_router
@@ -58,6 +59,8 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
     failed_below = any(child.state in UNSUCCESSFUL for child in job.children)
     if may_change and (job.state in UNSUCCESSFUL or failed_below):
         buttons.append(html('<button type="button" id="retry" class="primary">Try again</button>'))
+    if may_change and job.state == State.SUCCEEDED and is_preview(job.kind, job.settings):
+        buttons.append(html('<button type="button" id="refine">Refine</button>'))
     if has_files:
         buttons.append(html('<a class="button primary" href="/results/{}">Result</a>', job.id))
     if has_files and job.kind == PERSON_KIND:

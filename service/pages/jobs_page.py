@@ -10,7 +10,7 @@ from urllib.parse import urlencode
 from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
-from ...core.recover.settings import METHODS, REDRAPES
+from ...core.recover.settings import METHODS, QUALITIES, REDRAPES
 from ...core.run.units import UNITS
 from ...core.scan.header import CLOUDS, FORMATS
 from ..api.access import AppState, AppStateDependency
@@ -138,12 +138,14 @@ def _draw_filters(chosen: Mapping[str, str]) -> Html:
 def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
     fabrics = join(html('<option value="{}">{}</option>', one.name, one.title or one.name)
                    for one in list_materials(rooms.database))  # fmt: skip
+    qualities = join(html("<option>{}</option>", name) for name in QUALITIES)
     methods = join(html("<option>{}</option>", name) for name in METHODS)
     units = join((html("<option>{}</option>", name) for name in UNITS), "")
     redrapes = join(html("<option>{}</option>", name) for name in REDRAPES)
     scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz")))
-    return html(DROP, fabrics=fabrics, methods=methods, redrapes=redrapes, units=units, scans=",".join(scans),
-                bodies=",".join(bodies), formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
+    return html(DROP, fabrics=fabrics, qualities=qualities, methods=methods, redrapes=redrapes, units=units,
+                scans=",".join(scans), bodies=",".join(bodies),
+                formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
 
 
 VERDICTS = ["pass", "doubtful", "fail"]
@@ -185,6 +187,7 @@ DROP = """<form id="submit" class="card"><h2>New job</h2>
 <label>Wearing <input name="wearing" placeholder="upper,lower"></label>
 <label>Template <input name="template" placeholder="chosen from the scan"></label>
 <label>Fabric <select name="fabric"><option value="">default</option>{fabrics}</select></label>
+<label>Quality <select name="quality"><option value="">default</option>{qualities}</select></label>
 <label>Method <select name="method"><option value="">default</option>{methods}</select></label>
 <label>Re-drape <select name="redrape"><option value="">default</option>{redrapes}</select></label>
 </div></details>

@@ -13,6 +13,7 @@ from ..jobs import JobUnknown
 from ..kinds.recover_request import PERSON
 from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
+from ..refining import is_preview
 from ..results import ResultMissing, list_files, report_jobs
 from ..states import State
 from .fabric_words import draw_fabric
@@ -72,6 +73,8 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
         links.append(html('<a class="button" href="/results/{}/labels">Labels</a>', job.id))
     if "pattern.json" in names:
         links.append(html('<a class="button" href="/match?a={}">Match</a>', job.id))
+    if job.state == State.SUCCEEDED and is_preview(job.kind, job.settings) and _may_submit(visitor):
+        links.append(html('<button type="button" id="refine">Refine</button>'))
     links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))
     what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
     head = '<div class="head"><h1>{}</h1><p class="row">{}{}<span class="soft">{}</span></p><p class="row">{}</p></div>'

@@ -1,6 +1,7 @@
 // One job: its progress by Server-Sent Events, cancelling and trying again.
 import { followJob, getJson, postJson } from './api.js';
 import { find, make, showError } from './dom.js';
+import { offerRefinement } from './refine.js';
 import { showTimes, tellSeconds } from './times.js';
 
 /** Lines of the log that are kept on the page; progress comes twice a second. */
@@ -64,6 +65,7 @@ function change(what) {
 showTimes();
 change('cancel');
 change('retry');
+offerRefinement(job);
 try {
   if (place.getAttribute('data-ended')) {
     for (const event of (await getJson(`/v1/jobs/${job}/events`)).events) show(event);

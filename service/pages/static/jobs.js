@@ -48,7 +48,7 @@ async function readOrder(form, scan) {
   const tags = text('tags').split(',').map((tag) => tag.trim()).filter(Boolean);
   if (tags.length) wanted.tags = tags;
   const settings = {};
-  for (const name of ['fabric', 'method', 'redrape', 'units', 'up']) if (text(name)) settings[name] = text(name);
+  for (const name of ['fabric', 'quality', 'method', 'redrape', 'units', 'up']) if (text(name)) settings[name] = text(name);
   if (Object.keys(settings).length) wanted.settings = settings;
   return wanted;
 }

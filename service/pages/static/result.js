@@ -4,6 +4,7 @@ import { find, make, showError } from './dom.js';
 import { readFrames } from './frames.js';
 import { computeStrain, flatten, lift, locate, measureEdge, spreadToNodes } from './garment.js';
 import { PatternView } from './pattern_view.js';
+import { offerRefinement } from './refine.js';
 import { readShown } from './shown.js';
 import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 
@@ -318,6 +319,7 @@ async function start() {
   place.dataset.ready = '1';
 }
 
+offerRefinement(job);
 start().catch((error) => {
   find('#loading').textContent = '';
   showError(find('#problem'), error);
