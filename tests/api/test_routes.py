@@ -46,6 +46,46 @@ def test_a_result_is_asked_for_before_its_redrape(client, database):
     assert described["default"] == "later" and described["enum"] == ["wait", "later", "never"]
 
 
+def test_a_quality_is_a_setting(client, database):
+    """Broken where a quality reaches no setting, wins over one that is given, or makes another order of the same."""
+    ask_for = lambda **settings: ask(client, settings=settings).json()["job"]  # noqa: E731
+    preview = ask_for(quality="preview")
+    stored = find_job(database, preview).request["settings"]
+    assert (stored["method"], stored["vertex_count"]) == ("deform", 2000) and "quality" not in stored
+    assert preview == ask_for(method="deform", vertex_count=2000) == ask_for(quality="preview", method="deform")
+    assert ask_for() == ask_for(quality="standard") == ask_for(quality=None)
+    stored = find_job(database, ask_for(quality="preview", vertex_count=900)).request["settings"]
+    assert (stored["method"], stored["vertex_count"]) == ("deform", 900)
+    assert code_of(ask(client, settings={"quality": "perfect"})) == "settings.bad"
+    schemas = client.get("/openapi.json").json()["components"]["schemas"]
+    assert schemas["Settings"]["properties"]["quality"]["enum"] == ["preview", "standard", None]
+    assert schemas["Settings"]["example"]["quality"] == "preview"
+
+
+def test_a_repeated_request_may_name_the_quality_or_its_settings(client):
+    """Broken where the key of a repeated request refuses the same settings in other words, or takes others."""
+    token = {"idempotency-key": "one"}
+    first = ask(client, headers=token, settings={"quality": "preview"}).json()["job"]
+    same = ask(client, headers=token, settings={"method": "deform", "vertex_count": 2000})
+    assert same.json()["job"] == first
+    other = ask(client, headers=token, settings={"quality": "standard"})
+    assert code_of(other) == "request.idempotency_mismatch"
+
+
+def test_a_preview_is_refined_by_its_owner(client, settings, database, store, tmp_path):
+    """Broken where another key refines a preview, a reader does, or a job that is none is refined."""
+    ours, theirs, reader = (make_key(database, name, *s) for name, s in (("o", ()), ("t", ()), ("r", ("read",))))
+    job = ask(client, headers=ours, settings={"quality": "preview"}).json()["job"]
+    refine = lambda headers, of=job: client.post(f"/v1/jobs/{of}/refine", headers=headers)  # noqa: E731
+    assert code_of(refine(ours)) == "job.input_not_ended"
+    finish(settings, database, store, job, tmp_path / "files")
+    assert code_of(refine(theirs)) == "job.unknown" and code_of(refine(reader)) == "key.scope_missing"
+    made = refine(ours)
+    assert made.status_code == 202 and made.headers["location"] == f"/v1/jobs/{made.json()['job']}"
+    assert refine(ours).status_code == 200 and refine(ours).json()["job"] == made.json()["job"]
+    assert code_of(refine(ours, made.json()["job"])) == "job.not_preview"
+
+
 def test_an_idempotency_key_makes_a_forced_job_once(client, database):
     """Broken where a repeated request makes a second job, or another request passes under the same key."""
     headers = {"idempotency-key": "abc"}

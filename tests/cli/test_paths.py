@@ -15,6 +15,7 @@ WRITTEN = {
     ("run",): ["{scan}"],
     ("dress",): ["{job}"],
     ("refit",): ["{job}"],
+    ("refine",): ["{job}"],
     ("edit",): ["{job}", "--pattern", "{scan}"],
     ("animate",): ["{job}", "--motion", "walk"],
     ("export",): ["{job}"],

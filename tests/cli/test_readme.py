@@ -58,6 +58,7 @@ ELSEWHERE = (
     "sizes",
     "dress",
     "refit",
+    "refine",
     "animate",
     "doctor",
 )

@@ -23,6 +23,7 @@ from garmentq.core.deliver.export.result import write_recovery
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.garment.templates import load_draped_template
 from garmentq.core.recover.recovery import Recovery
+from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.scan.contours.target import Target
 from garmentq.core.scan.scan import Scan
 from garmentq.service.api.limits import ApiLimits
@@ -122,9 +123,9 @@ def open_site(folder: Path, blank_database: Path, make_recovery, write_once) -> 
     shutil.copy(blank_database, home / "garmentq.db")
     services = open_services(make_settings(home, writer="garmentq.core.deliver.export.result:write_recovery"))
 
-    def keep(name: str, recovery=None) -> str:
+    def keep(name: str, recovery=None, chosen: RecoverySettings | None = None) -> str:
         recovery = recovery or make_recovery()
-        job = queue_scan(services, folder, name, recovery)
+        job = queue_scan(services, folder, name, recovery, chosen)
         held = claim(services.database, job, "test", 600.0)
         store_result(services.database, services.store, held, Recover(), recovery, write_once(recovery))
         return job
@@ -174,7 +175,7 @@ def write_once(tmp_path_factory) -> Callable[[Recovery], Path]:
     return write
 
 
-def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
+def queue_scan(services: Services, folder: Path, name: str, recovery, chosen: RecoverySettings | None = None) -> str:
     """Submit the scan of a recovery as a file of its own."""
     import trimesh
 
@@ -182,7 +183,8 @@ def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
     scan, body = own / "scan.ply", own / "body.ply"
     trimesh.Trimesh(recovery.scan.vertices, recovery.scan.faces, process=False).export(scan)
     trimesh.Trimesh(recovery.body.vertices, recovery.body.faces, process=False).export(body)
-    return submit(services.database, services.store, Order(scan, body, terms=JobTerms(name, force=True))).job
+    order = Order(scan, body, settings=chosen or RecoverySettings(), terms=JobTerms(name, force=True))
+    return submit(services.database, services.store, order).job
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import re
 import httpx
 import pytest
 from api_work import make_ply
+from garmentq.core.recover.settings import QUALITIES, RecoverySettings
 from garmentq.service import inspection
 from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import create_key, grant_job
@@ -65,7 +66,7 @@ def test_a_dropped_scan_becomes_a_job(page, site, faults):
     assert "skirt.ply" in page.locator("#told").inner_text() and not page.locator("#sent").is_visible()
     page.get_by_label("Name", exact=True).first.fill("Anna's skirt")
     page.get_by_label("Tags").fill("spring, fitting")
-    page.get_by_label("Method").select_option("deform")
+    page.get_by_label("Quality").select_option("preview")
     page.set_input_files("[name=body_file]", {"name": "anna.ply", "mimeType": "", "buffer": make_ply(0.5)})
     page.get_by_text("will check the body and the labels").wait_for()
     page.get_by_role("button", name="Queue the job").click()
@@ -73,7 +74,8 @@ def test_a_dropped_scan_becomes_a_job(page, site, faults):
     row = find_job(site.services.database, page.url.rsplit("/", 1)[1])
     assert (row.name, row.state) == ("Anna's skirt", State.QUEUED)
     assert row.request["body"]["name"] == "anna.ply"
-    assert (row.request["settings"]["method"], row.request["settings"]["up"]) == ("deform", "y")
+    settings = row.request["settings"]
+    assert (settings["method"], settings["vertex_count"], settings["up"]) == ("deform", 2000, "y")
     assert page.locator(".tag").all_inner_texts() == ["fitting", "spring"]
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Try again").wait_for()
@@ -81,6 +83,22 @@ def test_a_dropped_scan_becomes_a_job(page, site, faults):
     page.get_by_role("button", name="Try again").press("Enter")
     page.get_by_role("button", name="Cancel").wait_for()
     assert find_job(site.services.database, row.id).state == State.QUEUED
+
+
+def test_a_preview_is_refined_by_a_button(page, site):
+    """Broken where the button of a preview's job or result queues nothing or two jobs, or other results have it."""
+    preview = site.keep("glance", chosen=RecoverySettings(**QUALITIES["preview"]))
+    opened = []
+    for place in ("jobs", "results"):
+        page.goto(f"/{place}/{preview}")
+        page.get_by_role("button", name="Refine").click()
+        page.wait_for_url(re.compile(f"/jobs/(?!{preview})"))
+        opened.append(page.url.rsplit("/", 1)[1])
+        page.goto(f"/{place}/{site.result}")
+        assert page.get_by_role("button", name="Refine").count() == 0
+    assert opened[0] == opened[1]
+    row = find_job(site.services.database, opened[0])
+    assert (row.name, row.state, row.request["settings"]["method"]) == ("glance", State.QUEUED, "hybrid")
 
 
 def test_a_scan_is_chosen_and_queued_by_touch(open_window, site, monkeypatch, tmp_path):
