@@ -23,7 +23,7 @@ from garmentq.core.recover.fit.settings import ShapeSettings
 from garmentq.core.recover.methods import METHODS
 from garmentq.core.recover.pipeline import recover, run_steps
 from garmentq.core.recover.recovery import STAGES, Recovery, Request
-from garmentq.core.recover.settings import RecoverySettings
+from garmentq.core.recover.settings import RecoverySettings, complete_by_quality
 from garmentq.core.recover.start import choose_base, read_case
 from garmentq.core.recover.steps import Descend, FitShape, drape_anew
 from garmentq.core.run.checkpoints import load, save
@@ -43,7 +43,8 @@ def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
     garment = drape_template(longer, wearer, settings=DrapeSettings(template_vertices=900))
     path = tmp_path_factory.mktemp("scan") / "skirt.ply"
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(path)
-    return Request(path, BuiltinWearer(WEARER), settings=RecoverySettings(method="deform", vertex_count=800))
+    preview = RecoverySettings(**complete_by_quality("preview", {"vertex_count": 800}))
+    return Request(path, BuiltinWearer(WEARER), settings=preview)
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,8 @@ def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
     assert straight.template == "skirt"
     assert set(straight.report.stage_seconds) == set(STAGES) - {"fit", "redrape"}
     assert [name for name, _ in straight.meshes] == ["graded", "detail"]
+    judged = {gate.name for gate in straight.report.gates}
+    assert {"flips", "drape_residual"} <= judged and not [name for name in judged if name.startswith("redrape")]
     np.testing.assert_array_equal(straight.garment.nodes, straight.meshes.detail)
     assert {contour.name for contour in straight.garment.contours} == {"waist", "hem"}
     assert straight.estimates == straight.nearest_fabrics == () and straight.point_std is None

@@ -17,7 +17,7 @@ QUALITIES: Mapping[str, Mapping[str, Any]] = {
     "preview": {"method": "deform", "vertex_count": 2000},
     "standard": {"method": "hybrid", "vertex_count": 4000},
 }
-"""Settings of each quality. The second is the default; the first takes a fifth of its time, and fits no pattern."""
+"""Settings of each quality. The second is the default; the first takes a third of its time, and fits no pattern."""
 _LOCK = re.compile(r"fabric|symmetry|panel:.+|point:.+/\d+")
 
 

@@ -38,6 +38,7 @@ QUICK = (
 """Commands that ask for no job."""
 
 NEW = (
+    "garmentq run garment.ply --body body.ply --quality preview",
     "garmentq run scan.ply", "garmentq run scan.ply --labels parts/labels.npz",
     "garmentq run scan.ply --wearing one-piece --template one-piece:dress",
 )  # fmt: skip
