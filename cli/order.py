@@ -118,11 +118,11 @@ def describe_choice(order: Order) -> str:
 
 def describe_overrides(options: OrderOptions) -> str:
     """Return which options override the chosen quality, as text for users; empty if none does."""
-    given = {"method": ("--method", options.method), "vertex_count": ("--vertices", options.vertices)}
+    overrides = {"method": ("--method", options.method), "vertex_count": ("--vertices", options.vertices)}
     own = QUALITIES.get(options.quality or "", {})
     return "".join(
         f"; {option} {value} overrides --quality {options.quality}"
-        for name, (option, value) in given.items()
+        for name, (option, value) in overrides.items()
         if value is not None and own.get(name, value) != value
     )
 
@@ -133,9 +133,9 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
     Raises:
         SettingsBad: if a value is outside its list or range, or is given twice.
     """
-    given = {"method": options.method, "vertex_count": options.vertices}
+    overrides = {"method": options.method, "vertex_count": options.vertices}
     return RecoverySettings(
-        **complete_by_quality(options.quality, {name: value for name, value in given.items() if value is not None}),
+        **complete_by_quality(options.quality, {name: value for name, value in overrides.items() if value is not None}),
         preset=options.preset,
         garment=split_choice("garment", options.garment)[0],
         fabric=split_choice("fabric", options.fabric)[0],

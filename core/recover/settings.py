@@ -27,15 +27,15 @@ class SettingsBad(BadInput):
     code = "settings.bad"
 
 
-def complete_by_quality(quality: str | None, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return given settings with those of a quality that are not given; None stands for `standard`.
+def complete_by_quality(quality: str | None, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values of settings with those of a quality that are not among them; None stands for `standard`.
 
     Raises:
         SettingsBad: where there is no such quality.
     """
     if quality not in (None, *QUALITIES):
         raise SettingsBad(f"quality '{quality}' is not one of {', '.join(QUALITIES)}.")
-    return {**QUALITIES[quality or "standard"], **given}
+    return {**QUALITIES[quality or "standard"], **values}
 
 
 @dataclass(frozen=True)
