@@ -58,7 +58,7 @@ def test_a_quality_is_a_setting(client, database):
     assert (stored["method"], stored["vertex_count"]) == ("deform", 900)
     assert code_of(ask(client, settings={"quality": "perfect"})) == "settings.bad"
     schemas = client.get("/openapi.json").json()["components"]["schemas"]
-    assert schemas["Settings"]["properties"]["quality"]["enum"] == ["preview", "standard", None]
+    assert schemas["Settings"]["properties"]["quality"]["enum"] == ["preview", "standard", "fine", None]
     assert schemas["Settings"]["example"]["quality"] == "preview"
 
 

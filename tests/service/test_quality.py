@@ -50,7 +50,7 @@ def test_quality_stands_for_what_is_not_given() -> None:
     assert complete_by_quality("preview", {"method": "inverse", "seed": 7}) == {
         "method": "inverse", "vertex_count": 2000, "seed": 7
     }  # fmt: skip
-    with pytest.raises(SettingsBad, match="'perfect' is not one of preview, standard"):
+    with pytest.raises(SettingsBad, match="'perfect' is not one of preview, standard, fine"):
         complete_by_quality("perfect", {})
 
 
