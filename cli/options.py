@@ -207,7 +207,7 @@ def order_options(function: Decorator) -> Decorator:
         click.option(
             "--quality",
             type=click.Choice(tuple(QUALITIES)),
-            help="Method and vertices: preview fits no pattern, in a third of the time; fine has smaller folds.  [default: standard]",
+            help="Preview fits no pattern, in a third of the time; fine has smaller folds.  [default: standard]",
         ),
         *method_options(is_beside_quality=True),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
