@@ -10,23 +10,12 @@ import os
 import time
 from contextlib import suppress
 
-from sqlalchemy import exists, or_, select
-
 from ..core.run.errors import GarmentqError
 from ..service.database import Database
-from ..service.models import DeliveryRow, JobRow, OutboxRow
-from ..service.states import OPEN
+from ..service.pending import has_work
 
 FileStamp = tuple[tuple[int, int, int], ...]
 """Index, size [bytes] and time of the last write [ns] of each file of an SQLite database."""
-
-
-def has_work(database: Database) -> bool:
-    """Return whether a job is open, a wake-up is to be published, or a webhook message is to be sent or repeated."""
-    is_open = exists().where(JobRow.state.in_(OPEN))
-    with database.read() as session:
-        return bool(session.scalar(select(or_(is_open, exists().where(OutboxRow.id.is_not(None)),
-                                              exists().where(DeliveryRow.due.is_not(None))))))  # fmt: skip
 
 
 class QuietQueue:

@@ -83,8 +83,8 @@ def test_the_moving_skin_measures_as_the_skin_does():
     points = skin.vertices[generator.integers(len(skin.vertices), size=4000)] + generator.normal(0, 0.02, (4000, 3))
     (found, way), (wanted, gradient) = MovingSkin(skin).measure(points), skin.measure(points)
     assert 1000 < (wanted < 0).sum() < 3000
-    np.testing.assert_array_equal(found, wanted)
-    np.testing.assert_array_equal(way, gradient)
+    np.testing.assert_allclose(found, wanted, atol=1e-14)  # faces in another order are searched
+    np.testing.assert_allclose(way, gradient, atol=1e-9)
 
 
 def test_only_what_meets_is_held_back():

@@ -167,7 +167,7 @@ def test_the_fabric_joins_in_later(scene: Worn, whole: Descent) -> None:
     assert whole.first == SHORT.iterations + 1
     assert len(whole.losses) == SHORT.iterations + SHORT.fabric_iterations + 2
     turned = np.abs(whole.variables[-5:] - problem.start[-5:])
-    assert turned.min() > 1e-3
+    assert turned.min() > 1e-5  # one that never moves is exactly as it was
     assert turned.max() > 0.05
     fabric = problem.fabric_of(whole.variables)
     assert fabric.H01**2 < fabric.H00 * fabric.H11

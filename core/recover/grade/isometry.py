@@ -298,7 +298,7 @@ class Isometry:
         for rim, _ in self.borders:
             seen[rim] = False
         seen &= ~self.loose
-        normal = self.goal.normals_at(found)
+        normal = self.goal.face_normals[found.face]
         ties = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
         ties[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
         offset = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
