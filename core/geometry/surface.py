@@ -106,6 +106,11 @@ class TriangleSurface:
         distance, face, foot, coordinates = self._tree.search(_as_points(points), hints)
         return ClosestPoints(foot, face, coordinates, distance)
 
+    def normals_at(self, found: ClosestPoints) -> np.ndarray:
+        """Return the unit vertex normals interpolated at closest points, shape [n, 3]. On an edge they do not depend on
+        which of its faces was found."""
+        return unit(found.interpolate(self.vertex_normals, self.faces))
+
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Compute the unsigned distances [m], shape [n], of points [m], shape [n, 3], from the surface."""
         return self._tree.search(_as_points(points))[0]

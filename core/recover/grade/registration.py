@@ -134,7 +134,7 @@ def register_coarsely(
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
         surface = surface.moved(moved)
         found, seen = match_surface(goal, moved, surface.vertex_normals, settings.facing)
-        out = goal.face_normals[found.face]
+        out = goal.normals_at(found)
         weight = np.where(seen & (pins == 0) & ~hidden, mass, 0.0) / reach**4
         # Nodes without a match stay about in place; otherwise they would be extrapolated far out.
         stillness = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
@@ -186,7 +186,7 @@ def match_surface(
 ) -> tuple[ClosestPoints, np.ndarray]:
     """Find closest points, and whether each counts: not at an open edge, where the surface ends, and normals agree."""
     found = surface.closest(points)
-    alike = (surface.face_normals[found.face] * normals).sum(1) > facing
+    alike = (surface.normals_at(found) * normals).sum(1) > facing
     return found, alike & ~surface.border_faces[found.face]
 
 
