@@ -19,7 +19,7 @@ FileStamp = tuple[tuple[int, int, int], ...]
 
 
 class QuietQueue:
-    """Tell when a quiet queue needs another round of the dispatcher."""
+    """Find out when a quiet queue needs another round of the dispatcher."""
 
     def __init__(self, database: Database, longest: float) -> None:
         """Begin with a queue that is not quiet.

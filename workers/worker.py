@@ -77,9 +77,8 @@ class DispatcherStep(bootsteps.StartStopStep):
     def start(self, parent: Any) -> None:
         """Start the timers."""
         self.settings: ServiceSettings = parent.app.garmentq_settings
-        self.database = Database(
-            self.settings.database
-        )  # closed after each round: none is open where a child is forked
+        # closed after each round: no connection is open where a child is forked
+        self.database = Database(self.settings.database)
         self.quiet = QuietQueue(self.database, min(LEADER_LEASE_TIME, self.settings.lease_seconds) / ROUNDS_PER_LEASE)
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app

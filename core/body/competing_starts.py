@@ -1,4 +1,4 @@
-"""Let fits from many headings and poses compete: the best of each round go on at a smaller scale."""
+"""Find the best of fits from many headings and poses: the best of each round go on at a smaller scale."""
 
 from __future__ import annotations
 

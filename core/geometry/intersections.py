@@ -12,7 +12,6 @@ MAX_UNDO_ITERATIONS = 12
 HALVING_ITERATIONS = 3
 """Number of first iterations that halve crossing steps, and of last ones that undo them altogether."""
 
-
 MAX_RETESTED_SHARE = 0.5
 """Largest share of faces that are tested one by one against the rest; of more all pairs are tested anew."""
 
@@ -145,13 +144,7 @@ def _sweep(corners: np.ndarray, faces: np.ndarray, low: np.ndarray, high: np.nda
             if _adjacent(faces[i], faces[j]):
                 continue
             if _crosses(corners[i], corners[j]) or _crosses(corners[j], corners[i]):
-                if count == pairs.shape[0]:
-                    larger = np.zeros((2 * count, 2), np.int64)
-                    larger[:count] = pairs
-                    pairs = larger
-                pairs[count, 0] = i
-                pairs[count, 1] = j
-                count += 1
+                pairs, count = _append_pair(pairs, count, i, j), count + 1
     return pairs[:count]
 
 
@@ -173,13 +166,17 @@ def _sweep_changed(
             if i == j or (changed[j] and j < i) or _adjacent(faces[i], faces[j]):
                 continue
             if _crosses(corners[i], corners[j]) or _crosses(corners[j], corners[i]):
-                if count == pairs.shape[0]:
-                    larger = np.zeros((2 * count, 2), np.int64)
-                    larger[:count] = pairs
-                    pairs = larger
-                pairs[count, 0], pairs[count, 1] = i, j
-                count += 1
+                pairs, count = _append_pair(pairs, count, i, j), count + 1
     return pairs[:count]
+
+
+@kernel()
+def _append_pair(pairs: np.ndarray, count: int, first: int, second: int) -> np.ndarray:
+    """Return the pairs, of which `count` are in use, with another one; twice as many rows where all are in use."""
+    if count == pairs.shape[0]:
+        pairs = np.concatenate((pairs, np.zeros_like(pairs)))
+    pairs[count, 0], pairs[count, 1] = first, second
+    return pairs
 
 
 @kernel()

@@ -35,7 +35,7 @@ class Crumpled(GarmentqError):
 
 
 def recover(request: Request, hooks: Hooks) -> Recovery:
-    """Give a tiny result, and leave the re-drape as the settings say."""
+    """Return a tiny result, and leave the re-drape as the settings say."""
     found = garmentq_standin.make_recovery(request, 2.0)
     if request.settings.redrape not in (LATER, NEVER):
         return _judge(found, found.report.metrics | _measure(request.scan.stem))
@@ -47,7 +47,7 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
 
 
 def finish(case: Case, state: RecoveryState, known: Metrics, hooks: Hooks) -> Recovery:
-    """Give the same result with the re-drape."""
+    """Return the same result with the re-drape."""
     name = case.scan.name
     hooks.progress("redrape", 0.5)
     if name.startswith("lost") and "MENDED" not in os.environ:
