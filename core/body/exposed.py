@@ -60,7 +60,8 @@ class ExposedSurface:
     ) -> None:
         self._solid, self._near = Solid(vertices, faces), measured
         self._strict: ExposedSurface | None = None
-        self._surface = TriangleSurface(*self._keep_open(splits))
+        split_vertices, kept, self._parents = self._keep_open(splits)
+        self._surface = TriangleSurface(split_vertices, kept)
         self.vertices, self.faces = self._surface.vertices, self._surface.faces
         self.normals = self._surface.face_normals
 
@@ -99,40 +100,36 @@ class ExposedSurface:
         """Return which faces of the given mesh have exposed centres, shape [n]."""
         return self._bare_middles(self._solid.vertices, self._solid.faces)
 
-    @property
-    def _is_cut(self) -> bool:
-        """Return whether faces are split along creases; every point is then tested for being inside."""
-        return self.vertices is not self._solid.vertices
-
     @cached_property
     def _creased(self) -> np.ndarray:
-        """Return which exposed faces are beside hidden skin, shape [n]; all if faces are split along creases."""
-        solid = self._solid
-        if self._is_cut:
-            return np.ones(len(self.faces), dtype=bool)
-        count = len(solid.vertices)
-        degree, kept = (np.bincount(each.ravel(), minlength=count) for each in (solid.faces, self.faces))
-        beside = kept < degree
+        """Return which of `faces` are, or were split from, a face beside hidden skin, shape [n]."""
+        faces = self._solid.faces
+        beside = np.zeros(len(self._solid.vertices), dtype=bool)
+        beside[faces[~self._bare]] = True
         for _ in range(CREASE_RING_COUNT):
-            beside[self.faces[beside[self.faces].any(axis=1)]] = True
-        return np.asarray(beside[self.faces].any(axis=1))
+            beside[faces[beside[faces].any(axis=1)]] = True
+        return np.asarray(beside[faces].any(axis=1)[self._parents])
 
-    def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
-        """Drop hidden faces and the hidden parts of faces that creases cross; return vertices and faces."""
+    def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Drop hidden faces and the hidden parts of faces that creases cross; return vertices, faces, and the indices
+        of the given faces that these are or were split from."""
         vertices, faces = self._solid.vertices, self._solid.faces
-        bare = self._bare
+        bare, parents = self._bare, np.arange(len(faces))
         mixed = _find_crease_faces(vertices, faces, bare)
-        kept = []
+        kept, origins = [], []
         for _ in range(splits):
             corners = self._bare_corners(vertices, faces[mixed])
             cut = mixed[(corners != bare[mixed, None]).any(axis=1)]
-            kept.append(np.delete(faces, cut, axis=0)[np.delete(bare, cut)])
+            whole = np.setdiff1d(np.flatnonzero(bare), cut)
+            kept.append(faces[whole])
+            origins.append(parents[whole])
             vertices, faces = _split(vertices, faces[cut])
+            parents = np.repeat(parents[cut], 4)
             bare, mixed = self._bare_middles(vertices, faces), np.arange(len(faces))
-        kept.append(faces[bare])
-        found = np.concatenate(kept)
-        # A mesh that encloses nothing has no inside; all of it is exposed.
-        return vertices, np.ascontiguousarray(found) if len(found) else self._solid.faces
+        found, origin = np.concatenate([*kept, faces[bare]]), np.concatenate([*origins, parents[bare]])
+        if not len(found):  # A mesh that encloses nothing has no inside; all of it is exposed.
+            found, origin = self._solid.faces, np.arange(len(self._solid.faces))
+        return vertices, np.ascontiguousarray(found), origin
 
     def _bare_middles(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Return which faces' centres are exposed, shape [n]."""
@@ -157,15 +154,7 @@ class ExposedSurface:
         return self._solid.contains(points)
 
     def depths(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the inside ones of points [m], shape [n, 3], and the lengths of their ways to the exposed skin [m].
-        Where every point has to be tested, the ways of points inside alone are computed."""
-        if self._is_cut:
-            inside = points[self.contains(points)]
-            exit_distance = self.closest(inside).distance
-            if self._strict is not None:
-                free = ~self.pinch(inside, exit_distance)[0]
-                inside, exit_distance = inside[free], exit_distance[free]
-            return inside, exit_distance
+        """Return the inside ones of points [m], shape [n, 3], and the lengths of their ways to the exposed skin [m]."""
         distance, _ = self.measure(points)
         return points[distance < 0.0], -distance[distance < 0.0]
 
