@@ -55,16 +55,34 @@ def measure_folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
 
 
 @dataclass(frozen=True)
+class _TriedStiffness:
+    """Describe the drape of a stiffness that was tried.
+
+    Attributes:
+        ratio: ln(k / density).
+        folding: Logarithm of its folding [1].
+        loss: Logarithm of its loss.
+        at_rest: Whether it came to rest.
+        nodes: Positions [m], shape [node_count, 3].
+    """
+
+    ratio: float
+    folding: float
+    loss: float
+    at_rest: bool
+    nodes: np.ndarray
+
+
+@dataclass(frozen=True)
 class _TriedStiffnesses:
-    """Describe the stiffnesses tried (checkpoint `fit.fabric`): rows of ln(k / density), ln folding, ln loss, and 1 for
-    a drape at rest."""
+    """Describe the stiffnesses tried so far (checkpoint `fit.fabric`)."""
 
-    rows: tuple[tuple[float, float, float, float], ...]
+    tried: tuple[_TriedStiffness, ...]
 
 
-def _list_at_rest(rows: list[tuple[float, float, float, float]]) -> np.ndarray:
+def _list_at_rest(tried: list[_TriedStiffness]) -> np.ndarray:
     """Return ln(k / density), ln folding and ln loss of the drapes at rest, in ascending order, shape [n, 3]."""
-    return np.array(sorted(row[:3] for row in rows if row[3])).reshape(-1, 3)
+    return np.array(sorted((one.ratio, one.folding, one.loss) for one in tried if one.at_rest)).reshape(-1, 3)
 
 
 def fit_bending(
@@ -75,8 +93,8 @@ def fit_bending(
     Equilibria from the registered nodes over the library's range of k / density, widened; then
         -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
     with S `measure_folding`, L the registered loss, its noise unknown, and the library's prior; both curves
-    interpolated. Two more equilibria beside the best sharpen it. Drapes that do not come to rest are no evidence:
-    caught cloth has the folds in which it was caught.
+    interpolated. Two more equilibria beside the best sharpen it; they start from the nearest stiffness' drape, whose
+    folds they have. Drapes that do not come to rest are no evidence: caught cloth has the folds in which it was caught.
 
     **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a search
     over the range with a measure that is independent of the folds' places has no local minima.
@@ -92,23 +110,23 @@ def fit_bending(
     low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
     target = np.log(measure_folding(problem, problem.garment.nodes))
     kept = load(hooks, "fit.fabric", _TriedStiffnesses, problem.garment.nodes)
-    rows = [] if kept is None else list(kept.rows)
+    tried = [] if kept is None else list(kept.tried)
 
-    def sample(at: float) -> None:
-        if any(abs(row[0] - at) < 1e-9 for row in rows):
+    def sample(at: float, start: np.ndarray) -> None:
+        if any(abs(one.ratio - at) < 1e-9 for one in tried):
             return
         stiffer = problem.with_fabric(replace(fabric, k=fabric.density * float(np.exp(at))))
-        drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
+        drape = stiffer.drape(problem.garment.pattern, start, hooks)
         folds, loss = (
             float(np.log(value)) for value in (measure_folding(problem, drape.nodes), problem.loss.value(drape.nodes))
         )
-        rows.append((at, folds, loss, float(drape.at_rest)))
-        save(hooks, "fit.fabric", _TriedStiffnesses(tuple(rows)), problem.garment.nodes)
+        tried.append(_TriedStiffness(at, folds, loss, drape.at_rest, drape.nodes))
+        save(hooks, "fit.fabric", _TriedStiffnesses(tuple(tried)), problem.garment.nodes)
 
     def cost(fine: np.ndarray) -> np.ndarray:
         from scipy.interpolate import PchipInterpolator
 
-        known = _list_at_rest(rows)
+        known = _list_at_rest(tried)
         folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
         misfit = (folds - target) / settings.folding_spread
         return np.asarray(0.5 * misfit**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
@@ -116,8 +134,8 @@ def fit_bending(
     grid = np.linspace(low, high, settings.values)
     for n, at in enumerate(grid):
         hooks.progress("fit", 0.3 * n / len(grid), "looking for the cloth's bending stiffness")
-        sample(float(at))
-    known = _list_at_rest(rows)
+        sample(float(at), problem.garment.nodes)
+    known = _list_at_rest(tried)
     if len(known) < _MIN_DRAPE_COUNT:
         note = "not identifiable, the given fabric's: the cloth does not come to rest on the body at other stiffnesses"
         return fabric, FabricEstimate("k", fabric.k, spread, spread, False, note)
@@ -125,7 +143,8 @@ def fit_bending(
     fine = np.linspace(low, high, 801)
     best = float(fine[np.argmin(cost(fine))])
     for side in (-1.0, 1.0):
-        sample(float(np.clip(best + 0.25 * side * (grid[1] - grid[0]), low, high)))
+        at = float(np.clip(best + 0.25 * side * (grid[1] - grid[0]), low, high))
+        sample(at, min((one for one in tried if one.at_rest), key=lambda one: abs(one.ratio - at)).nodes)
     value, std = _moments(fine, cost(fine))
     std = max(std, settings.least_std)
     identified = std < _MAX_IDENTIFIED_STD_SHARE * spread
@@ -136,7 +155,7 @@ def fit_bending(
         return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    bias = float(np.interp(value, *_list_at_rest(rows)[:, :2].T) - target) / settings.folding_spread
+    bias = float(np.interp(value, *_list_at_rest(tried)[:, :2].T) - target) / settings.folding_spread
     if abs(bias) > _MAX_FOLDING_SIGMA_COUNT:
         bound += f"; not identifiable: the nearest drape folds {'more' if bias > 0.0 else 'less'} than the scan"
     return _report_bending(fabric, k, FabricEstimate("k", k, std, spread, abs(bias) <= _MAX_FOLDING_SIGMA_COUNT, bound))

