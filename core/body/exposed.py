@@ -108,7 +108,8 @@ class ExposedSurface:
         beside[faces[~self._bare]] = True
         for _ in range(CREASE_RING_COUNT):
             beside[faces[beside[faces].any(axis=1)]] = True
-        return np.asarray(beside[faces].any(axis=1))[self._parents]
+        creased: np.ndarray = beside[faces].any(axis=1)
+        return np.asarray(creased[self._parents])
 
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Drop hidden faces and the hidden parts of faces that creases cross; return vertices, faces, and the indices

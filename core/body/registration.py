@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -97,9 +97,10 @@ def register_body(
     template = load_template()
     state = _find(template, vertices, faces, settings, hooks)
     rms = _misfit(pose_model(template, state)[0], template.faces, vertices, faces)
-    body = _body(template, state, vertices, faces, f"mesh:{name}", rms)
-    require_fit(rms, body, settings.worst_fit)
-    return body
+    model = body_of_state(template, state, rms)
+    require_fit(rms, model, settings.worst_fit)
+    weights = transfer_weights(vertices, faces, model.vertices, template.faces, template.weights)
+    return replace(model, vertices=vertices, faces=faces, weights=weights, source=f"mesh:{name}")
 
 
 def require_fit(rms: float, body: Body, worst: float = RegistrationSettings.worst_fit) -> None:
@@ -183,24 +184,20 @@ def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other
     return float(np.sqrt((distance**2).mean()))
 
 
-def _body(
-    template: Template, state: FitState, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float
-) -> Body:
-    """Combine the given mesh and the fitted model; the mesh's weights are those of the model's nearest skin."""
+def body_of_state(template: Template, state: FitState, rms: float, name: str = "scan") -> Body:
+    """Return the fitted model itself as a body; `rms` is the distance of the skin to it [m]."""
     rest, joints = template.shaped(state.shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor
     world, posed = articulate(state.rotations, joints, state.translation + floor)
     transforms = transforms_of(world, posed, joints)
-    model = skin(rest, template.weights, transforms)
-    weights = transfer_weights(vertices, faces, model, template.faces, template.weights)
     front = world[0] @ np.array([0.0, 0.0, 1.0])
     yaw = np.arctan2(front[0], front[2])
     return Body(
-        vertices=vertices,
-        faces=faces,
+        vertices=skin(rest, template.weights, transforms),
+        faces=template.faces,
         joints=posed,
-        weights=weights,
+        weights=template.weights,
         transforms=transforms,
         rest_vertices=rest,
         rest_faces=template.faces,
@@ -212,7 +209,7 @@ def _body(
             "pose": axis_angles_of(state.rotations),
             "translation": state.translation + floor,
         },
-        source=source,
+        source=f"scan:{name}",
         fit_rms=rms,
     )
 
@@ -223,8 +220,3 @@ def pose_model(template: Template, state: FitState) -> tuple[np.ndarray, np.ndar
     world, posed = articulate(state.rotations, joints, state.translation)
     model = skin(rest, template.weights, transforms_of(world, posed, joints))
     return model, vertex_normals(model, template.faces)
-
-
-def body_of_state(template: Template, state: FitState, rms: float, name: str = "scan") -> Body:
-    """Return the fitted model itself as a body; `rms` is the distance of the skin to it [m]."""
-    return _body(template, state, pose_model(template, state)[0], template.faces, f"scan:{name}", rms)
