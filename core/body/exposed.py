@@ -108,7 +108,7 @@ class ExposedSurface:
         beside[faces[~self._bare]] = True
         for _ in range(CREASE_RING_COUNT):
             beside[faces[beside[faces].any(axis=1)]] = True
-        creased: np.ndarray = beside[faces].any(axis=1)
+        creased = np.asarray(beside[faces].any(axis=1))
         return np.asarray(creased[self._parents])
 
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
