@@ -19,7 +19,8 @@ class SeparationSettings:
 
     Attributes:
         step: Step of the first untangling [m], as in `UntangleSettings`.
-        untanglings: Largest number of untanglings; moving cloth out of the body may make it cross again. 2 suffice.
+        untanglings: Largest number of untanglings; moving cloth out of the body may make it cross again. Where one does
+            not reduce the crossing faces, the room is too small: of 9 further ones, in trousers, one did.
         gap_untanglings: Largest number of them in a gap of the body; trousers between thighs that touch took four.
         gap_step: Step of untangling in such a gap [m]: the largest distance of layers afterwards.
         raised_share: Share of the allowed depth to which cloth in such a gap is raised; the rest is for separation.
@@ -64,9 +65,10 @@ def untangle_outside(
         if penetration_depth(moved, faces, skin) > settings.allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
-        if crossed < least and penetration_depth(moved, faces, skin) <= deepest:
+        gains = crossed < least and penetration_depth(moved, faces, skin) <= deepest
+        if gains:
             best, least = moved, crossed
-        if not crossed:
+        if not gains or not crossed:
             break
     if least:
         best, least = separate_layers_in_gap(best, faces, skin, deepest, settings)
