@@ -26,6 +26,11 @@ if TYPE_CHECKING:
     from ...cloth.scene import Scene
 
 
+MIN_DAMPING = 1e-3
+"""Damping, as a share of the matrix's diagonal, below which a step hardly depends on it: after a step that does not
+lower the objective a smaller one would lead to the same drape."""
+
+
 @dataclass(frozen=True)
 class ShapeFit:
     """Describe the fitted pattern.
@@ -236,7 +241,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT_HOOKS) -> ShapeFit:
             if settled:
                 break
             proposed, cloth = problem.cut(delta + step)
-            damping *= 10.0
+            damping = 10.0 * max(damping, MIN_DAMPING)
             if proposed is None:
                 continue
             trial = problem.drape(proposed, drape.nodes, hooks, cloth)
