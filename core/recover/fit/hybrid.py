@@ -14,7 +14,6 @@ from ...garment.garment import Garment
 from ...garment.meshes import Meshes
 from ...garment.resampling import resample
 from ...geometry.intersections import self_intersections
-from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ..case import Case
 from ..drape.waist_placement import pin_waist
@@ -32,9 +31,6 @@ from .second_registration import choose_nearer_registration, register_again
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
-
-Starts = dict[str, tuple[np.ndarray, np.ndarray | None]]
-"""Start nodes of an equilibrium, and friction's anchors there or None [m], by name."""
 
 
 def fit_pattern(
@@ -155,10 +151,9 @@ def _simulate(
     is_settled = problem.garment is registered and recovered is fitted and rest.converged
     if not is_settled or len(self_intersections(rest.nodes, recovered.faces)):
         hooks.progress("fit", 0.9, "draping the recovered pattern")
-        starts: Starts = {} if is_settled else {"from the registration": (registered.nodes, None)}
-        if problem.garment is registered:  # the fit's own drape is of this mesh
-            starts |= {"from the fit's drape": (rest.nodes, rest.anchors)}
-        rest = _find_equilibrium(state, recovered, problem, starts, hooks)
+        is_of_mesh = problem.garment is registered
+        start = (rest.nodes, rest.anchors) if is_of_mesh else (registered.nodes, None)
+        rest = _find_equilibrium(state, recovered, start, hooks)
     skin = state.wearer.exposed.sparing_pinched
     nodes = project_outside(rest.nodes, skin, recovered.faces)
     nodes = untangle_outside(nodes, skin, recovered.faces)
@@ -168,13 +163,9 @@ def _simulate(
 
 
 def _find_equilibrium(
-    state: RecoveryState,
-    recovered: Garment,
-    problem: ShapeProblem,
-    starts: Starts,
-    hooks: Hooks,
+    state: RecoveryState, recovered: Garment, start: tuple[np.ndarray, np.ndarray | None], hooks: Hooks
 ) -> Drape:
-    """Return the best equilibrium, with self-contact, of the recovered pattern from some starts."""
+    """Return the equilibrium, with self-contact, of the recovered pattern from nodes and friction's anchors [m]."""
     from ...cloth.bending_friction import BendingFriction
     from ...cloth.collision.self_contact import SelfContact
     from ...cloth.locking import reduce_membrane_stiffness
@@ -186,7 +177,4 @@ def _find_equilibrium(
     folds, contact = BendingFriction.at(topology, made(state.garment).nodes), SelfContact.of(topology)
     cloth, grid, pins = reduce_membrane_stiffness(state.fabric), state.wearer.grid, pin_waist(recovered)
     scene = Scene(topology, cloth, grid, pins, rotation, folds, self_contact=contact)
-    drapes = {
-        name: equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for name, (nodes, anchors) in starts.items()
-    }
-    return choose_best("equilibrium", drapes, lambda one: (not one.converged, problem.loss.value(one.nodes)), hooks)
+    return equilibrium(scene, start[0], anchors=start[1], hooks=hooks)
