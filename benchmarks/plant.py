@@ -2,8 +2,9 @@
 
     python benchmarks/plant.py --seed 7 [--count 12] [--minutes 90] [--suite] [--without tests/test_x.py]
 
-With `--suite` the rest of the suite runs instead of the golden scenes, up to its first failure. First of all runs the
-copy without any error: where that fails, nothing that follows would say anything, and the run ends. What was run lies
+With `--suite` the rest of the suite runs instead of the golden scenes, up to its first failure; the tests that import
+the changed module come first. First of all runs the copy without any error: where that fails, nothing that follows
+would say anything, and the run ends. What was run lies
 in `out/plant/SEED` (`out/plant/SEED-suite`) and is not run again; remove the folder where the checkout has changed.
 """
 
@@ -14,12 +15,13 @@ import re
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from changed_tree import ROOT, ChangedTree, try_all
+from changed_tree import ROOT, ChangedTree, Outcome, try_all
+from mutate import list_tests
 from planted_errors import ERRORS, PlantedError
 
 GATE = ("tests/golden", "-m", "nightly or not nightly", "-k", "measures_what_was_accepted")
@@ -40,10 +42,19 @@ class Check:
     Attributes:
         tests: Files and options of pytest.
         seconds: It is stopped after these.
+        nearest_first: Whether the tests that import the changed module run before all.
     """
 
     tests: Sequence[str]
     seconds: float
+    nearest_first: bool = False
+
+    def run(self, tree: ChangedTree, path: str) -> Outcome:
+        """Return what pytest told of a tree in which the module at a path is changed."""
+        nearest = list_tests(tree.root, path) if self.nearest_first else []
+        if nearest and (ran := tree.test(nearest, self.seconds)).is_caught:
+            return ran
+        return tree.test(self.tests, self.seconds)
 
 
 @dataclass(frozen=True)
@@ -95,7 +106,7 @@ def run(errors: Sequence[PlantedError], folder: Path, check: Check, minutes: flo
         else:
             error = asked[name]
             with tree.changed(error.path, error.plant((tree.root / error.path).read_text()), error.words):
-                ran = tree.test(check.tests, check.seconds)
+                ran = check.run(tree, error.path)
         trial = Trial(ran.is_caught, ran.is_cut_short, ran.told, time.monotonic() - begun)
         print(f"{name}: {' '.join(trial.cells)} ({trial.seconds:.0f} s)", file=sys.stderr, flush=True)
         return asdict(trial)
@@ -119,11 +130,11 @@ def main() -> None:
     given = parser.parse_args()
     if not 1 <= given.count <= len(ERRORS):
         parser.error(f"there are {len(ERRORS)} errors; draw 1 to {len(ERRORS)}.")
-    check = Check(SUITE, SUITE_SECONDS) if given.suite else Check(GATE, GATE_SECONDS)
+    check = Check(SUITE, SUITE_SECONDS, nearest_first=True) if given.suite else Check(GATE, GATE_SECONDS)
     left_out = [f"--deselect={test}" for test in given.without]
     folder = ROOT / "out" / "plant" / f"{given.seed}{'-suite' if given.suite else ''}"
     errors = draw_errors(given.seed, given.count)
-    check = Check((*check.tests, *left_out), check.seconds)
+    check = replace(check, tests=(*check.tests, *left_out))
     trials = run(errors, folder, check, given.minutes, given.processes)
     caught = sum(trial.is_caught for trial in trials.values())
     print(f"{caught} of {len(trials)} caught, {len(errors)} drawn:\n\n| error | kind | caught by | number | s |")
