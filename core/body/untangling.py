@@ -65,10 +65,10 @@ def untangle_outside(
         if penetration_depth(moved, faces, skin) > settings.allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
-        gains = crossed < least and penetration_depth(moved, faces, skin) <= deepest
-        if gains:
-            best, least = moved, crossed
-        if not gains or not crossed:
+        if crossed >= least or penetration_depth(moved, faces, skin) > deepest:
+            break
+        best, least = moved, crossed
+        if not least:
             break
     if least:
         best, least = separate_layers_in_gap(best, faces, skin, deepest, settings)

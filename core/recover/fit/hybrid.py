@@ -147,12 +147,11 @@ def _simulate(
     fitted = move_pattern(registered, shape.pattern)
     corners = prove_corners(fitted, registered.nodes, case.scan_target, state.base)
     recovered = fair_garment(fitted, state.base, locked, corners)
-    rest = shape.drape
-    is_settled = problem.garment is registered and recovered is fitted and rest.converged
+    rest, is_same_mesh = shape.drape, problem.garment is registered
+    is_settled = is_same_mesh and recovered is fitted and rest.converged
     if not is_settled or len(self_intersections(rest.nodes, recovered.faces)):
         hooks.progress("fit", 0.9, "draping the recovered pattern")
-        is_of_mesh = problem.garment is registered
-        start = (rest.nodes, rest.anchors) if is_of_mesh else (registered.nodes, None)
+        start = (rest.nodes, rest.anchors) if is_same_mesh else (registered.nodes, None)
         rest = _find_equilibrium(state, recovered, start, hooks)
     skin = state.wearer.exposed.sparing_pinched
     nodes = project_outside(rest.nodes, skin, recovered.faces)
