@@ -4,8 +4,8 @@
 
 With `--suite` the rest of the suite runs instead of the golden scenes, up to its first failure; the tests that import
 the changed module come first. First of all runs the copy without any error: where that fails, nothing that follows
-would say anything, and the run ends. What was run lies
-in `out/plant/SEED` (`out/plant/SEED-suite`) and is not run again; remove the folder where the checkout has changed.
+would say anything, and the run ends. What was run lies in `out/plant/SEED` (`out/plant/SEED-suite`) and is not run
+again; remove the folder where the checkout has changed.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Check:
     """Describe what runs on a changed tree.
 
     Attributes:
-        tests: Files and options of pytest.
+        tests: The folder of the tests, then options of pytest.
         seconds: It is stopped after these.
         nearest_first: Whether the tests that import the changed module run before all.
     """
@@ -52,7 +52,7 @@ class Check:
     def run(self, tree: ChangedTree, path: str) -> Outcome:
         """Return what pytest told of a tree in which the module at a path is changed."""
         nearest = list_tests(tree.root, path) if self.nearest_first else []
-        if nearest and (ran := tree.test(nearest, self.seconds)).is_caught:
+        if nearest and (ran := tree.test([*nearest, *self.tests[1:]], self.seconds)).is_caught:
             return ran
         return tree.test(self.tests, self.seconds)
 
