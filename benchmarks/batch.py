@@ -22,6 +22,10 @@ from pathlib import Path
 from typing import Any
 
 from changed_tree import ROOT, make_environment
+from garmentq.service.database import Database
+from garmentq.service.query import count_states
+from garmentq.service.settings import read_settings
+from garmentq.service.states import State
 
 SAME_FILES = ("detail.ply", "simulation.ply", "graded.ply", "redrape.ply", "pattern.json", "metrics.json")
 """Files of a result that the clock and the jobs' names do not enter."""
@@ -67,18 +71,17 @@ class Home:
         return jobs
 
     def wait(self) -> None:
-        """Wait until no job is left.
+        """Wait until no job is left; the table is read here, since a command a second would take the workers' CPU.
 
         Raises:
             SystemExit: where one has failed.
         """
-        while True:
-            states = [(row["job"], row["state"]) for row in self.call("status", "--limit", "10000")]
-            if failed := [job for job, state in states if state in ("failed", "cancelled")]:
-                raise SystemExit(f"failed: {', '.join(failed)}")
-            if states and all(state == "succeeded" for _, state in states):
-                return
+        database = Database(read_settings(home=self.folder).database)
+        while set(states := count_states(database)) != {State.SUCCEEDED}:
+            if State.FAILED in states or State.CANCELLED in states:
+                raise SystemExit(f"not all succeeded: {states}")
             time.sleep(1.0)
+        database.dispose()
 
     def hash_results(self, jobs: Sequence[tuple[str, str]]) -> dict[str, str]:
         """Return the hash of each of the results' `SAME_FILES` by the submission's name and the file's."""
