@@ -17,7 +17,6 @@ from garmentq.core.recover.drape.layers import find_layer_constraints
 from garmentq.core.recover.drape.pbd import PbdState, build_distance_constraints, simulate_pbd
 from garmentq.core.recover.drape.shell import SHELL_CONTACT_THICKNESS, Shell
 from garmentq.core.recover.drape.sizing import measure_wearer
-from scipy.spatial import cKDTree
 from sized_template import size_template
 
 
@@ -63,7 +62,7 @@ def test_a_hollow_pushes_outwards() -> None:
     grid = np.stack(np.meshgrid(np.linspace(0, 0.1, 11), np.linspace(-0.05, 0.05, 11)), axis=-1).reshape(-1, 2)
     vertices = np.concatenate([np.column_stack([grid[:, 0], s * 0.25 * grid[:, 0], grid[:, 1]]) for s in (-1.0, 1.0)])
     normals = np.concatenate([np.tile([slope[0], -s * slope[1], 0.0], (len(grid), 1)) for s in (-1.0, 1.0)])
-    shell = Shell(vertices, normals, np.zeros(len(vertices)), cKDTree(vertices))
+    shell = Shell.of_points(vertices, normals, np.zeros(len(vertices)))
     distance, gradient = shell.measure(np.array([[0.01, 0.0005, 0.0]]))
     assert distance[0] < SHELL_CONTACT_THICKNESS
     assert gradient[0, 0] > 0.9

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.distance import DistanceGrid
 from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.body.signed_distance import SignedDistance
-from garmentq.core.recover.drape.shell import Shell, ShellDistance
+from garmentq.core.recover.drape.shell import NO_SURFACE_DISTANCE, Shell, ShellDistance
 
 RADIUS = 0.1
 
@@ -38,3 +41,17 @@ def test_every_body_answers_alike(kind: str) -> None:
     slope = np.linalg.norm(gradient, axis=1)
     assert (np.einsum("nd,nd->n", gradient, way) / slope).min() > 0.98
     assert np.abs(slope - 1.0).max() < 0.1
+
+
+def test_an_opposite_surface_is_searched_wherever_there_is_one() -> None:
+    """Breaks if a point whose candidates hold an opposite surface, as under a hanging arm, is left out unsearched."""
+    body = builtin_body("builtin:female,pose=arms-down")
+    shell = Shell.of(body.vertices, body.faces)
+    away = np.random.default_rng(0).uniform(0.0, 0.02, (len(shell.vertices), 1))
+    points = shell.vertices + away * shell.normals
+    found = shell.surfaces(points)
+    everywhere = replace(shell, clearance=np.zeros(len(shell.vertices))).surfaces(points)
+    assert 0.01 < np.mean(found[1] < NO_SURFACE_DISTANCE) < 0.5
+    assert np.mean(shell.clearance > 0.01) > 0.5
+    for one, other in zip(found, everywhere, strict=True):
+        assert np.array_equal(one, other)

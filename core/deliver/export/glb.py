@@ -53,6 +53,30 @@ class GlbBuffer:
         return len(self.views) - 1
 
 
+def describe_scene(
+    name: str,
+    primitives: list[dict[str, Any]],
+    materials: list[dict[str, Any]],
+    extras: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Return the description of a scene of one mesh, with `extras` of the mesh, as `pack_glb` takes it."""
+    mesh: dict[str, Any] = {"name": name, "primitives": primitives}
+    return {
+        "asset": {"version": "2.0", "generator": "garmentq"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": name}],
+        "meshes": [mesh if extras is None else mesh | {"extras": extras}],
+        "materials": materials,
+    }
+
+
+def make_material(name: str, look: dict[str, Any]) -> dict[str, Any]:
+    """Return a glTF material of matt cloth, seen from both sides; `look` has its colour or texture."""
+    rough = {"metallicFactor": 0.0, "roughnessFactor": 0.9}
+    return {"name": name, "doubleSided": True, "pbrMetallicRoughness": look | rough}
+
+
 def pack_glb(scene: dict[str, Any], buffer: GlbBuffer) -> bytes:
     """Return a GLB of a scene with the collected accessors, views and buffer: two chunks of whole words."""
     scene = scene | {"accessors": buffer.accessors, "bufferViews": buffer.views}

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...garment.garment import Garment
 from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...geometry.geometry import vertex_normals
+from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, describe_scene, make_material, pack_glb
 
 UV_GAP = 0.02
 """Space between panels in the uv plane [m]: a texture may bleed 2 cm over an edge before it meets another panel."""
@@ -19,6 +21,9 @@ UV_WIDTH = 1.5
 """Width of the uv plane [m]: that of most cloth, so that the layout reads like a marker."""
 
 KINDS = ("ply", "obj", "glb")
+
+CLOTH_LOOK = {"baseColorFactor": [0.59, 0.67, 0.75, 1.0]}
+"""Colour of cloth without a texture in a GLB: red, green, blue and opacity, linear, of 1."""
 
 
 def uv_layout(garment: Garment) -> np.ndarray:
@@ -118,19 +123,19 @@ def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
 
 def _glb_bytes(garment: Garment, nodes: np.ndarray, name: str) -> bytes:
     """Return a binary glTF of one mesh, split along the seams."""
-    import trimesh
-    from trimesh.visual.material import PBRMaterial
+    buffer = GlbBuffer()
+    scene = describe_scene(name, [add_split_mesh(garment, nodes, buffer)], [make_material("cloth", CLOTH_LOOK)])
+    return pack_glb(scene, buffer)
 
-    material = PBRMaterial(  # type: ignore[no-untyped-call]
-        name="cloth", baseColorFactor=[150, 170, 190, 255], metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
-    )
-    mesh = trimesh.Trimesh(
-        vertices=nodes[garment.uv_node],
-        faces=garment.uv_faces,
-        vertex_normals=vertex_normals(nodes, garment.faces)[garment.uv_node],
-        visual=trimesh.visual.TextureVisuals(uv=uv_layout(garment), material=material),  # type: ignore[no-untyped-call]
-        process=False,
-    )
-    scene = trimesh.Scene()
-    scene.add_geometry(mesh, node_name=name, geom_name=name)
-    return bytes(scene.export(file_type="glb", include_normals=True))  # type: ignore[no-untyped-call]
+
+def add_split_mesh(garment: Garment, nodes: np.ndarray, buffer: GlbBuffer) -> dict[str, Any]:
+    """Add a mesh that is split along the seams, nodes [m], shape [node_count, 3], to a buffer; return its primitive."""
+    flat = uv_layout(garment)
+    flat[:, 1] = 1.0 - flat[:, 1]  # a glTF's v runs downwards
+    split, normals = garment.uv_node, vertex_normals(nodes, garment.faces)
+    values = {"POSITION": nodes[split], "NORMAL": normals[split], "TEXCOORD_0": flat}
+    attributes = {
+        key: buffer.add(array.astype("<f4"), GL_ARRAY_BUFFER, bounds=key == "POSITION") for key, array in values.items()
+    }
+    corners = buffer.add(garment.uv_faces.astype("<u4").ravel(), GL_ELEMENT_ARRAY_BUFFER)
+    return {"attributes": attributes, "indices": corners, "material": 0}

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...garment.garment import Garment
-from ...geometry.geometry import vertex_normals
-from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
-from .meshes import uv_layout
+from .glb import GL_ARRAY_BUFFER, GlbBuffer, describe_scene, make_material, pack_glb
+from .meshes import CLOTH_LOOK, add_split_mesh
 
 MAX_ANIMATION_FILE_BYTES = 200_000_000
 """Largest size of an animation's file [bytes]; viewers load all of it. Larger motions are in the point caches."""
@@ -26,42 +24,15 @@ def write_morphs(garment: Garment, frames: np.ndarray, fps: float, path: Path) -
     first frame; target n is the difference of frame n to it. The animation gives each target its whole weight at its
     own time and none at its neighbours', so that viewers interpolate between two frames."""
     split, buffer = garment.uv_node, GlbBuffer()
-    first = frames[0][split].astype("<f4")
-    uv = uv_layout(garment)
-    uv[:, 1] = 1.0 - uv[:, 1]  # a glTF's v runs downwards
-    attributes = {
-        "POSITION": buffer.add(first, GL_ARRAY_BUFFER, bounds=True),
-        "NORMAL": buffer.add(vertex_normals(frames[0], garment.faces)[split].astype("<f4"), GL_ARRAY_BUFFER),
-        "TEXCOORD_0": buffer.add(uv.astype("<f4"), GL_ARRAY_BUFFER),
-    }
-    faces = buffer.add(garment.uv_faces.astype("<u4").ravel(), GL_ELEMENT_ARRAY_BUFFER)
+    primitive = add_split_mesh(garment, frames[0], buffer)
     targets = [
         {"POSITION": buffer.add((frame[split] - frames[0][split]).astype("<f4"), GL_ARRAY_BUFFER, bounds=True)}
         for frame in frames[1:]
     ]
-    mesh: dict[str, Any] = {
-        "primitives": [{"attributes": attributes, "indices": faces, "material": 0}],
-        "name": "cloth",
-    }
-    scene: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": "garmentq"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": "garment"}],
-        "meshes": [mesh],
-        "materials": [
-            {
-                "name": "cloth",
-                "doubleSided": True,
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [0.59, 0.67, 0.75, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9,
-                },
-            }
-        ],
-    }  # fmt: skip
+    scene = describe_scene("garment", [primitive], [make_material("cloth", CLOTH_LOOK)])
     if targets:
-        mesh["primitives"][0]["targets"] = targets
-        mesh["weights"] = [0.0] * len(targets)
+        primitive["targets"] = targets
+        scene["meshes"][0]["weights"] = [0.0] * len(targets)
         times = buffer.add((np.arange(len(frames)) / fps).astype("<f4"), bounds=True)
         weights = buffer.add(np.eye(len(frames), dtype="<f4")[:, 1:].ravel())
         scene["animations"] = [

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, pack_glb
+from .glb import GL_ARRAY_BUFFER, GL_ELEMENT_ARRAY_BUFFER, GlbBuffer, describe_scene, make_material, pack_glb
 from .sewn_mesh import SewnMesh, describe_cloth, panel_colour, sanitise_names, seams_of_uv
 
 
@@ -99,27 +99,15 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
                 "extras": {"panel": index, "name": name},
             }
         )
-    described = describe_cloth(mesh, image is not None)
-    scene: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": "garmentq"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": mesh.name}],
-        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": described}}],
-    }
     if image is None:
         colours = [{"baseColorFactor": [*panel_colour(n, len(names)), 1.0]} for n in range(len(names))]
-        scene["materials"] = [_make_material(name, each) for name, each in zip(names, colours, strict=True)]
+        materials = [make_material(name, each) for name, each in zip(names, colours, strict=True)]
     else:
-        scene["materials"] = [_make_material("cloth", {"baseColorTexture": {"index": 0}})]
+        materials = [make_material("cloth", {"baseColorTexture": {"index": 0}})]
+    scene = describe_scene(mesh.name, primitives, materials, {"garmentq": describe_cloth(mesh, image is not None)})
+    if image is not None:
         scene["textures"] = [{"source": 0, "sampler": 0}]
         scene["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
         scene["images"] = [{"bufferView": buffer.add_bytes(image), "mimeType": "image/png", "name": "texture"}]
     path.write_bytes(pack_glb(scene, buffer))
     return path
-
-
-def _make_material(name: str, look: dict[str, Any]) -> dict[str, Any]:
-    """Return a glTF material of matt cloth, seen from both sides."""
-    rough = {"metallicFactor": 0.0, "roughnessFactor": 0.9}
-    return {"name": name, "doubleSided": True, "pbrMetallicRoughness": look | rough}

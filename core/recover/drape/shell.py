@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from ...body.signed_distance import SignedDistance
 from ...body.solid import Solid
 from ...geometry.geometry import edge_curvature, vertex_normals
+from ...run.kernels import kernel
 from .pbd import PbdSettings
 
 OPPOSITE_CANDIDATE_COUNT = 12
@@ -52,12 +53,15 @@ class Shell:
         normals: Outward, unit length, shape [n, 3].
         bends: Mean curvature [1/m], positive where convex, shape [n].
         tree: Search tree of the vertices.
+        clearance: Distance of a point from each vertex, its nearest, up to which no opposite vertex is among the
+            candidates [m], shape [n]: half of what the nearest opposite vertex is further than the last candidate.
     """
 
     vertices: np.ndarray
     normals: np.ndarray
     bends: np.ndarray
     tree: cKDTree
+    clearance: np.ndarray
 
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray | None = None) -> Shell:
@@ -65,7 +69,15 @@ class Shell:
         normals = vertex_normals(vertices, faces)
         bare = Solid(vertices, faces).exposed(vertices, normals) if bare is None else bare
         bends = np.clip(edge_curvature(vertices, normals, faces), -MAX_BODY_CURVATURE, MAX_BODY_CURVATURE)
-        return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
+        return cls.of_points(vertices[bare], normals[bare], bends[bare])
+
+    @classmethod
+    def of_points(cls, vertices: np.ndarray, normals: np.ndarray, bends: np.ndarray) -> Shell:
+        """Return the shell of positions [m], unit normals, shapes [n, 3], and mean curvatures [1/m], shape [n]."""
+        tree = cKDTree(vertices)
+        last = tree.query(vertices, k=min(OPPOSITE_CANDIDATE_COUNT, len(vertices)))[0][:, -1]
+        opposite = _find_nearest_opposite(vertices, normals, last + 2 * OPPOSITE_REACH)
+        return cls(vertices, normals, bends, tree, 0.5 * (opposite - last))
 
     def surfaces(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return the distance to the surface at the nearest vertex, and to an opposite surface near by.
@@ -84,7 +96,7 @@ class Shell:
         normals = self.normals[nearest]
         heights = self._heights(points[:, None], nearest[:, None])[:, 0]
         second, opposite = np.full(len(points), NO_SURFACE_DISTANCE), normals.copy()
-        near = np.flatnonzero(away < OPPOSITE_REACH)
+        near = np.flatnonzero((away < OPPOSITE_REACH) & (away >= self.clearance[nearest]))
         if len(near):
             second[near], opposite[near] = self._find_opposite(points[near], normals[near])
         return heights, second, normals, opposite
@@ -136,6 +148,40 @@ class Shell:
         gradient[tight] = way_out / np.maximum(size, 1e-9)[:, None]
         second = np.where(tight, NO_SURFACE_DISTANCE, second)
         return np.concatenate([distance, second]), np.concatenate([gradient, opposite])
+
+
+def _find_nearest_opposite(vertices: np.ndarray, normals: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Return each vertex's distance to the nearest one of an opposite surface, or its `reach` where that is nearer
+    [m], shape [n]."""
+    column = np.floor(vertices[:, 0] / reach.max()).astype(np.int64)
+    column -= column.min()
+    order = np.lexsort((vertices[:, 1], column))
+    starts = np.searchsorted(column[order], np.arange(column.max() + 2))
+    found = np.zeros(len(vertices))
+    found[order] = _search_columns(vertices[order], normals[order], reach[order], column[order], starts)
+    return found
+
+
+@kernel()
+def _search_columns(vertices, normals, reach, column, starts):  # type: ignore[no-untyped-def]
+    """Search the columns of vertices beside each vertex's own; those of a column ascend in height."""
+    found = reach.copy()
+    for i in range(len(vertices)):
+        x, y, z = vertices[i, 0], vertices[i, 1], vertices[i, 2]
+        u, v, w = normals[i, 0], normals[i, 1], normals[i, 2]
+        for c in range(max(column[i] - 1, 0), min(column[i] + 2, len(starts) - 1)):
+            first, end = starts[c], starts[c + 1]
+            j = first + np.searchsorted(vertices[first:end, 1], y - found[i])
+            while j < end and vertices[j, 1] < y + found[i]:
+                dx, dy, dz = vertices[j, 0] - x, vertices[j, 1] - y, vertices[j, 2] - z
+                length = np.sqrt(dx * dx + dy * dy + dz * dz)
+                if length < found[i]:
+                    p, q, r = normals[j, 0], normals[j, 1], normals[j, 2]
+                    is_across = dx * u + dy * v + dz * w > 0.0 > dx * p + dy * q + dz * r
+                    if is_across and u * p + v * q + w * r < OPPOSITE_NORMAL_COSINE:
+                        found[i] = length
+                j += 1
+    return found
 
 
 @dataclass(frozen=True)
