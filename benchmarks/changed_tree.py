@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import queue
+import re
 import shutil
 import signal
 import subprocess
@@ -140,7 +141,7 @@ class ChangedTree:
         if -ran.returncode in (signal.SIGXCPU, signal.SIGKILL):
             return Outcome(False, True, f"stopped after {seconds:.0f} s of CPU")
         lines = ran.stdout.strip().splitlines() or [ran.stderr[-200:]]
-        failed = next((each for each in lines if each.startswith(("FAILED", "ERROR"))), lines[-1])
+        failed = next((each for each in lines if re.match(r"(FAILED|ERROR) tests/", each)), lines[-1])
         return Outcome(ran.returncode not in (0, 5), False, failed[:240])  # 5: no test was chosen
 
 

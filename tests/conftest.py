@@ -12,6 +12,7 @@ from garmentq.core.cloth.fabric import Fabric
 from garmentq.core.garment.meshes import Meshes
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.sewing import mesh_pattern
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.recover.recovery import Recovery
 from garmentq.core.run.report import ResultReport
 from garmentq.core.scan.contours.target import Contour, Target
@@ -115,7 +116,8 @@ def tube_recovery():
         target = Target(garment.nodes, garment.faces, garment.nodes, garment.contours, (), "skirt")
         graded, faces, contours = garment.nodes * 1.01, garment.faces, garment.contours
         meshes = Meshes(graded, detail)
-        metrics = measure_fit(garment, meshes, Reference(garment.nodes, faces, contours, skin, samples=2000))
+        truth = Reference(TriangleSurface(garment.nodes, faces), contours, skin, samples=2000)
+        metrics = measure_fit(garment, meshes, truth)
         metrics |= measure_seams(garment.pattern)
         values = {
             "scan": Scan(garment.nodes, faces, name="tube"),

@@ -50,7 +50,7 @@ def measure_recovery(
     vertices, faces = read_true_mesh(pack)
     target = recovery.target
     contours = transfer_contours(target.contours, target.vertices, vertices, faces)
-    truth = Reference(vertices, faces, contours, ExposedSurface.of(recovery.body), seed, samples)
+    truth = Reference(TriangleSurface(vertices, faces), contours, ExposedSurface.of(recovery.body), seed, samples)
     found = measure_fit(recovery.garment, recovery.meshes, truth)
     if pack.truth_body is not None:
         found |= _measure_body(recovery, pack)

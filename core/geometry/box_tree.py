@@ -67,10 +67,10 @@ class BoxTree:
 
 @kernel(error_model="numpy")
 def _order_faces(centres, leaves):  # type: ignore[no-untyped-def]
-    """Return the faces' order, of which run k of 2^j equal ones belongs to node 2^j + k on level j of the tree."""
+    """Return the faces' order, of which run k of 2^j equal ones belongs to node 2^j + k on level j of the tree; sort
+    their centres, shape [face_count, 3], by it in place."""
     count = len(centres)
-    order, keys = np.arange(count), np.zeros(count)
-    runs = 1
+    order, runs = np.arange(count), 1
     while runs < leaves:
         for run in range(runs):
             start, middle, end = run * count // runs, (2 * run + 1) * count // (2 * runs), (run + 1) * count // runs
@@ -78,30 +78,31 @@ def _order_faces(centres, leaves):  # type: ignore[no-untyped-def]
             for d in range(3):
                 low, high = np.inf, -np.inf
                 for i in range(start, end):
-                    low, high = min(low, centres[order[i], d]), max(high, centres[order[i], d])
+                    low, high = min(low, centres[i, d]), max(high, centres[i, d])
                 if high - low > longest:
                     axis, longest = d, high - low
-            for i in range(start, end):
-                keys[i] = centres[order[i], axis]
-            _split_at(keys, order, start, end, middle)
+            _split_at(centres, axis, order, (start, middle, end))
         runs *= 2
     return order
 
 
 @kernel(error_model="numpy")
-def _split_at(keys, order, start, end, middle):  # type: ignore[no-untyped-def]
-    """Exchange entries of start .. end until no key before `middle` exceeds one from it on (Hoare 1961, FIND)."""
+def _split_at(centres, axis, order, run):  # type: ignore[no-untyped-def]
+    """Exchange entries of a run, (start, middle, end), until no centre before `middle` lies further along the axis than
+    one from it on (Hoare 1961, FIND)."""
+    start, middle, end = run
     low, high = start, end - 1
     while low < high:
-        pivot = keys[(low + high) // 2]
+        pivot = centres[(low + high) // 2, axis]
         i, j = low, high
         while i <= j:
-            while keys[i] < pivot:
+            while centres[i, axis] < pivot:
                 i += 1
-            while keys[j] > pivot:
+            while centres[j, axis] > pivot:
                 j -= 1
             if i <= j:
-                keys[i], keys[j] = keys[j], keys[i]
+                for d in range(3):
+                    centres[i, d], centres[j, d] = centres[j, d], centres[i, d]
                 order[i], order[j] = order[j], order[i]
                 i += 1
                 j -= 1

@@ -167,11 +167,10 @@ def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[
     Returns:
         Number of components, and the component of each node, numbered by their first nodes, shape [count].
     """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
+    from .disjoint_sets import label_components  # imported here, for few of those who import this need compiled code
 
-    links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
-    number, labels = connected_components(links, directed=False)
+    labels = np.zeros(count, dtype=np.int32)
+    number = label_components(np.ascontiguousarray(first, np.int64), np.ascontiguousarray(second, np.int64), labels)
     return int(number), labels
 
 

@@ -86,11 +86,11 @@ def signed_areas(flat: np.ndarray) -> np.ndarray:
 
 
 def signed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Compute the volume that a closed surface encloses, sum_f x_0 . (x_1 x x_2) / 6 [m3]; positive where outward.
-    Positions are relative to the mean corner, so that the result for an open surface does not depend on the origin."""
-    corners = vertices[faces]
-    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
-    return float(np.einsum("ij,ij->", a, _cross(b, c))) / 6.0
+    """Compute the volume that a closed surface encloses, sum_f x_0 . A_f / 3 [m3], A_f of `area_vectors`; positive
+    where outward. Positions are relative to the mean corner, so that the result for an open surface does not depend on
+    the origin."""
+    middle = np.bincount(faces.ravel(), minlength=len(vertices)) @ vertices / max(faces.size, 1)
+    return float(np.einsum("ij,ij->", area_vectors(vertices, faces), vertices[faces[:, 0]] - middle)) / 3.0
 
 
 def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

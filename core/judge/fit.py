@@ -32,8 +32,7 @@ class Reference:
     """Describe the reference for the measurement of recovered meshes.
 
     Attributes:
-        vertices: The truth's own vertices, not repaired [m], shape [n, 3].
-        faces: The truth's faces, shape [m, 3].
+        surface: The truth's own mesh, not repaired.
         contours: Named contours, indices into `vertices`; only trusted ones are measured.
         skin: The wearer's exposed skin, which must not be penetrated, or None.
         seed: Seed of the samples and the floor.
@@ -42,18 +41,17 @@ class Reference:
             it, and is not measured there. None: no vertex is.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
+    surface: TriangleSurface
     contours: Sequence[Contour] = ()
     skin: ExposedSurface | None = None
     seed: int = 0
     samples: int = SURFACE_SAMPLES
     hidden: np.ndarray | None = None
 
-    @cached_property
-    def surface(self) -> TriangleSurface:
-        """Return the truth's surface; its search tree, which takes seconds for a million faces, is built once."""
-        return TriangleSurface(self.vertices, self.faces)
+    @property
+    def vertices(self) -> np.ndarray:
+        """Return the truth's vertices [m], shape [n, 3]."""
+        return self.surface.vertices
 
     @cached_property
     def rim(self) -> Rim | None:
@@ -136,7 +134,7 @@ def measure_distance(
 ) -> dict[str, float | None]:
     """Measure the distance between two surfaces, both ways, from area-uniform samples to the exact other surface. s2t
     is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s."""
-    truth = Reference(truth_vertices, truth_faces, seed=seed, samples=samples)
+    truth = Reference(TriangleSurface(truth_vertices, truth_faces), seed=seed, samples=samples)
     return _measure_distance(TriangleSurface(vertices, faces), truth)
 
 

@@ -129,7 +129,7 @@ def make_reference(case: Case, state: RecoveryState) -> Reference:
     scan, contours = case.scan, case.scan_target.contours_of_scan()
     hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
     seed = case.settings.seed
-    return Reference(scan.vertices, scan.faces, contours, state.wearer.exposed, seed, hidden=hidden)
+    return Reference(scan.surface, contours, state.wearer.exposed, seed, hidden=hidden)
 
 
 def describe(case: Case, state: RecoveryState) -> dict[str, Any]:

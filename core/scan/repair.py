@@ -321,21 +321,30 @@ def enclosed_volume(vertices: np.ndarray, edges: HalfEdges) -> float:
 def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     """Turn each piece whose volume is negative once its openings are closed."""
     number, piece = surface.edges.face_pieces
-    faces = surface.faces.copy()
-    turned = 0
     if number > MAX_MESH_PIECE_COUNT:
         raise PiecesTooMany()
-    by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece, minlength=number))[:-1])
-    for members in by_piece:  # its own faces and vertices only: there may be thousands of pieces
-        used, local = np.unique(faces[members], return_inverse=True)
-        edges = surface.edges if number == 1 else HalfEdges.of(local.reshape(-1, 3))
-        if enclosed_volume(surface.vertices if number == 1 else surface.vertices[used], edges) < 0.0:
-            faces[members] = faces[members][:, ::-1]
-            turned += 1
+    faces = surface.faces
+    if number == 1:
+        turned = int(enclosed_volume(surface.vertices, surface.edges) < 0.0)
+        faces = faces[:, ::-1].copy() if turned else faces
+    else:
+        faces = faces.copy()
+        turned = _turn_inverted(surface.vertices, faces, piece)
     if turned == 0:
         return surface
     notes = surface.note(turned, "Turned the surface outward.", "Turned {} pieces outward.")
     return replace(surface, faces=faces, repairs=notes)
+
+
+def _turn_inverted(vertices: np.ndarray, faces: np.ndarray, piece: np.ndarray) -> int:
+    """Turn, in place, the faces of each piece, shape [face_count], whose volume is negative; return how many are."""
+    turned = 0
+    for members in np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1]):
+        used, local = np.unique(faces[members], return_inverse=True)  # its own only: there may be thousands of pieces
+        if enclosed_volume(vertices[used], HalfEdges.of(local.reshape(-1, 3))) < 0.0:
+            faces[members] = faces[members][:, ::-1]
+            turned += 1
+    return turned
 
 
 def is_facing_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..geometry.geometry import face_areas
+from ..geometry.surface import TriangleSurface
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,11 @@ class Scan:
     repairs: tuple[str, ...] = ()
     unseen: np.ndarray | None = None
     hidden: np.ndarray | None = None
+
+    @cached_property
+    def surface(self) -> TriangleSurface:
+        """Return the mesh for queries; its search tree, which takes seconds for a million faces, is built once."""
+        return TriangleSurface(self.vertices, self.faces)
 
 
 def describe_scan(scan: Scan) -> dict[str, Any]:

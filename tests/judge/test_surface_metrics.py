@@ -165,8 +165,8 @@ def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
     vertices, faces = sphere(0.1, 2)
     wrong = faces.copy()
     wrong[[3, 50, 70]] = wrong[[3, 50, 70]][:, ::-1]
-    assert count_flipped(vertices, wrong, Reference(vertices, faces)) == 3
-    assert count_flipped(vertices, wrong[:, ::-1], Reference(vertices, faces)) == 3
+    assert count_flipped(vertices, wrong, Reference(TriangleSurface(vertices, faces))) == 3
+    assert count_flipped(vertices, wrong[:, ::-1], Reference(TriangleSurface(vertices, faces))) == 3
 
 
 def test_where_the_scan_passes_through_itself_no_side_is_wrong() -> None:
@@ -186,7 +186,7 @@ def test_where_the_scan_passes_through_itself_no_side_is_wrong() -> None:
 
     inside = np.abs(x) < 0.009
     scan, ours = layers(np.where(inside, -2e-3, 2e-3)), layers(np.full(x.shape, 1e-3))
-    cloth = Reference(scan, faces)
+    cloth = Reference(TriangleSurface(scan, faces))
     band = np.abs(ours[faces][:, :, 0]).max(axis=1) < 0.009
     assert band.sum() > 100 and count_flipped(ours, faces, cloth) < 0.2 * band.sum()
     aside = faces.copy()
@@ -216,7 +216,7 @@ def swollen(tube, tube_pattern):
     body = ExposedSurface(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces, dtype=np.int64))
     detail = garment.nodes * [1.02, 1.0, 1.02]
     graded = garment.nodes * [0.9, 1.0, 0.9]
-    reference = Reference(truth.nodes, truth.faces, truth.contours, body, samples=4000)
+    reference = Reference(TriangleSurface(truth.nodes, truth.faces), truth.contours, body, samples=4000)
     return garment, Meshes(graded, detail, garment.nodes), reference
 
 
@@ -261,7 +261,11 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
     moved = measure_fit(
         garment,
         Meshes(move(meshes.graded), move(meshes.detail)),
-        replace(truth, vertices=move(truth.vertices), skin=ExposedSurface(move(skin.vertices), skin.faces)),
+        replace(
+            truth,
+            surface=TriangleSurface(move(truth.vertices), truth.surface.faces),
+            skin=ExposedSurface(move(skin.vertices), skin.faces),
+        ),
     )
     mirror = np.array([-1.0, 1.0, 1.0])
     other = replace(garment, faces=garment.faces[:, ::-1], uv_faces=garment.uv_faces[:, ::-1])
@@ -269,7 +273,9 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
     reflected = measure_fit(
         other,
         Meshes(meshes.graded * mirror, meshes.detail * mirror),
-        replace(truth, vertices=truth.vertices * mirror, faces=truth.faces[:, ::-1], skin=reflected_skin),
+        replace(
+            truth, surface=TriangleSurface(truth.vertices * mirror, truth.surface.faces[:, ::-1]), skin=reflected_skin
+        ),
     )
     assert moved.keys() == reflected.keys() == before.keys()
     for name, value in before.items():
@@ -318,8 +324,8 @@ def test_what_the_truth_hides_is_not_measured(tube_recovery) -> None:
     vertices, faces = meshes.detail[used], faces.reshape(-1, 3)
     hidden = np.zeros(len(vertices), bool)
     hidden[vertices[:, 1] > vertices[:, 1].max() - 0.03] = True
-    whole = measure_fit(garment, meshes, Reference(vertices, faces, samples=2000))
-    seen = measure_fit(garment, meshes, Reference(vertices, faces, samples=2000, hidden=hidden))
+    whole = measure_fit(garment, meshes, Reference(TriangleSurface(vertices, faces), samples=2000))
+    seen = measure_fit(garment, meshes, Reference(TriangleSurface(vertices, faces), samples=2000, hidden=hidden))
     assert whole["surface_rms_mm.s2t"] > 20.0
     assert "hidden_percent" not in whole
     assert seen["surface_rms_mm.s2t"] < 0.01

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...body.body import JOINT_PARENTS, JOINTS, Body
 from ...garment.garmentcode_writer import write_pattern
-from ...geometry.surface import TriangleSurface
 from ...recover.recovery import Recovery
 from ...reuse.wear.worn import save_worn, worn_from_recovery
 from ...scan.coloured import to_coloured_scan
@@ -36,12 +35,11 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
-    scanned = TriangleSurface(recovery.scan.vertices, recovery.scan.faces)
     coloured = (
         None if recovery.scan.colours is None else to_coloured_scan(recovery.scan, recovery.scan.unseen is not None)
     )
     for name, nodes in recovery.meshes:
-        faces, apart = recovery.garment.faces, {"distance": scanned.distance(nodes)}
+        faces, apart = recovery.garment.faces, {"distance": recovery.scan.surface.distance(nodes)}
         shades = colour_vertices(nodes, faces, coloured) if coloured and name == "detail" else None
         files.append(write_ply(nodes, faces, folder / f"{name}.ply", apart, shades))
         files += write_meshes(recovery.garment, nodes, folder, name, ("obj", "glb")) if name == "detail" else []

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.surface import TriangleSurface
 from ...recover.recovery import Recovery
 from .picture import Canvas, ColouredMesh, aim_camera, png_base64
 
@@ -61,7 +60,7 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
         The rows, and the end of the error map's colour bar [mm].
     """
     scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
-    distance = TriangleSurface(scan.vertices, scan.faces).distance(recovery.meshes.detail)
+    distance = scan.surface.distance(recovery.meshes.detail)
     millimetres = 1e3 * distance
     end = float(np.ceil(max(MIN_ERROR_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
     person = ColouredMesh(body.vertices, body.faces, SKIN_COLOUR)
