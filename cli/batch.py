@@ -27,6 +27,9 @@ SINGLE_OPTIONS = (
 )
 """Columns for an option that is given once."""
 
+NUMBER_OPTIONS = ("height",)
+"""Columns for an option that is a number."""
+
 REPEATED_OPTIONS = {"keep": "keep", "cloth": "cloth", "template": "template", "garment": "garment", "fabric": "fabric",
             "lock": "lock", "mark": "mark", "tags": "tags"}  # fmt: skip
 """Columns for an option that may be repeated, separated by `;`."""
@@ -88,7 +91,7 @@ def _read_table(path: Path, options: OrderOptions) -> Iterator[tuple[Path, Order
         with path.open(encoding="utf-8-sig", newline="") as stream:
             reader = csv.DictReader(stream)
             columns = reader.fieldnames or []
-            unknown = sorted(set(columns) - {"scan", "as", *SINGLE_OPTIONS, *REPEATED_OPTIONS})
+            unknown = sorted(set(columns) - {"scan", "as", *SINGLE_OPTIONS, *NUMBER_OPTIONS, *REPEATED_OPTIONS})
             if "scan" not in columns or unknown:
                 wrong = f"there is no column '{unknown[0]}'" if unknown else "the column 'scan' is missing"
                 raise TableBad(f"{path.name}: {wrong}; columns are named as the options of `garmentq submit`.")
@@ -108,6 +111,12 @@ def _apply(row: dict[str, str | None], options: OrderOptions, folder: Path) -> O
             is_file = name in PATH_COLUMNS and not text.startswith("builtin:")
             place = folder / text if is_file else text
             changes[name] = str(place) if name == "body" else place
+    for name in NUMBER_OPTIONS:
+        if text := row.get(name):
+            try:
+                changes[name] = float(text)
+            except ValueError as error:
+                raise TableBad(f"'{text[:40]}' in the column '{name}' is no number; correct the table.") from error
     for name, field in REPEATED_OPTIONS.items():
         if text := row.get(name):
             changes[field] = tuple(part.strip() for part in text.split(";") if part.strip())

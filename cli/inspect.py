@@ -12,7 +12,7 @@ from ..core.body.spec import Wearer, read_wearer
 from ..core.run.units import UNITS
 from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
-from .options import AXES, json_option
+from .options import AXES, height_option, json_option
 
 if TYPE_CHECKING:
     from ..core.scan.selection import Selection
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 @label_options
 @click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]")
 @click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: detected]")
+@height_option
 @json_option
 def command(
     file: Path,
@@ -38,6 +39,7 @@ def command(
     part: LabelOptions,
     units: str | None,
     up: str | None,
+    height: float | None,
     as_json: bool,
 ) -> None:
     """Show what is detected in a file, before a job is run.
@@ -64,7 +66,7 @@ def command(
         colour_tolerance=part.colour_tolerance,
     )
     selection = make_selection(part.labels, chosen)
-    found = _inspect_file(_InspectionOptions(file, read_wearer(body), given_as, units, up), selection)
+    found = _inspect_file(_InspectionOptions(file, read_wearer(body), given_as, units, up, height), selection)
     if as_json:
         print_json(found)
         return
@@ -73,13 +75,14 @@ def command(
 
 @dataclass(frozen=True)
 class _InspectionOptions:
-    """Describe the options: the file, its wearer, what it is, its unit and axis."""
+    """Describe the options: the file, its wearer, what it is, its unit, axis and height."""
 
     file: Path
     body: Wearer | None
     given_as: str | None
     units: str | None
     up: str | None
+    height: float | None
 
 
 def _inspect_file(options: _InspectionOptions, selection: Selection | None) -> dict[str, Any]:
@@ -99,7 +102,7 @@ def _inspect_file(options: _InspectionOptions, selection: Selection | None) -> d
         what = PERSON if body is None else classify_file(options.file, body, options.units, options.up)
     if what == PERSON:
         try:
-            return inspect_person(options.file, options.units, options.up)
+            return inspect_person(options.file, options.units, options.up, options.height)
         except BadInput as error:
             if options.given_as == PERSON or options.body is not None or not is_garment_refusal(error):
                 raise

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from ..core.cloth.fabrics import DEFAULT_FABRIC
-from ..core.recover.settings import METHODS, PRESETS, QUALITIES, REDRAPES, RecoverySettings
+from ..core.recover.settings import METHODS, PRESETS, QUALITIES, REDRAPES, STATURE_RANGE, RecoverySettings
 from ..core.run.units import UNITS
 from ..service.order import GIVEN_AS
 from .output import NewFolder, keep_private
@@ -38,6 +38,12 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 verbose_option = click.option("--verbose", is_flag=True, help="Show every metric, check, warning and file.")
 workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker is started.  [default: cores]"
+)
+height_option = click.option(
+    "--height",
+    type=click.FloatRange(*STATURE_RANGE),
+    metavar="METRES",
+    help="Height of the scanned person, standing, where the file has no unit.",
 )
 out_option = click.option("--out", "-o", type=NewFolder(), default=Path("."), help="Folder.  [default: here]")
 timeout_option = click.option(
@@ -128,6 +134,7 @@ class OrderOptions:
     preset: str
     units: str | None
     up: str | None
+    height: float | None
     vertices: int | None
     seed: int
     redrape: str | None
@@ -212,6 +219,7 @@ def order_options(function: Decorator) -> Decorator:
         *method_options(is_beside_quality=True),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: detected]"),
+        height_option,
         click.option(
             "--vertices",
             type=click.IntRange(500, 20000),

@@ -143,6 +143,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         free=options.free,
         units=options.units,
         up=options.up,
+        height=options.height,
         seed=options.seed,
         keep=options.keep[0] if options.keep else None,
         labels_key=options.labels_key,

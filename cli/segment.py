@@ -9,7 +9,7 @@ import click
 
 from ..core.body.spec import BuiltinWearer, read_wearer
 from ..core.run.units import UNITS
-from .options import Decorator, gather, json_option
+from .options import Decorator, gather, height_option, json_option
 from .output import NewFolder, writing
 
 
@@ -23,6 +23,7 @@ class HintOptions:
     body: str | None
     units: str | None
     up: str | None
+    height: float | None
 
 
 def hint_options(function: Decorator) -> Decorator:
@@ -36,6 +37,7 @@ def hint_options(function: Decorator) -> Decorator:
         click.option("--body", help="The wearer's file in the scan's pose, or builtin:...  [default: fitted]"),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: detected]"),
+        height_option,
     ]
     command: Decorator = gather(HintOptions, options)(function)
     return command
@@ -70,7 +72,8 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     marks = tuple(parse_mark(mark) for mark in options.mark)
     wearer = read_wearer(options.body)
     body = wearer if isinstance(wearer, Path) else None
-    content = read_person_input(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
+    inputs = PersonFiles(scan, options.labels, body, units=options.units, up=options.up, height=options.height)
+    content = read_person_input(inputs)
     raw = content.raw
     built_in = wearer if isinstance(wearer, BuiltinWearer) else None
     separation = label_person(

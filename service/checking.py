@@ -114,6 +114,7 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
         {word: folder / parsed.place(word) / file.name for word, file in parsed.templates.items()},
         parsed.settings.units,
         parsed.settings.up,
+        parsed.settings.height,
     )
     try:
         content = read_person_input(found, Limits(is_confined=True))

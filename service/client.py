@@ -54,7 +54,7 @@ class Client(RemoteBackend):
         Args:
             sha256: Its hash, as `upload("scans", path)` returns it.
             quick: Read only the file, and do not fit the wearer.
-            options: Options of an order: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
+            options: Options of an order: `as_` (person or garment), `body` (builtin:...), `units`, `up`, `height`.
         """
         params = {name.rstrip("_"): value for name, value in options.items()} | {"quick": quick}
         return self._request_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)

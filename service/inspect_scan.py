@@ -12,7 +12,14 @@ from ..core.body.person import fit_person
 from ..core.body.presence import MIN_WHOLE_PERSON_HEIGHT, ScanPartial
 from ..core.body.registration import NotHuman
 from ..core.body.spec import Wearer, read_wearer
-from ..core.people.person_input import MAX_LISTED_NOTES, PersonInput, describe_person_input
+from ..core.people.person_input import (
+    MAX_LISTED_NOTES,
+    PersonFiles,
+    PersonInput,
+    check_scale,
+    describe_person_input,
+    read_person_input,
+)
 from ..core.people.separate import check_single_person
 from ..core.people.whole_person import MIN_ADULT_HEIGHT, MIN_PERSON_HEIGHT_SHARE, has_person_height, shows_person
 from ..core.run.errors import BadInput
@@ -21,7 +28,7 @@ from ..core.scan.load import load_scan
 from ..core.scan.load_raw import load_raw
 from ..core.scan.pieces import load_scan_input
 from ..core.scan.raw import RawScan
-from ..core.scan.refusal import MeshEmpty, NoFaces
+from ..core.scan.refusal import MeshEmpty, NoFaces, StatureUnknown
 from ..core.scan.scan import Scan, describe_scan
 from .inspect_garment import find_body, inspect_file
 
@@ -29,8 +36,16 @@ PERSON, GARMENT = "person", "garment"
 """What a file can hold."""
 
 
-def inspect_person(path: Path, units: str | None = None, up: str | None = None) -> dict[str, Any]:
+def inspect_person(
+    path: Path, units: str | None = None, up: str | None = None, height: float | None = None
+) -> dict[str, Any]:
     """Read a raw scan and find its wearer.
+
+    Args:
+        path: The file.
+        units: A name of `UNITS`, or None to find it.
+        up: One of `AXES_UP`, or None to find it.
+        height: How high the person stands [m], or None: the unit tells.
 
     Returns:
         What was understood, as JSON values; `as` is `person`.
@@ -38,7 +53,7 @@ def inspect_person(path: Path, units: str | None = None, up: str | None = None) 
     Raises:
         BadInput: where it is no person, or cannot be used.
     """
-    raw = load_raw(path, units, up)
+    raw = read_person_input(PersonFiles(path, units=units, up=up, height=height)).raw
     return describe_person_input(PersonInput(raw)) | {"body": _describe_wearer(raw)}
 
 
@@ -48,6 +63,7 @@ def inspect_order(
     body: str | None = None,
     units: str | None = None,
     up: str | None = None,
+    height: float | None = None,
     is_quick: bool = False,
 ) -> dict[str, Any]:
     """Describe an uploaded scan before a job is requested; runs in a limited process.
@@ -58,6 +74,7 @@ def inspect_order(
         body: The description of a built-in body, or None.
         units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
+        height: How high the person stands [m], or None: the unit tells.
         is_quick: Read the file alone; where `given_as` is None its height decides what it is.
 
     Returns:
@@ -69,14 +86,14 @@ def inspect_order(
         BadInput: where it cannot be used.
     """
     path, limits, wearer = Path(source), Limits(is_confined=True), read_wearer(body)
-    raw = _read_person(path, given_as, units, up)
+    raw = _read_person(path, given_as, units, up, height)
     is_high = raw is not None and float(np.ptp(raw.points[:, 1])) >= (
         MIN_WHOLE_PERSON_HEIGHT if wearer is None else MIN_PERSON_HEIGHT_SHARE * MIN_ADULT_HEIGHT
     )
     what = given_as or (PERSON if is_high else GARMENT)
     if what == PERSON and given_as is None and wearer is not None and not is_quick:
         what = classify_file(path, wearer, units, up, limits)
-    needs = {"code": BodyMissing.code, "message": BodyMissing().message} if what == GARMENT and wearer is None else None
+    needs = _find_need(what, wearer, raw, height)
     found = dict.fromkeys(("body", "category", "contours_m")) | {"as": what, "needs": needs, "remarks": []}
     found["is_sure"] = given_as is not None or not is_high or not is_quick
     if what == PERSON and raw is not None:
@@ -90,12 +107,26 @@ def inspect_order(
     return found | {name: worn[name] for name in ("body", "category", "contours_m", "remarks")}
 
 
-def _read_person(path: Path, given_as: str | None, units: str | None, up: str | None) -> RawScan | None:
+def _find_need(what: str, wearer: Wearer | None, raw: RawScan | None, height: float | None) -> dict[str, str] | None:
+    """Return code and message of what is missing for a job: a garment's wearer, or a person's scale."""
+    if what == GARMENT:
+        return {"code": BodyMissing.code, "message": BodyMissing().message} if wearer is None else None
+    try:
+        if raw is not None:
+            check_scale(raw, height)
+    except StatureUnknown as error:
+        return {"code": error.code, "message": error.message}
+    return None
+
+
+def _read_person(
+    path: Path, given_as: str | None, units: str | None, up: str | None, height: float | None
+) -> RawScan | None:
     """Read a raw scan; None where it is given as a garment, or may be one since it has too few points of a person."""
     if given_as == GARMENT:
         return None
     try:
-        return load_raw(path, units, up, Limits(is_confined=True))
+        return load_raw(path, units, up, Limits(is_confined=True), stature=height)
     except MeshEmpty:
         if given_as == PERSON:
             raise

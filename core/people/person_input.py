@@ -18,7 +18,7 @@ from ..run.sandbox import ReaderCrashed
 from ..scan.limits import Limits
 from ..scan.load import load_scan
 from ..scan.raw import RawScan
-from ..scan.refusal import LabelsMismatch
+from ..scan.refusal import LabelsMismatch, StatureUnknown
 from ..scan.scan import Scan
 from .labels import read_parts
 
@@ -37,6 +37,7 @@ class PersonFiles:
         patterns: Pattern files by the word of the garment; by the empty word that of the only one.
         units: A name of `UNITS`, of scan and body, or None to find it.
         up: `y` or `z` of both, or None to find it.
+        height: How high the person stands [m], where the scan has no unit; None: its unit tells.
     """
 
     scan: Path
@@ -45,6 +46,7 @@ class PersonFiles:
     patterns: Mapping[str, Path] = field(default_factory=dict)
     units: str | None = None
     up: str | None = None
+    height: float | None = None
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,13 @@ def read_person_input(files: PersonFiles, limits: Limits | None = None) -> Perso
     """Read all files of a person.
 
     Raises:
-        BadInput: where one cannot be used.
+        StatureUnknown: where neither the scan's size nor the user tells how high the person is.
+        BadInput: where a file cannot be used.
     """
     from ..scan.load_raw import load_raw
 
-    raw = load_raw(files.scan, files.units, files.up, limits)
+    raw = load_raw(files.scan, files.units, files.up, limits, stature=files.height)
+    check_scale(raw, files.height)
     label = None if files.labels is None else read_parts(files.labels, limits)
     if label is not None and len(label) != len(raw.place):
         raise LabelsMismatch(
@@ -87,6 +91,20 @@ def read_person_input(files: PersonFiles, limits: Limits | None = None) -> Perso
     elif files.body is not None:
         wearer = load_scan(files.body, units=files.units, up=files.up, kind="body", limits=limits)
     return PersonInput(raw, label, wearer, body, {word: load_pattern(path) for word, path in files.patterns.items()})
+
+
+def check_scale(raw: RawScan, height: float | None) -> None:
+    """Check that the scale of a scan is known: by its unit, or by the height [m] that the user gave.
+
+    Raises:
+        StatureUnknown: where it is not.
+    """
+    if raw.units == "unknown" and height is None:
+        size = float(np.ptp(raw.points[:, 1]))
+        raise StatureUnknown(
+            f"{raw.name} has no unit in which it is a person: a height of {size:.2f} m is a guess. "
+            f"{StatureUnknown().message}"
+        )
 
 
 def describe_person_input(content: PersonInput) -> dict[str, Any]:

@@ -20,6 +20,8 @@ QUALITIES: Mapping[str, Mapping[str, Any]] = {
 }
 """Settings of each quality. `standard` is the default; `preview` takes a third of its time, and fits no pattern; `fine`
 takes half as long again, for a detail mesh a quarter nearer to the scan."""
+STATURE_RANGE = (0.5, 2.5)
+"""Least and largest height of a person [m]: from a small child on."""
 _LOCK = re.compile(r"fabric|symmetry|panel:.+|point:.+/\d+")
 
 
@@ -72,6 +74,8 @@ class RecoverySettings:
         keep_cut: True leaves every panel with the seams and darts of its base pattern; otherwise `hybrid` adds a dart
             where a panel cannot be isometric to the scan, and closes a needless one. Left out as `parts` is.
         cloth: Labels of a dressed person's other clothes, by commas, or None: they hide the body and are no skin.
+        height: How high the person of a raw scan stands [m], where the file's unit is not known, or None: the unit
+            tells. Left out as `parts` is.
         redrape: When the pattern is dressed anew: `wait`, which None stands for, before the result is handed out;
             `later`, by a job of its own; or `never`. Left out as `parts` is.
     """
@@ -95,6 +99,7 @@ class RecoverySettings:
     parts: str | None = field(default=None, metadata={"is_left_out": True})
     keep_cut: bool | None = field(default=None, metadata={"is_left_out": True})
     redrape: str | None = field(default=None, metadata={"is_left_out": True})
+    height: float | None = field(default=None, metadata={"is_left_out": True})
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -111,6 +116,10 @@ class RecoverySettings:
             raise SettingsBad(f"redrape '{self.redrape}' is not one of {', '.join(REDRAPES)}.")
         if not 500 <= self.vertex_count <= 20000:
             raise SettingsBad(f"vertex_count {self.vertex_count} is outside 500 to 20000.")
+        if self.height is not None and not STATURE_RANGE[0] <= self.height <= STATURE_RANGE[1]:
+            raise SettingsBad(f"height {self.height} is outside {STATURE_RANGE[0]} to {STATURE_RANGE[1]} m.")
+        if self.height is not None and self.units is not None:
+            raise SettingsBad("height and units exclude each other; give the one that is known.")
         if self.keep is not None and not self.kept_labels:
             raise SettingsBad(f"keep '{self.keep}' names no label; give one, or several separated by commas.")
         if self.keep is not None and self.keep_colour is not None:

@@ -13,6 +13,7 @@ from ..geometry.point_normals import find_normal_orientation, find_normals
 from ..run.units import METRIC, UNITS
 from . import refusal
 from .clean import CleanedScan, clean_person
+from .colour_meaning import find_shown_geometry
 from .counts import check_counts
 from .header import DeclaredContent, check_header
 from .labels import read_labels
@@ -20,7 +21,16 @@ from .limits import Limits
 from .mend import MendedMesh, mend_mesh, merge_points
 from .parse import parse_file
 from .raw import RawScan
-from .upright import AXES_UP, Profile, build_profiles, find_length_unit, find_upright, turn_upright
+from .upright import (
+    AXES_UP,
+    Profile,
+    UprightAxis,
+    build_profiles,
+    find_length_unit,
+    find_upright,
+    is_normalised,
+    turn_upright,
+)
 
 MIN_PERSON_POINT_COUNT = 100
 """Least number of points of a person's scan. Segmentation needs far more, and checks that itself."""
@@ -29,6 +39,9 @@ MAX_FRAGMENT_POINT_SHARE = 0.5
 was written with made-up faces are in fragments, few of any scanner's mesh."""
 MAX_LOST_POINT_DISTANCE = 0.01
 """Largest distance from a vertex in no face or in a fragment to the kept point that replaces it [m]: two spacings."""
+
+MIN_SPLAT_OPACITY = 0.5
+"""Least opacity of a splat [1] that is a point of the surface: of a clearer one, what lies behind is seen more."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +61,7 @@ def load_raw(
     limits: Limits | None = None,
     labels: Path | None = None,
     labels_key: str | None = None,
+    stature: float | None = None,
 ) -> RawScan:
     """Read a person's scan: parse it in a limited process, repair and clean it, and turn it upright in metres.
 
@@ -58,6 +72,7 @@ def load_raw(
         limits: What reading may cost.
         labels: A file with one label for each vertex of the scan's file; None: those in the scan's file, if any.
         labels_key: Name of the array in that file.
+        stature: Height of the person, standing [m], instead of a unit; None: the unit tells.
 
     Raises:
         BadInput: with a code `scan.*` where the file cannot be used.
@@ -74,7 +89,7 @@ def load_raw(
                 "give one label per vertex, in the order of the scan's file."
             )
         file.arrays["labels"] = values
-    return _build(file, units, up)
+    return _build(file, units, up, stature)
 
 
 def _check_choice(units: str | None, up: str | None) -> None:
@@ -111,22 +126,37 @@ def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: DeclaredCo
         )
 
 
-def _build(file: _File, units: str | None, up: str | None) -> RawScan:
+def _build(file: _File, units: str | None, up: str | None, stature: float | None) -> RawScan:
     """Repair, clean, turn and scale a file's content."""
     arrays, notes = file.arrays, []
     finite = np.isfinite(arrays["vertices"]).all(axis=1)
     if not finite.all():
         notes.append(_count(int((~finite).sum()), "point without a position", "points without a position"))
+    if "opacity" in arrays:
+        clear = finite & (arrays["opacity"] < MIN_SPLAT_OPACITY)
+        notes.append("Read the centres of a Gaussian splat's points.")
+        if clear.any():
+            notes.append(_count(int(clear.sum()), "transparent splat", "transparent splats"))
+        finite &= ~clear
     notes += [str(text) for text in arrays.get("told", ())]
     profiles = build_profiles()
     known_axis = None if up is None else (up,)
     axes = known_axis or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
     mesh, cleaned = _find_person(file, finite, profiles, axes)
     notes += [*mesh.notes, *cleaned.notes]
-    turned, scale, units, axis, axis_notes = _find_scale_and_axis(cleaned, profiles, units, axes, up is not None)
-    notes += axis_notes
-    raw = _gather(file, mesh, cleaned, (turned, scale, axis))
-    return replace(raw, units=units, up_axis=axis, notes=tuple(notes))
+    found = find_upright(cleaned.samples, profiles, axes)
+    notes += _describe_axis(found, axes, up is not None)
+    turned = turn_upright(cleaned.samples, found.up)
+    longest = float(np.ptp(mesh.points[cleaned.is_person], axis=0).max())
+    units, scale, unit_notes = _find_scale(turned, longest, found, units, stature)
+    notes += unit_notes
+    raw = _gather(file, mesh, cleaned, (turned, scale, found.up))
+    if raw.colours is not None:
+        shown = find_shown_geometry(raw.points, raw.normals if raw.is_oriented else None, raw.colours)
+        if shown is not None:
+            notes.append(f"The colours show {shown}, not what is worn, and were left out.")
+            raw = replace(raw, colours=None)
+    return replace(raw, units=units, up_axis=found.up, notes=tuple(notes))
 
 
 def _count(count: int, one: str, many: str) -> str:
@@ -156,31 +186,37 @@ def _drop_faces(points: np.ndarray, finite: np.ndarray) -> MendedMesh:
     return replace(merged, notes=("The faces are no surface, so the points alone were read.", *merged.notes))
 
 
-def _find_scale_and_axis(
-    cleaned: CleanedScan, profiles: list[Profile], units: str | None, axes: tuple[str, ...], is_given: bool
-) -> tuple[np.ndarray, float, str, str, list[str]]:
-    """Return the person's samples upright [unit], metres per unit, the unit's name, the axis, and notes."""
+def _describe_axis(found: UprightAxis, axes: tuple[str, ...], is_given: bool) -> list[str]:
+    """Return notes on an up axis that is unusual or not sure."""
     notes = []
-    found = find_upright(cleaned.samples, profiles, axes)
     if not is_given and len(axes) > 1 and found.up not in ("y", "z"):
         notes.append(f"Took the file's axis {found.up} for up, by the person's shape; --up says another.")
     if not found.is_sure:
         second = min((axis for axis in axes if axis != found.up), key=lambda axis: found.others[axis])
         notes.append(f"It is not sure that {found.up} points up, and not {second}; say it with --up.")
-    turned = turn_upright(cleaned.samples, found.up)
+    return notes
+
+
+def _find_scale(
+    turned: np.ndarray, longest: float, found: UprightAxis, units: str | None, stature: float | None
+) -> tuple[str, float, list[str]]:
+    """Return the unit's name, metres per unit, and notes, of samples upright [unit] and their longest side [unit]."""
     height = float(np.ptp(turned[:, 1]))
     if units is not None:
-        scale = UNITS[units]
-    else:
-        units, scale = find_length_unit(height, found)
-        if units == "unknown":
-            notes.append(
-                f"The person measures {height:.3g} in the file's unit, which fits none; took {1 / scale:.3g} of it "
-                f"for a metre, so that the person stands {height * scale * found.ratio:.2f} m high."
-            )
-        elif units not in METRIC:
-            notes.append(f"Took the file's unit for the {units}, by the person's height of {height * scale:.2f} m.")
-    return turned, scale, units, found.up, notes
+        return units, UNITS[units], []
+    if stature is not None:
+        return "unknown", stature / (height * found.ratio), [f"Scaled to a person {stature:.2f} m high, standing."]
+    units, scale = find_length_unit(height, found, is_normalised(longest))
+    if units == "unknown":
+        text = (
+            f"The person measures {height:.3g} in the file's unit, which is not known; took {1 / scale:.3g} of it "
+            f"for a metre, so that the person stands {height * scale * found.ratio:.2f} m high."
+        )
+        return units, scale, [text]
+    if units not in METRIC:
+        text = f"Took the file's unit for the {units}, by the person's height of {height * scale:.2f} m."
+        return units, scale, [text]
+    return units, scale, []
 
 
 def _map_lost_points(place: np.ndarray, file_points: np.ndarray, points: np.ndarray) -> np.ndarray:

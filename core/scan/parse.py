@@ -13,7 +13,7 @@ from ..run.errors import BadInput
 from ..run.sandbox import call_limited, is_memory_short
 from . import refusal
 from .cloud import parse_pcd, parse_xyz
-from .columns import as_bytes, find_labels, read_fields
+from .columns import as_bytes, find_colours, find_labels, find_opacity, read_fields
 from .limits import Limits
 from .obj import read_obj
 from .off import load_off
@@ -112,6 +112,10 @@ def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
         arrays["colours"] = as_bytes(np.asarray(colours)[:, :3])
     rows = loaded.get("metadata", {}).get("_ply_raw", {}).get("vertex", {}).get("data")
     fields = read_fields(rows)
+    if "colours" not in arrays and (found := find_colours(fields, len(vertices))) is not None:
+        arrays["colours"] = found
+    if (opacity := find_opacity(fields, len(vertices))) is not None:
+        arrays["opacity"] = opacity
     if {"nx", "ny", "nz"} <= set(fields):
         normals = np.stack([np.ravel(fields[name]).astype(np.float64) for name in ("nx", "ny", "nz")], axis=-1)
         if normals.shape == vertices.shape:

@@ -113,6 +113,12 @@ class UnitsUnknown(BadInput):
     code = "scan.units_unknown"
 
 
+class StatureUnknown(BadInput):
+    """The file has no unit in which this is a person; say with --height how high the person stands [m], or --units."""
+
+    code = "scan.stature_unknown"
+
+
 class UnitsAmbiguous(BadInput):
     """The size fits more than one unit; say which with --units m, cm, mm, inch or foot."""
 

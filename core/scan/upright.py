@@ -20,6 +20,10 @@ from .units import BODY_LONGEST
 
 AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 """Axes of the file that may point up, the usual ones first."""
+NORMALISED_SIZES = (1.0, 2.0)
+"""Longest sides of a file whose content was scaled into a box from 0 to 1, or from -1 to 1, and has no unit [1]."""
+NORMALISED_SIZE_TOLERANCE = 1e-3
+"""Largest deviation from `NORMALISED_SIZES` [1]: of float32 and of text with four digits."""
 DEFAULT_STATURE = 1.70
 """Height assumed for a person whose unit is none of `UNITS` [m]: between the means of women and men."""
 MAX_PERSON_MISFIT = 0.7
@@ -220,12 +224,18 @@ def find_upright(
     )  # fmt: skip
 
 
-def find_length_unit(height: float, found: UprightAxis) -> tuple[str, float]:
+def is_normalised(size: float) -> bool:
+    """Return whether the longest side of a file's content [unit] is that of one that was scaled into a box."""
+    return any(abs(size / normal - 1.0) < NORMALISED_SIZE_TOLERANCE for normal in NORMALISED_SIZES)
+
+
+def find_length_unit(height: float, found: UprightAxis, is_unitless: bool = False) -> tuple[str, float]:
     """Find the unit in which a height [unit] is a person's; return its name and metres in one.
 
     Args:
         height: From the lowest to the highest point.
         found: The up axis.
+        is_unitless: Whether the file is known to have no unit.
 
     Returns:
         A name of `UNITS`. Where none fits, `unknown` with the scale that makes the person `DEFAULT_STATURE` high, or
@@ -234,7 +244,7 @@ def find_length_unit(height: float, found: UprightAxis) -> tuple[str, float]:
     Raises:
         UnitsUnknown: where none of these fits.
     """
-    for name, metres in UNITS.items():  # at most one fits
+    for name, metres in () if is_unitless else UNITS.items():  # at most one fits
         if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
             return name, metres
     if found.is_sure and found.misfit < MAX_PERSON_MISFIT:

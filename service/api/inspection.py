@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Request
 
+from ...core.recover.settings import STATURE_RANGE
 from ...core.run.sandbox import IsStopped
 from ...core.run.units import UnitName
 from ..inspection import inspect_scan
@@ -43,6 +44,7 @@ class InspectionQuery:
     body: Annotated[str | None, Query(max_length=200, examples=["builtin:female,height=1.70"])] = None
     units: UnitName | None = None
     up: Literal["y", "z", "-y", "-z", "x", "-x"] | None = None
+    height: Annotated[float | None, Query(ge=STATURE_RANGE[0], le=STATURE_RANGE[1], examples=[1.70])] = None
     is_quick: Annotated[bool, Query(alias="quick")] = False
 
 
@@ -62,12 +64,13 @@ async def inspect(
     With `quick` only the file is read (2 s of CPU time), a person is recognised by the height, and `is_sure` may be
     false. Otherwise the wearer is fitted too (7 s). `needs` has the code of what is missing for a job.
     """
-    options = {"given_as": query.given_as, "body": query.body, "units": query.units, "up": query.up}
+    options: dict[str, Any] = {"given_as": query.given_as, "body": query.body, "units": query.units, "up": query.up}
+    options |= {"height": query.height, "is_quick": query.is_quick}
 
     def work(is_stopped: IsStopped) -> Any:
         row = find_upload(rooms.database, caller.key, sha256, "scans")
         with rooms.copying() as folder:
             path = rooms.store.copy(row.sha256, folder / clean_name(row.name))
-            return inspect_scan(path, options | {"is_quick": query.is_quick}, is_stopped)
+            return inspect_scan(path, options, is_stopped)
 
     return await rooms.limited.run(request, caller.key, work)

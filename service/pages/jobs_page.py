@@ -181,6 +181,7 @@ DROP = """<form id="submit" class="card"><h2>New job</h2>
 <label>Unit <select name="units"><option value="">detected</option>{units}</select></label>
 <label>Up axis <select name="up"><option value="">detected</option><option>y</option><option>z</option>
 <option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
+<label>Height <input name="height" type="number" min="0.5" max="2.5" step="0.01" placeholder="by the unit"></label>
 <label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
 <label>Body's file <input name="body_file" type="file" accept="{bodies}"></label>
 <label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body.builtin import builtin_body
+from garmentq.core.people.person_input import PersonFiles, read_person_input
 from garmentq.core.run.errors import BadInput
 from garmentq.core.scan.clean import _stands_beside
 from garmentq.core.scan.limits import Limits
@@ -179,6 +180,56 @@ def test_any_axis_and_unit(tmp_path, up, unit, metres):
     assert np.allclose(raw.points, P[raw.origin] @ turn.T, atol=1e-4 if unit != "unknown" else 0.03)
     told = " ".join(raw.notes)
     assert ("unit" in told) == (unit in ("inch", "foot", "unknown")) and ("--up" in told) == (up not in ("y", "z"))
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_a_normalised_person_has_no_unit(tmp_path, size):
+    """Broken where a person scaled into a box is taken for a child of 1 m or an adult of 2 m, or --height is unused."""
+    path = write_cloud(tmp_path / "p.ply", P * size / np.ptp(P, axis=0).max())
+    assert read(path).units == "unknown"
+    with pytest.raises(BadInput) as caught:
+        read_person_input(PersonFiles(path), INSIDE)
+    assert caught.value.code == "scan.stature_unknown" and "--height" in str(caught.value)
+    told = read_person_input(PersonFiles(path, height=1.7), INSIDE).raw
+    assert np.allclose(np.ptp(told.points, axis=0), np.ptp(P, axis=0), rtol=0.02)
+    assert read_person_input(PersonFiles(path, units="m"), INSIDE).raw.units == "m"
+
+
+@pytest.mark.parametrize(
+    "names", [("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue")]
+)
+def test_colours_by_other_names(tmp_path, names):
+    """Broken where the colours of a PLY are read under one exporter's names only."""
+    path = tmp_path / "p.ply"
+    write_columns(path, dict(zip(("x", "y", "z"), P.T, strict=True)), dict(zip(names, COLOURS.T, strict=True)))
+    raw = read(path)
+    assert np.array_equal(np.round(255 * raw.colours), COLOURS[raw.origin])
+
+
+def test_a_splat_is_its_opaque_centres(tmp_path):
+    """Broken where transparent floaters of a Gaussian splat stay, or its colours go."""
+    floaters = np.random.default_rng(2).uniform(-0.9, 0.9, (900, 3)) + [0.0, 0.9, 0.0]
+    points = np.concatenate([P, floaters])
+    colours = np.concatenate([COLOURS / 255.0, np.ones_like(floaters)])
+    columns = dict(zip(("x", "y", "z"), points.T, strict=True))
+    columns |= {f"f_dc_{k}": (colours[:, k] - 0.5) / 0.28209479177387814 for k in range(3)}
+    columns["opacity"] = np.where(np.arange(len(points)) < len(P), 3.0, -4.0)
+    write_columns(tmp_path / "p.ply", columns, {})
+    raw = read(tmp_path / "p.ply")
+    assert set(raw.origin) <= set(range(len(P))) and len(raw.points) > 0.99 * len(P)
+    assert np.abs(255 * raw.colours - COLOURS[raw.origin]).max() <= 0.51
+    assert "Dropped 900 transparent splats." in raw.notes
+
+
+def write_columns(path, numbers, bytes_):
+    """Write a cloud's PLY of columns of numbers, which hold its places, and of bytes by their names."""
+    kinds = [(name, "<f4") for name in numbers] + [(name, "u1") for name in bytes_]
+    rows = np.zeros(len(numbers["x"]), kinds)
+    for name, column in (numbers | bytes_).items():
+        rows[name] = column
+    words = [f"property {'float' if kind == '<f4' else 'uchar'} {name}" for name, kind in kinds]
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}", *words, "end_header", ""]
+    path.write_bytes("\n".join(head).encode() + rows.tobytes())
 
 
 @pytest.mark.parametrize("up", ["y", "-y", pytest.param("-z", marks=pytest.mark.nightly)])

@@ -50,7 +50,7 @@ export class Inspection {
 
   /**
    * Inspect a scan, first the file alone, then with its wearer; a later call ends this one.
-   * @param {string} sha256 of the scan @param {Record<string, string>} said what the order says: as, body, units, up
+   * @param {string} sha256 of the scan @param {Record<string, string>} said what the order says: as, body, units, up, height
    * @param {boolean} isWhole whether to look for the wearer: not where the body or labels are a file
    */
   async ask(sha256, said, isWhole) {

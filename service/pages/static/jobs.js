@@ -49,12 +49,13 @@ async function readOrder(form, scan) {
   if (tags.length) wanted.tags = tags;
   const settings = {};
   for (const name of ['fabric', 'quality', 'method', 'redrape', 'units', 'up']) if (text(name)) settings[name] = text(name);
+  if (text('height')) settings.height = Number(text('height'));
   if (Object.keys(settings).length) wanted.settings = settings;
   return wanted;
 }
 
 /** Options that change what is detected in a scan. */
-const SAID = ['as', 'body', 'units', 'up'];
+const SAID = ['as', 'body', 'units', 'up', 'height'];
 
 /** Handle a dropped or chosen scan: it is uploaded and inspected at once, and queued on submission. */
 function startForm() {
