@@ -153,7 +153,7 @@ def order_options(function: Decorator) -> Decorator:
             type=click.Choice(GIVEN_AS),
             help="What the file is (docs/reference/cli.md).  [default: detected]",
         ),
-        click.option("--wearing", metavar="PART[,PART]", help="Exactly what a person wears.  [default: detected]"),
+        click.option("--wearing", metavar="PART[,PART]", help="Exactly what is worn; or nothing.  [default: detected]"),
         click.option(
             "--mark", multiple=True, metavar="PART=X,Y,Z", help="Part of a person at a point, in the file's units."
         ),

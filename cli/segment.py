@@ -32,7 +32,7 @@ def hint_options(function: Decorator) -> Decorator:
         click.option(
             "--labels", type=click.Path(path_type=Path), help="A labels file with names, as this command writes it."
         ),
-        click.option("--wearing", metavar="PART[,PART]", help="Exactly what is worn: upper, lower, one-piece, outer."),
+        click.option("--wearing", metavar="PART[,PART]", help="What is worn: upper, lower, one-piece, outer; nothing."),
         click.option("--mark", multiple=True, metavar="PART=X,Y,Z", help="Part at a point, in the file's coordinates."),
         click.option("--body", help="The wearer's file in the scan's pose, or builtin:...  [default: fitted]"),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: detected]"),

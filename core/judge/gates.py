@@ -146,6 +146,13 @@ GATE_RULES = (
         Product.PATTERN,
     ),
     GateRule(
+        "ends", _read_metric("inferred_ends"), 0.5, 4.0,
+        "Nothing shows where {value:.0f} of the sleeves or legs end",
+        "compare their lengths with the garment; mark the ends in labels.npz, or give a --template.",
+        "One end that is cut by guess may not be sold; the other limb or the base pattern gave it.",
+        Product.PATTERN,
+    ),
+    GateRule(
         "seams", _read_metric("seam_mismatch_mm"), 0.5, 3.0,
         "The two sides of a seam differ by up to {value:.2f} mm in length",
         "ease the longer side in when sewing, or grade again from another template.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..run.errors import BadInput
+from .hints import NOTHING_WORN
 from .part import Part
 from .separation import FoundGarment, Outfit
 
@@ -30,12 +31,6 @@ MIN_GARMENT_CONFIDENCE = 0.6
 GARMENT_WARNING_CONFIDENCE = 0.8
 """Mean probability of a garment's points below which the user is warned."""
 
-CATEGORY_CONTOURS = ("cuff", "armhole", "leg")
-"""Openings that determine a garment's category; of a skirt and a dress also the hem. A top's may be tucked."""
-
-MIN_OPENING_CONFIDENCE = 0.4
-"""Probability below which an inferred opening counts as guessed: that for half of the evidence that shows one."""
-
 MIN_OUTFIT_LOG_ODDS = 0.7
 """Log-odds of the two best readings below which the labels are refused as unsure, unless checked: two to one."""
 
@@ -50,7 +45,7 @@ class LabelsUnsure(BadInput):
 
 
 class NoCloth(BadInput):
-    """No clothes were found on this person; say --wearing if there are, or mend labels.npz and give --labels."""
+    """Nothing is worn but skin or underwear; say --wearing nothing to keep the body, or what is worn."""
 
     code = "segment.no_cloth"
 
@@ -94,9 +89,9 @@ def check_confidence(
     """
     warnings = []
     if not garments:
-        return (), NoCloth()
+        return (), None if is_given else NoCloth()
     if len(outfits) > 1 and outfits[0].score - outfits[1].score < OUTFIT_WARNING_LOG_ODDS:
-        first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
+        first, second = (_name_outfit(outfit) for outfit in outfits[:2])
         warnings.append(f"It is taken for {first}, but may be {second}; say --wearing {second.replace(' and ', ',')}.")
     for garment in garments:
         if garment.confidence < GARMENT_WARNING_CONFIDENCE:
@@ -119,23 +114,15 @@ def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...
     shapeless = [garment.part.word for garment in garments if not garment.category]
     if shapeless:
         return LabelsUnsure(f"The openings of {', '.join(shapeless)} could not be made out. {LabelsUnsure().message}")
-    guessed = [garment.part.word for garment in garments if _is_guessed(garment)]
-    if guessed:
-        return LabelsUnsure(
-            f"Nothing shows where sleeves or legs of {', '.join(guessed)} end. {LabelsUnsure().message}"
-        )
     if len(outfits) > 1 and outfits[0].score - outfits[1].score < MIN_OUTFIT_LOG_ODDS:
-        first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
+        first, second = (_name_outfit(outfit) for outfit in outfits[:2])
         return LabelsUnsure(f"It may be {first}, or {second}. {LabelsUnsure().message}")
     return None
 
 
-def _is_guessed(garment: FoundGarment) -> bool:
-    """Check whether nothing shows at least half of the openings that determine a garment's category."""
-    stems = CATEGORY_CONTOURS if garment.part is Part.UPPER else (*CATEGORY_CONTOURS, "hem")
-    shaping = [contour for contour in garment.contours if contour.name.partition(".")[0] in stems]
-    weak = [contour for contour in shaping if contour.is_inferred and contour.confidence < MIN_OPENING_CONFIDENCE]
-    return bool(shaping) and 2 * len(weak) >= len(shaping)
+def _name_outfit(outfit: Outfit) -> str:
+    """Return the words of a reading's garments, as `--wearing` takes them but for the commas."""
+    return " and ".join(part.word for part in outfit.parts) or NOTHING_WORN
 
 
 def garment_confidence(label: np.ndarray, confidence: np.ndarray, part: Part) -> float:

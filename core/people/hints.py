@@ -10,6 +10,9 @@ from ..body.body import Body
 from ..run.errors import BadInput
 from .part import GARMENTS, Part
 
+NOTHING_WORN = "nothing"
+"""Word for an outfit without a garment: bare skin, or underwear."""
+
 
 class HintBad(BadInput):
     """What was said of the clothes fits no scan; correct --wearing or --mark."""
@@ -43,16 +46,19 @@ class Hints:
 
 
 def parse_wearing(text: str) -> tuple[Part, ...]:
-    """Parse `upper,lower`: the garments that are worn, in the order of `GARMENTS`.
+    """Parse `upper,lower`, the garments that are worn, in the order of `GARMENTS`; or `nothing`.
 
     Raises:
         HintBad: where a word is no garment's.
     """
     words = {part.word: part for part in GARMENTS}
     listed = [word.strip() for word in text.split(",") if word.strip()]
+    if listed == [NOTHING_WORN]:
+        return ()
     unknown = [word for word in listed if word not in words]
     if unknown or not listed:
-        raise HintBad(f"'{', '.join(unknown) or text}' is no garment; name some of {', '.join(words)}.")
+        wrong = ", ".join(unknown) or text
+        raise HintBad(f"'{wrong}' is no garment; name some of {', '.join(words)}, or say {NOTHING_WORN}.")
     return tuple(part for part in GARMENTS if part.word in listed)
 
 

@@ -61,7 +61,7 @@ def condition_on_outfit(
     """Return the posterior if just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
 
     The probability of one piece is split at the waist into top and bottom, or theirs is added to one piece's. That of
-    other garments is dropped, which counts against the reading.
+    other garments is dropped, which counts against the reading; if nothing is worn, it is the skin's.
 
     Args:
         posterior: Shape [n, part_count].
@@ -72,6 +72,8 @@ def condition_on_outfit(
     upper, lower, whole = (PART_COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
     if outer is not None and Part.OUTER in outfit:
         posterior = _assign_outer_layer(posterior, outer)
+    if not outfit:
+        return give_to_skin(posterior, GARMENTS)
     read = posterior.copy()
     if Part.ONE_PIECE in outfit:
         read[:, whole] = posterior[:, [upper, lower, whole]].sum(axis=1)
@@ -81,6 +83,15 @@ def condition_on_outfit(
         read[:, upper] += posterior[:, whole] * share
         read[:, lower] += posterior[:, whole] * (1.0 - share)
     read[:, [PART_COLUMN[part] for part in GARMENTS if part not in outfit]] = 0.0
+    return read
+
+
+def give_to_skin(posterior: np.ndarray, bare: tuple[Part, ...]) -> np.ndarray:
+    """Return a posterior, shape [n, part_count], in which the probability of some garments is the skin's."""
+    columns = [PART_COLUMN[part] for part in bare]
+    read = posterior.copy()
+    read[:, PART_COLUMN[Part.SKIN]] += posterior[:, columns].sum(axis=1)
+    read[:, columns] = 0.0
     return read
 
 

@@ -13,6 +13,7 @@ from ..body.presence import SeveralPersons
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan
 from ..scan.thin import thin_raw_scan
+from .bareness import add_bare_readings, find_bare_odds
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import check_confidence
@@ -24,7 +25,7 @@ from .hints import Hints
 from .limbs import BodyPlace
 from .marks import apply_marks, list_marked_garments
 from .networks import NetworkEnsemble, load_ensemble, predict_by_networks
-from .outfit import above_waist_probability, condition_on_outfit, marginalise_outfits, rank_outfits
+from .outfit import above_waist_probability, condition_on_outfit, give_to_skin, marginalise_outfits, rank_outfits
 from .part import CLOTH, PARTS, Part
 from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
@@ -111,6 +112,12 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
     marginal, posterior = (_swap_probabilities(one, first, column) for one in (marginal, posterior))
+    if known is None and hints.wearing is None and not isinstance(fit, _GivenBody):
+        odds, marked = find_bare_odds(fit, points, column, hooks), list_marked_garments(hints.marks)
+        worn = outfits[0].parts
+        outfits = add_bare_readings(outfits, {part: value for part, value in odds.items() if part not in marked})
+        bare = tuple(part for part in worn if part not in outfits[0].parts)
+        marginal, posterior = (give_to_skin(one, bare) for one in (marginal, posterior))
     if not isinstance(fit, _GivenBody):
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior, features.place), hooks)
     best = points.carry(posterior.astype(np.float32)).argmax(axis=1)

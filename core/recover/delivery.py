@@ -109,6 +109,7 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     metrics |= dict(zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), cuts, strict=False))
     rotation = made(state.drape).rotation
     metrics["drape.spin_rad_s"] = 0.0 if rotation is None else rotation.rate
+    metrics["inferred_ends"] = float(sum(one.hidden and one.is_limb_end for one in case.scan_target.contours))
     metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
     if meshes.simulation is not None and meshes.redraped is None:
         metrics[REDRAPE_MISSING] = 1.0

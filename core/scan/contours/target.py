@@ -43,6 +43,11 @@ class Contour:
     trusted: bool = True
     hidden: bool = False
 
+    @property
+    def is_limb_end(self) -> bool:
+        """Return whether a sleeve or leg ends here."""
+        return self.name.partition(".")[0] in ("cuff", "armhole", "leg")
+
 
 def mark_hidden_border(
     faces: np.ndarray, hidden: np.ndarray | None, contours: tuple[Contour, ...]
