@@ -153,6 +153,12 @@ GATE_RULES = (
         Product.PATTERN,
     ),
     GateRule(
+        "sides", _read_metric("wear.sides_mm"), 40.0, 150.0,
+        "Left and right sleeve or leg of a symmetric cut end {value:.0f} mm apart",
+        "look where the shorter one ends: its rest may be labelled as skin or shoe; mend labels.npz and give --labels.",
+        "Of five scanned persons sleeves that are cut alike hung up to 33 mm apart, legs 3; 15 cm is a forearm's half.",
+    ),
+    GateRule(
         "seams", _read_metric("seam_mismatch_mm"), 0.5, 3.0,
         "The two sides of a seam differ by up to {value:.2f} mm in length",
         "ease the longer side in when sewing, or grade again from another template.",

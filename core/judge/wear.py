@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..body.body import Body
+from ..body.body import JOINTS, Body
+from ..body.skinning import unskin, weights_at
 from ..geometry.collapse import collapse_edges
 from ..geometry.geometry import face_areas
 from ..geometry.surface import TriangleSurface
 from ..run.units import MM_PER_M
-from ..scan.contours.target import Target
+from ..scan.contours.target import Contour, Target
 
 WEAR_SAMPLE_COUNT = 20_000
 """Number of samples of the scan: a quantile of the distances then scatters by less than 1 %."""
@@ -45,6 +48,32 @@ def measure_wear(
         "wear.rest_gap_mm": MM_PER_M * float(gap),
         "wear.layers": area / max(float(face_areas(nodes, faces).sum()), 1e-12),
     }
+
+
+def measure_sides(nodes: np.ndarray, contours: Sequence[Contour], body: Body) -> dict[str, float | None]:
+    """Measure by how much left and right sleeves, or legs, end at unlike places.
+
+    `wear.sides_mm` is the largest difference of a pair's ends along the limb, on the T-pose, so that how the limbs are
+    held does not count; None of a garment without pairs.
+
+    Args:
+        nodes: The detail mesh [m], shape [node_count, 3].
+        contours: Its named contours.
+        body: The wearer.
+    """
+    ends = {contour.name: contour.vertices for contour in contours if contour.is_limb_end}
+    apart = []
+    for name in ends:
+        stem, _, side = name.partition(".")
+        if side != "left" or f"{stem}.right" not in ends:
+            continue
+        places = []
+        for vertices in (ends[name], ends[f"{stem}.right"]):
+            points = nodes[vertices]
+            rest = unskin(points, weights_at(body, points, rest=False), body.transforms).mean(axis=0)
+            places.append(rest[1] if stem == "leg" else abs(rest[0] - body.rest_joints[JOINTS.index("pelvis"), 0]))
+        apart.append(abs(places[0] - places[1]))
+    return {"wear.sides_mm": MM_PER_M * float(max(apart)) if apart else None}
 
 
 def measure_upright(seen: Target) -> dict[str, float | None]:

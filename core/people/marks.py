@@ -8,7 +8,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..geometry.connectivity import find_components
-from ..run.units import UNITS
 from ..scan.raw import RawScan
 from ..scan.upright import turn_upright
 from .diffusion import Links
@@ -49,7 +48,7 @@ def apply_marks(
     column = column.copy()
     tree = cKDTree(points.positions)
     for mark in marks:
-        place = turn_upright(mark.place[None], raw.up_axis)[0] * UNITS.get(raw.units, 1.0)
+        place = turn_upright(mark.place[None], raw.up_axis)[0] * raw.scale
         distance, nearest = tree.query(place)
         if distance > MAX_MARK_DISTANCE:
             raise HintBad(

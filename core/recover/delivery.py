@@ -17,7 +17,7 @@ from ..judge.fit import Reference, measure_fit, measure_mesh
 from ..judge.gates import evaluate_gates
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
-from ..judge.wear import measure_upright, measure_wear
+from ..judge.wear import measure_sides, measure_upright, measure_wear
 from ..run.clock import Clock
 from ..run.finding import FindingKind
 from ..run.report import Metrics, ResultReport
@@ -109,6 +109,7 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     metrics |= dict(zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), cuts, strict=False))
     rotation = made(state.drape).rotation
     metrics["drape.spin_rad_s"] = 0.0 if rotation is None else rotation.rate
+    metrics |= measure_sides(meshes.detail, garment.contours, body) if state.base.symmetric else {}
     metrics["inferred_ends"] = float(sum(one.hidden and one.is_limb_end for one in case.scan_target.contours))
     metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
     if meshes.simulation is not None and meshes.redraped is None:

@@ -13,6 +13,7 @@ from ..garment.reading import Reading
 from ..scan.limits import Limits
 from ..scan.pieces import ScanInput, load_scan_input
 from .recovery import Request
+from .settings import SettingsBad
 
 
 def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
@@ -20,6 +21,7 @@ def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
 
     Raises:
         BodyMissing: where no body is given and the scan has none.
+        SettingsBad: where a person's height is given with a garment.
         BadInput: where a file cannot be used.
     """
     if request.reading is not None:
@@ -27,6 +29,8 @@ def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
     selection, body, settings = request.selection, request.body, request.settings
     if body is None and selection is None:
         raise BodyMissing()
+    if settings.height is not None:
+        raise SettingsBad("height scales a whole person's scan; a garment has its body's unit, or --units.")
     body_file = body if isinstance(body, Path) else None
     return load_scan_input(
         request.scan, body_file, units=settings.units, up=settings.up, selection=selection, limits=limits

@@ -156,7 +156,7 @@ def _build(file: _File, units: str | None, up: str | None, stature: float | None
         if shown is not None:
             notes.append(f"The colours show {shown}, not what is worn, and were left out.")
             raw = replace(raw, colours=None)
-    return replace(raw, units=units, up_axis=found.up, notes=tuple(notes))
+    return replace(raw, units=units, scale=scale, up_axis=found.up, notes=tuple(notes))
 
 
 def _count(count: int, one: str, many: str) -> str:

@@ -23,7 +23,8 @@ class RawScan:
         place: Index here of the point that represents each point of the file, -1 if dropped, int64, shape [file_count].
         name: The file's stem.
         sha256: Hash of the file's bytes (hex); empty for one made in memory.
-        units: Unit of the file: a name of `UNITS`, or `unknown` where the height was assumed.
+        units: Unit of the file: a name of `UNITS`, or `unknown` where the height was assumed or given.
+        scale: Metres in one unit of the file.
         up_axis: Axis of the file that became y, with its sign: `y`, `z`, `-y`, `-z`, `x`, `-x`.
         pieces: Number of separate pieces of a person's size, all kept: 2 where two people stand apart.
         notes: What was guessed, removed or repaired, one short sentence each.
@@ -40,6 +41,7 @@ class RawScan:
     name: str = "scan"
     sha256: str = ""
     units: str = "m"
+    scale: float = 1.0
     up_axis: str = "y"
     pieces: int = 1
     notes: tuple[str, ...] = ()

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from garmentq.core.body.body import JOINTS
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.body.skinning import skin, weights_at
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.judge.gates import evaluate_gates
-from garmentq.core.judge.wear import measure_upright, measure_wear
+from garmentq.core.judge.wear import measure_sides, measure_upright, measure_wear
 from garmentq.core.scan.contours.target import Contour, Target
 
 AROUND, ROWS = 60, 30
@@ -93,3 +96,26 @@ def test_upside_down_fails(skirt):
 def test_the_hem_of_a_top_is_no_waist(skirt):
     """Broken where a skirt whose waist is hidden is judged by the border at which it vanishes, over the hips."""
     assert "upright" not in verdicts(target_of(*skirt, waist=1.37, hem=0.96, hidden=True), *skirt)
+
+
+@pytest.mark.parametrize("pose", ["T", "stride"])
+def test_a_leg_that_is_cut_short_is_found(pose):
+    """Broken where legs of unlike length pass, or a stride makes legs of one length unlike."""
+    body = builtin_body(f"builtin:female,height=1.70,pose={pose}")
+    angle = 2.0 * np.pi * np.arange(40) / 40
+    circle = 0.09 * np.stack([np.cos(angle), np.zeros(40), np.sin(angle)], axis=1)
+    ankle = {side: body.rest_joints[JOINTS.index(f"{side}_ankle")] for side in ("left", "right")}
+
+    def measure(short: float) -> float:
+        rest = np.concatenate(
+            [circle + ankle["left"] + [0.0, 0.05, 0.0], circle + ankle["right"] + [0.0, 0.05 + short, 0.0]]
+        )
+        worn = skin(rest, weights_at(body, rest, rest=True), body.transforms)
+        ends = tuple(
+            Contour(f"leg.{side}", rows, 0.56) for side, rows in zip(ankle, np.arange(80).reshape(2, 40), strict=True)
+        )
+        return measure_sides(worn, ends, body)["wear.sides_mm"]
+
+    assert measure(0.0) < 8.0
+    assert measure(0.08) == pytest.approx(80.0, abs=8.0)
+    assert measure_sides(circle, (Contour("hem", np.arange(40), 0.56),), body) == {"wear.sides_mm": None}
