@@ -15,7 +15,7 @@ from ..geometry.connectivity import HalfEdges, find_components
 from ..geometry.geometry import face_areas, face_normals
 from ..geometry.point_normals import find_normals, thin_points
 from .planes import find_planes
-from .upright import Profile, UprightAxis, find_upright, turn_upright
+from .upright import MAX_PERSON_MISFIT, Profile, UprightAxis, find_upright, turn_upright
 
 CLEANING_SAMPLE_COUNT = 24_000
 """Number of surface samples on which all decisions are made: one every 9 mm of a person."""
@@ -132,12 +132,12 @@ def _classify_samples(
     best = min(rivals, key=lambda k: found[k].misfit / np.sqrt(size[k]))
     is_person = np.zeros(len(samples), bool)
     is_person[left[piece == best]] = True
-    whole = is_person.copy()
+    whole, is_like = is_person.copy(), found[best].misfit < MAX_PERSON_MISFIT  # else these may be a garment's panels
     pieces = 1
     for k in rivals:
         if k != best and _is_second_person(samples[left[piece == k]], samples[is_person], found[k], found[best]):
             whole[left[piece == k]] = True
-            pieces += _stands_beside(samples[left[piece == k]], samples[is_person], found[best].up)
+            pieces += is_like and _stands_beside(samples[left[piece == k]], samples[is_person], found[best].up)
     height = float(np.ptp(samples[is_person], axis=0).max())
     least = max(3, int(MIN_SCAN_PIECE_SHARE * is_person.sum()))
     for k in np.flatnonzero(size >= least).tolist():

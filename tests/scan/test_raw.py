@@ -322,6 +322,15 @@ def test_two_people_are_not_made_one(tmp_path):
     assert any("2 separate pieces" in note for note in raw.notes)
 
 
+def test_panels_of_a_garment_are_not_two_people(tmp_path):
+    """Broken where front and back of a shirt that are not sewn are refused as two persons, and nothing names --body."""
+    rng = np.random.default_rng(4)
+    angle, height = rng.uniform(0.0, np.pi, 6000), rng.uniform(0.0, 0.7, 6000)
+    half = np.stack([0.25 * np.cos(angle), height, 0.14 * np.sin(angle) + 0.02], axis=1)
+    path = write_cloud(tmp_path / "p.ply", np.concatenate([half, half * (1.0, 1.0, -1.0)]), None, None)
+    assert read(path).pieces == 1
+
+
 def test_halves_of_one_person_are_not_two():
     """Broken where a gap at the waist makes two persons of one: they stand over each other, not beside."""
     low, high = P[P[:, 1] < P[:, 1].mean()], P[P[:, 1] > P[:, 1].mean()]
