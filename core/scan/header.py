@@ -123,6 +123,8 @@ def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> DeclaredCo
     if end is None:
         raise HeaderBroken(f"{path.name}: the PLY header does not end; the file is damaged.")
     lines = head[: end.start()].decode("latin-1").splitlines()
+    if any(line.split()[-1:] == ["packed_position"] for line in lines):
+        raise FormatUnknown(f"{path.name} is a compressed Gaussian splat, which is not read; export it uncompressed.")
     form, elements = _read_ply_header(path.name, lines)
     counts = dict.fromkeys(("vertex", "face"), 0)
     body = size - end.end()

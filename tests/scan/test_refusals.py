@@ -168,6 +168,11 @@ QUICK = {
     "glb cut off": ("a.glb", glb(gltf_tree())[:-40], "scan.truncated"),
     "glb with broken json": ("a.glb", glb(gltf_tree()).replace(b'{"asset', b'["asset'), "scan.header"),
     "glb without meshes": ("a.glb", glb(gltf_tree(meshes=[])), "scan.no_faces"),
+    "compressed splat": (
+        "a.ply",
+        ascii_ply(V, F).replace(b"float z\n", b"float z\nproperty uint packed_position\n"),
+        "scan.format",
+    ),
 }
 
 PARSED = {
