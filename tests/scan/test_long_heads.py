@@ -111,6 +111,7 @@ def embed(glb: bytes) -> bytes:
 def test_a_gltf_that_holds_its_data_is_read(tmp_path):
     """Broken where a .gltf of one file is refused or read otherwise than the same GLB, its image too."""
     image = Image.new("RGB", (4, 4), (250, 20, 20))
+    image.paste((20, 20, 250), (0, 0, 2, 4))
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=image)
     uv = V[:, :2] % 1.0
     mesh = trimesh.Trimesh(V, F, process=False, visual=trimesh.visual.TextureVisuals(uv=uv, material=material))
@@ -119,7 +120,9 @@ def test_a_gltf_that_holds_its_data_is_read(tmp_path):
     (tmp_path / "p.gltf").write_bytes(embed(content))
     binary, text = (load_raw(tmp_path / name, limits=INSIDE) for name in ("p.glb", "p.gltf"))
     assert np.array_equal(binary.points, text.points) and np.array_equal(binary.faces, text.faces)
-    assert text.up_axis == "y" and np.allclose(text.colours, [250 / 255, 20 / 255, 20 / 255])
+    assert text.up_axis == "y" and np.array_equal(binary.colours, text.colours)
+    seen = np.clip(np.round(255 * text.colours), 0, 255)
+    assert (seen[:, 1] == 20).all() and set(np.unique(seen[:, 0])) >= {20, 250}
     assert len(load_scan(tmp_path / "p.gltf", kind="body").faces) == len(F)
     (picture,) = load_coloured(tmp_path / "p.gltf", "m", "y").images
-    assert (picture == [250, 20, 20]).all()
+    assert (picture[:, 2:] == [250, 20, 20]).all() and (picture[:, :2] == [20, 20, 250]).all()
