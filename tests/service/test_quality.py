@@ -113,3 +113,13 @@ def test_garment_of_a_person_keeps_its_labels(queue_person, persons, settings, d
     assert run_job(persons, database, done.job, lambda: False) == "succeeded"
     again = submit_refinement(services, find_job(database, root))
     assert find_job(database, again.job).kind == "person"
+
+
+@pytest.mark.parametrize(
+    "values", [{"height": 0.2}, {"height": float("nan")}, {"height": 1.7, "units": "cm"}, {"height": 3.0}]
+)
+def test_a_height_is_a_persons_and_stands_for_the_unit(values):
+    """Broken where a height of no person, or one beside a unit that says otherwise, is taken."""
+    with pytest.raises(SettingsBad):
+        RecoverySettings(**values)
+    assert RecoverySettings(height=1.7).as_dict()["height"] == 1.7
