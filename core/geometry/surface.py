@@ -115,6 +115,13 @@ class TriangleSurface:
         """Compute the unsigned distances [m], shape [n], of points [m], shape [n, 3], from the surface."""
         return self._tree.search(_as_points(points))[0]
 
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """Compute the heights of points [m], shape [n, 3], over their closest points along the vertex normals
+        interpolated there; negative inside, shape [n]."""
+        found = self.closest(points)
+        normals = found.interpolate(self.vertex_normals, self.faces)
+        return np.asarray(((points - found.foot) * normals).sum(axis=1))
+
     def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """Draw points uniformly by area: one in each equal slice of the area, with less scatter than independent draws.
 

@@ -1,4 +1,4 @@
-"""Tell bare skin and underwear, which lie on the body everywhere, from garments, which stand off it somewhere."""
+"""Find bare skin and underwear, which lie on the body everywhere, from garments, which stand off it somewhere."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from itertools import combinations
 import numpy as np
 
 from ..body.person import PersonFit, PointWeights, refit_person
-from ..geometry.geometry import vertex_normals
 from ..geometry.surface import TriangleSurface
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .part import GARMENTS, PARTS, Part
@@ -43,9 +42,7 @@ def find_bare_odds(
         hooks: Progress and cancellation.
     """
     bare = refit_person(fit, points.positions, points.normals, PointWeights(np.zeros(len(column))), hooks).body
-    closest = TriangleSurface(bare.vertices, bare.faces).closest(points.positions)
-    outward = closest.interpolate(vertex_normals(bare.vertices, bare.faces), bare.faces)
-    height = ((points.positions - closest.foot) * outward).sum(axis=1)
+    height = TriangleSurface(bare.vertices, bare.faces).heights(points.positions)
     found = {}
     for part in GARMENTS:
         own = height[column == PARTS.index(part)]

@@ -61,10 +61,7 @@ class Surroundings:
     @classmethod
     def of(cls, whole: Scan, label: np.ndarray, body: Body) -> Surroundings:
         """Compute colours of a labelled scan and its heights over the body."""
-        surface = TriangleSurface(body.vertices, body.faces)
-        found = surface.closest(whole.vertices)
-        normals = found.interpolate(vertex_normals(body.vertices, body.faces), body.faces)
-        height = ((whole.vertices - found.foot) * normals).sum(axis=1)
+        height = TriangleSurface(body.vertices, body.faces).heights(whole.vertices)
         lab = None if whole.colours is None else to_lab(whole.colours) * CONTRAST
         hips = float(0.5 * (body.joint("left_hip")[1] + body.joint("right_hip")[1]))
         return cls(whole.vertices, label, lab, height, hips)

@@ -1,4 +1,4 @@
-"""Tell colours that show a scan's geometry, or nothing, from those of its surface."""
+"""Find colours that show a scan's geometry, or nothing, and not its surface."""
 
 from __future__ import annotations
 
