@@ -27,7 +27,7 @@ def describe_person(job: JobReport) -> Iterator[tuple[str, str]]:
 
 
 def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
-    """Return the best reading of the outfit, and the second, with their probabilities among all readings."""
+    """Return the best reading of the outfit, and the second as `--wearing` takes it, with their probabilities."""
     if not outfits:
         return "not known"
     best = max(outfit["score"] for outfit in outfits)

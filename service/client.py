@@ -91,6 +91,16 @@ class Client(RemoteBackend):
         found = self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=payload)
         return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
 
+    def set_wearing(self, job: str, wearing: str) -> SubmissionResult:
+        """Label a person's scan again in another outfit; the job stays, and a new one is queued.
+
+        Args:
+            job: A job of kind `person`; its `details["outfits"]` has the readings, the likeliest first.
+            wearing: Exactly these garments, `upper,lower`, or `nothing`.
+        """
+        found = self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/wearing", json={"wearing": wearing})
+        return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
+
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job, all jobs below it and all jobs that read its results."""
         found = self._request_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1)

@@ -96,7 +96,7 @@ async def create_job(
         done = await rooms.limited.run(request, caller.key, create)
     else:
         done = await run_in_threadpool(create)
-    return _answer(response, done)
+    return answer_submission(response, done)
 
 
 @dataclass(frozen=True)
@@ -188,10 +188,10 @@ def refine_job(job: str, response: Response, rooms: AppStateDependency, caller: 
     If an equal job exists, that is returned: 200, not 202.
     """
     refiner = Refiner(caller.key, caller.quota, find_realm(rooms, caller))
-    return _answer(response, submit_refinement(rooms, find_own(rooms, caller, job), refiner))
+    return answer_submission(response, submit_refinement(rooms, find_own(rooms, caller, job), refiner))
 
 
-def _answer(response: Response, done: SubmissionResult) -> dict[str, Any]:
+def answer_submission(response: Response, done: SubmissionResult) -> dict[str, Any]:
     """Return the response of a submission."""
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200

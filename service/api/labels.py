@@ -1,4 +1,4 @@
-"""`/v1/jobs/{job}/labels`: label a person's scan again with labels that were corrected by hand."""
+"""`/v1/jobs/{job}/labels` and `/wearing`: label a person's scan again, with corrected labels or in another outfit."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from fastapi import APIRouter, Response
 from ..mending import RelabelOrder, submit_relabelling
 from ..uploads import find_upload
 from .access import AppStateDependency, Submitter, find_own
-from .jobs import find_realm, show_created
-from .schemas import LabelsIn
+from .jobs import answer_submission, find_realm, show_created
+from .schemas import LabelsIn, WearingIn
 
 router = APIRouter(tags=["jobs"])
 
@@ -28,7 +28,20 @@ def mend_labels(job: str, payload: LabelsIn, response: Response, rooms: AppState
     kept = find_upload(rooms.database, caller.key, payload.points, "labels")
     with rooms.copying() as folder:
         points = rooms.store.copy(kept.sha256, folder / "points.npy")
-        done = submit_relabelling(rooms, row, RelabelOrder(points, caller.key, caller.quota, find_realm(rooms, caller)))
-    response.headers["location"] = f"/v1/jobs/{done.job}"
-    response.status_code = 202 if done.is_new else 200
-    return {"job": done.job, "state": done.state, "is_new": done.is_new}
+        order = RelabelOrder(points, None, caller.key, caller.quota, find_realm(rooms, caller))
+        done = submit_relabelling(rooms, row, order)
+    return answer_submission(response, done)
+
+
+@router.post(
+    "/jobs/{job}/wearing", status_code=202, summary="Label a person again in another outfit.",
+    responses=show_created(),
+)  # fmt: skip
+def set_wearing(job: str, payload: WearingIn, response: Response, rooms: AppStateDependency, caller: Submitter) -> Any:
+    """Queue a new job for the same scan that finds exactly these garments; the old job stays.
+
+    `details.outfits` of the old job has the readings of the outfit, the likeliest first. The same outfit again is the
+    same job: 200, not 202.
+    """
+    order = RelabelOrder(None, payload.wearing, caller.key, caller.quota, find_realm(rooms, caller))
+    return answer_submission(response, submit_relabelling(rooms, find_own(rooms, caller, job), order))

@@ -228,6 +228,13 @@ class LabelsIn(BaseModel):
     )
 
 
+class WearingIn(BaseModel):
+    """Describe what a person wears."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"wearing": "upper,lower"}})
+    wearing: Text = Field(description="Exactly these garments: some of upper, lower, one-piece, outer; or nothing.")
+
+
 class JobsIn(BaseModel):
     """List jobs by their ids."""
 

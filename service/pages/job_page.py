@@ -16,6 +16,7 @@ from .session import VisitorOf
 from .shell import Visitor, draw_shell
 from .words import (
     describe_understood,
+    describe_worn,
     draw_family,
     draw_gates,
     draw_redrape,
@@ -23,6 +24,7 @@ from .words import (
     draw_time,
     draw_verdict,
     is_ended,
+    list_readings,
 )
 
 router = make_router()
@@ -41,6 +43,7 @@ def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Respons
         [
             html("<h1>{}</h1>", report.name),
             _draw_progress(report, visitor, has_files),
+            _draw_worn(report, _may_change(visitor)),
             _draw_understood(report),
             draw_family(report),
             _draw_checks(report),
@@ -52,7 +55,7 @@ def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Respons
 
 
 def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
-    may_change = "submit" in visitor.caller.scopes or visitor.caller.sees_all
+    may_change = _may_change(visitor)
     buttons = []
     if may_change and not is_ended(job):
         buttons.append(html('<button type="button" id="cancel">Cancel</button>'))
@@ -81,6 +84,26 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
     )  # fmt: skip
 
 
+def _may_change(visitor: Visitor) -> bool:
+    return "submit" in visitor.caller.scopes or visitor.caller.sees_all
+
+
+def _draw_worn(job: JobReport, may_change: bool) -> Html:
+    """Draw what a person was found to wear, why, and a button for each other likely reading of the outfit."""
+    outfits = job.details.get("outfits") if job.kind == PERSON_KIND else None
+    if not outfits:
+        return Html()
+    first, *others = list_readings(outfits)
+    rows = join(
+        html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text)
+        for name, text in describe_worn(job.details.get("garments") or [])
+    )
+    buttons = join(
+        (html('<button type="button" data-wearing="{}">Take it for {} ({})</button>', *one) for one in others), " "
+    )
+    return html(WORN, words=first[1], share=first[2], rows=rows, buttons=buttons if may_change else Html())
+
+
 def _draw_understood(job: JobReport) -> Html:
     understood = describe_understood(job.details)
     if not understood:
@@ -93,6 +116,10 @@ def _draw_understood(job: JobReport) -> Html:
 def _draw_checks(job: JobReport) -> Html:
     return html('<section class="card"><h2>Checks</h2>{}</section>', draw_gates(job.gates)) if job.gates else Html()
 
+
+WORN = """<section class="card" id="worn"><h2>Worn</h2>
+<p>{words} <span class="soft">({share})</span></p><div class="wide"><table>{rows}</table></div>
+<p class="row">{buttons}</p><div id="worn-problem"></div></section>"""
 
 PROGRESS = """<section class="card" id="job" data-job="{job}" data-ended="{ended}">
 <p class="row"><span id="state">{state}</span>{verdict}<span class="soft">{kind}, created {created}</span>{tags}</p>

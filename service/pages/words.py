@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -79,6 +80,38 @@ def is_ended(job: JobReport) -> bool:
 def describe_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the first stage's description of a job's files, as names and texts."""
     return [(_name(key), text) for key, value in sorted(details.items()) if (text := _format_value(value))]
+
+
+MIN_READING_SHARE = 0.02
+"""Probability of a reading of the outfit from which on the page offers it [1]."""
+
+MAX_READINGS = 3
+"""Number of readings that the page names."""
+
+
+def list_readings(outfits: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
+    """Return the likely readings of an outfit, the best first: as `--wearing` takes it, in words, probability."""
+    best = max(outfit["score"] for outfit in outfits)
+    weights = [math.exp(outfit["score"] - best) for outfit in outfits]
+    found = []
+    for outfit, weight in list(zip(outfits, weights, strict=True))[:MAX_READINGS]:
+        share = weight / sum(weights)
+        if not found or share >= MIN_READING_SHARE:
+            parts = outfit["parts"] or ["nothing"]
+            found.append((",".join(parts), " and ".join(parts), f"{100 * share:.0f} %"))
+    return found
+
+
+def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """Return what each garment was found to be and which of its ends the scan shows, as names and texts."""
+    told = []
+    for garment in garments:
+        what = f"{garment['category'] or 'of no known cut'}, confidence {garment['confidence']:.2f}"
+        for word, hidden in (("ends seen", False), ("ends inferred", True)):
+            ends = [contour["name"] for contour in garment["contours"] if contour["is_inferred"] is hidden]
+            what += f"; {word}: {', '.join(ends)}" if ends else ""
+        told.append((garment["part"], what))
+    return told
 
 
 def _name(key: str) -> str:

@@ -106,6 +106,7 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
     job = service.submit(Order(folder / "a.ply", folder / "b.ply")).job
     (folder / "points.npy").write_bytes(b"x")
     refused(service.mend_labels, finished, folder / "points.npy")
+    refused(service.set_wearing, finished, "upper")
     refused(service.refine, finished)
     refused(service.submit_derived, DerivedOrder("dress", job, {"body": "builtin:female"}))
     service.find_job(job), service.find_jobs_by_id([job]), service.list_jobs(), service.find_jobs(JobQuery({}))

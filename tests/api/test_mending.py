@@ -64,6 +64,26 @@ def test_who_may_not_mends_nothing(client, settings, database, store, shells, tm
     assert mend(good, admin).status_code == 200
 
 
+def test_a_person_is_taken_for_another_outfit(client, settings, database, store, shells, tmp_path):
+    """Broken where another key or a reader chooses an outfit, a word that is none makes a job, or options are lost."""
+    key, _ = create_key(database, "studio", ("read", "submit"), 100)
+    job = keep_person(Services(settings, database, store), tmp_path / "berta", shells, key=key.id)
+    other, reader = (make_key(database, name, *s) for name, s in (("o2", ()), ("r2", ("read",))))
+    admin = make_key(database, "admin2", "admin", "read", "submit")
+
+    def wear(wearing: str, headers: dict[str, str]):
+        return client.post(f"/v1/jobs/{job}/wearing", json={"wearing": wearing}, headers=headers)
+
+    assert code_of(wear("one-piece", other)) == "job.unknown"
+    assert code_of(wear("one-piece", reader)) == "key.scope_missing"
+    assert code_of(wear("socks", admin)) == "segment.hint_bad"
+    made = wear("one-piece", admin)
+    assert made.status_code == 202 and wear("one-piece", admin).status_code == 200
+    again = read_request(PersonRequest, find_job(database, made.json()["job"]).request)
+    assert (again.wearing, again.labels, again.given_as) == ("one-piece", None, "person")
+    assert again.scan == read_request(PersonRequest, find_job(database, job).request).scan
+
+
 def test_labels_go_where_the_files_points_are(tmp_path):
     """Broken where points that were merged, dropped or split get another's label, or old files are believed to fit."""
     stored = tmp_path / "labels.npz"

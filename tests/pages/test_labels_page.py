@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -314,3 +315,15 @@ def test_a_persons_result_shows_its_scan(page, person):
     assert page.locator("#pictures").get_attribute("hidden") is None
     assert "Fabric" not in page.locator("h2").all_inner_texts()
     assert page.locator("a.button", has_text="Labels").get_attribute("href") == f"/results/{person}/labels"
+
+
+def test_the_second_reading_is_taken_with_a_click(window, site, person):
+    """Broken where the page hides what a person may wear besides, or its button queues another outfit or none."""
+    window.goto(f"/jobs/{person}")
+    worn = window.locator("#worn")
+    assert "upper and lower" in worn.inner_text() and "73 %" in worn.inner_text()
+    assert worn.get_by_role("button").count() == 1  # the third reading has less than one in fifty
+    worn.get_by_role("button", name="Take it for one-piece (27 %)").click()
+    window.wait_for_url(re.compile(f"/jobs/(?!{person})"))
+    row = find_job(site.services.database, window.url.rsplit("/", 1)[1])
+    assert read_request(PersonRequest, row.request).wearing == "one-piece"

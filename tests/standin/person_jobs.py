@@ -28,6 +28,14 @@ EXTRA = 2
 """Points of the file that are no part of the person: they come first, and are dropped."""
 
 
+READINGS = [
+    {"parts": ["upper", "lower"], "score": 0.0},
+    {"parts": ["one-piece"], "score": -1.0},
+    {"parts": ["upper"], "score": -9.0},
+]
+"""Readings of the outfit of a kept person, the likeliest first."""
+
+
 def keep_person(services: Services, folder: Path, shells: Shells, key: str = "", is_cloud: bool = False) -> str:
     """Submit a person's scan and store what it was taken apart into as a worker would; give the job's id."""
     raw, separation = separate_by_truth(shells, EXTRA)
@@ -48,6 +56,6 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     worn = np.isin(shells.label, (Part.UPPER, Part.LOWER))[:, None]
     write_scan_ply(replace(raw, colours=np.where(worn, BLUE, PINK)), out / "scan.ply")
     (out / "person.json").write_text(json.dumps({"garments": []}))
-    found = PersonFound(shells.body, {"garments": [], "outfits": [], "parts": {}})
+    found = PersonFound(shells.body, {"garments": [], "outfits": READINGS, "parts": {}})
     store_result(services.database, services.store, claim(services.database, job, "test", 600.0), Person(), found, out)
     return job

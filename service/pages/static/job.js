@@ -62,7 +62,24 @@ function change(what) {
   });
 }
 
+/** Queue the same scan in another outfit on a click, and open that job's page. */
+function offerReadings() {
+  for (const button of document.querySelectorAll('#worn [data-wearing]')) {
+    button.addEventListener('click', async () => {
+      button.disabled = true;
+      try {
+        const again = await postJson(`/v1/jobs/${job}/wearing`, { wearing: button.getAttribute('data-wearing') });
+        location.assign(`/jobs/${again.job}`);
+      } catch (error) {
+        button.disabled = false;
+        showError(find('#worn-problem'), error);
+      }
+    });
+  }
+}
+
 showTimes();
+offerReadings();
 change('cancel');
 change('retry');
 offerRefinement(job);
