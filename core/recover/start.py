@@ -9,6 +9,7 @@ from ..cloth.fabrics import get_fabric
 from ..garment.parts.cut import PartsConflict
 from ..garment.templates import draft_template, find_cut, load_template, name_cut
 from ..run.clock import Clock
+from ..scan.contours.body_mismatch import check_own_body
 from ..scan.contours.garment import segment_garment
 from ..scan.contours.rounded_rims import straighten_scan
 from ..scan.contours.target import CATEGORIES, Target
@@ -26,13 +27,18 @@ from .wearer import find_wearer
 
 
 def read_case(request: Request, clock: Clock) -> Case:
-    """Read the files, find the wearer and name the garment's contours."""
+    """Read the files, find the wearer and name the garment's contours.
+
+    Raises:
+        BodyMismatch: where the garment was not scanned on the body of the file.
+    """
     with clock.stage("scan", "reading the scan"):
         pieces = read_files(request)
     with clock.stage("body", "finding the wearer's joints") as hooks:
         found = find_wearer(request, pieces, hooks)
     with clock.stage("segment", "naming the open contours"):
         scan = straighten_scan(pieces.garment)
+        check_own_body(scan.vertices, found.body)
         target = segment_garment(scan, found.body)
         category = request.settings.garment or (None if request.reading is None else request.reading.category)
         if category is not None:

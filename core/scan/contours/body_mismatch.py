@@ -7,6 +7,7 @@ import numpy as np
 from ...body.body import Body
 from ...body.solid import Solid
 from ...geometry.surface import TriangleSurface
+from ...run.errors import BadInput
 
 MAX_CLOTH_PENETRATION = 0.02
 """Depth inside the body that noise and pressed-in cloth do not reach [m]."""
@@ -51,6 +52,25 @@ def explain_misfit(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) 
             "it hangs beside it, so the two files have different origins; export them together."
         )
     return ""
+
+
+class BodyMismatch(BadInput):
+    """The garment was not scanned on this body; give its wearer's own body, in the same place."""
+
+    code = "scan.body_mismatch"
+
+
+def check_own_body(points: np.ndarray, body: Body) -> None:
+    """Check that a garment's vertices [m], shape [n, 3], can have been scanned on the body of a file.
+
+    A built-in body stands for a wearer of about its measures, so that only a warning is given of it.
+
+    Raises:
+        BodyMismatch: if it cannot.
+    """
+    misfit = explain_misfit(points, body.vertices, body.faces) if body.source.startswith("mesh:") else ""
+    if misfit:
+        raise BodyMismatch(misfit[0].upper() + misfit[1:])
 
 
 def find_misfit_warnings(points: np.ndarray, body: Body) -> tuple[str, ...]:
