@@ -62,7 +62,7 @@ def test_a_body_that_is_not_its_own(tmp_path, wearers, skin):
     assert find_misfit_warnings(vertices, given) and not find_misfit_warnings(
         vertices, replace(given, source="smpl:fitted")
     )
-    with pytest.raises(BodyMismatch, match="^[0-9]+ % of the garment"):
+    with pytest.raises(BodyMismatch, match=r"^[0-9]+ % of the garment"):
         check_own_body(vertices, given)
     check_own_body(vertices, replace(given, source="builtin:female"))  # stands for a wearer of about its measures
     check_own_body(vertices, replace(body, source="mesh:own"))
