@@ -93,7 +93,7 @@ def list_readings(outfits: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
     """Return the likely readings of an outfit, the best first: as `--wearing` takes it, in words, probability."""
     best = max(outfit["score"] for outfit in outfits)
     weights = [math.exp(outfit["score"] - best) for outfit in outfits]
-    found = []
+    found: list[tuple[str, str, str]] = []
     for outfit, weight in list(zip(outfits, weights, strict=True))[:MAX_READINGS]:
         share = weight / sum(weights)
         if not found or share >= MIN_READING_SHARE:
