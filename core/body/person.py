@@ -161,7 +161,8 @@ def fit_person(
     template = load_template()
     surface = average_points(points, normals, oriented, settings.surface_count, settings.seed)
     height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
-    if surface is None or not 0.7 <= height <= 2.8:
+    length = 0.0 if surface is None else float(np.ptp(surface.points, axis=0).max())
+    if surface is None or not (0.7 <= length and height <= 2.8):
         raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")
     if settings.refuses and surface.total < MIN_SCAN_CELL_COUNT:
         raise TooSparse()
@@ -169,7 +170,7 @@ def fit_person(
     presence = measure_presence(template, surface, found.state)
     if settings.refuses and presence.stray > settings.stray and _shows_two_persons(template, surface, settings, hooks):
         raise SeveralPersons()
-    problem = find_presence_error(presence, height) if settings.refuses else None
+    problem = find_presence_error(presence) if settings.refuses else None
     if problem is not None and not presence.may_be_whole:
         raise problem
     turned = orient_by_body(template, surface, found.state)
@@ -178,7 +179,7 @@ def fit_person(
     fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
     fit = refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
     # In the fit as if bare, hands and feet of small people extend beyond the scan and count as unseen.
-    if problem is not None and find_presence_error(measure_presence(template, surface, fit.state), height) is not None:
+    if problem is not None and find_presence_error(measure_presence(template, surface, fit.state)) is not None:
         raise problem
     return fit
 

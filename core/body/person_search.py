@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import pi
+from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..run.hooks import Hooks
 from .body import JOINTS
@@ -39,6 +42,22 @@ MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 """Start poses of persons, in addition to those of a body's mesh."""
 
 
+POSE_FILE = Path(__file__).parent / "assets" / "poses.npz"
+"""Poses out of motions, as different as they can be (`training/build_poses.py`)."""
+
+MOVING_START_COUNT = 24
+"""Number of starts from poses out of motions that are fitted: a quarter of those from named poses."""
+
+COARSE_POINT_COUNT = 150
+"""Number of points on either side by which poses out of motions are ranked before any is fitted: six a bone."""
+
+MAX_COARSE_DISTANCE = 0.2
+"""Distance [m] at which the coarse ranking clamps the misfit of a point: a limb that is elsewhere."""
+
+HEIGHT_RANGE = (0.9, 2.0)
+"""Statures [m] of starts from poses out of motions: children from three years on."""
+
+
 @dataclass(frozen=True)
 class FoundStart:
     """Describe the best fit as if bare.
@@ -57,10 +76,12 @@ class FoundStart:
 def find_start(
     template: Template, surface: OrientedPoints, search: SearchSettings, seed: int, hooks: Hooks
 ) -> FoundStart:
-    """Find the best fit from all poses at all headings."""
+    """Find the best fit from all named poses at all headings, and from the likeliest poses out of motions."""
     rng = np.random.default_rng(seed)
     subset = spread_subset(template, search.fine_count, rng)
-    finalists = rank_starts(template, surface, subset, list_starts(template, surface, subset), search, hooks)
+    starts = list_starts(template, surface, subset)
+    starts += rank_poses(template, surface, subset[:COARSE_POINT_COUNT])
+    finalists = rank_starts(template, surface, subset, starts, search, hooks)
     others = find_distinct_fits(template, finalists[:1], finalists[1:])
     margin = others[0][0] / finalists[0][0] - 1.0 if others else np.inf
     return FoundStart(finalists[0][2], finalists[0][0], float(margin))
@@ -88,6 +109,50 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
             shift = centre - 0.5 * (posed.min(axis=0) + posed.max(axis=0))
             shift[[0, 2]] = (surface.points.mean(axis=0) - posed.mean(axis=0))[[0, 2]]
             starts.append(FitState(shape, rotations, shift))
+    return starts
+
+
+@cache
+def load_poses() -> tuple[np.ndarray, np.ndarray]:
+    """Return poses out of motions as axis-angles [rad], shape [n, 24, 3], and the name of each one's motion."""
+    with np.load(POSE_FILE) as kept:
+        return kept["angles"].astype(np.float64), kept["clips"]
+
+
+def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) -> list[FitState]:
+    """Return the likeliest starts from poses out of motions, one heading of each, the best first.
+
+    A start is scaled to the scan's spread about its mean and placed there. Its misfit is the mean distance of points of
+    the body to the scan and back, each clamped to `MAX_COARSE_DISTANCE`.
+    """
+    points = surface.points[:: max(1, len(surface.points) // COARSE_POINT_COUNT)]
+    mean = surface.points.mean(axis=0)
+    spread = float(np.sqrt(((surface.points - mean) ** 2).sum(axis=1).mean()))
+    tree = cKDTree(surface.points)
+    usual = float(np.ptp(template.vertices[:, 1]))
+    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
+    ranked = []
+    for number, angles in enumerate(load_poses()[0]):
+        rotations = rotations_of(angles)
+        posed = _pose(template, np.zeros(4), rotations, subset)
+        radius = float(np.sqrt(((posed - posed.mean(axis=0)) ** 2).sum(axis=1).mean()))
+        height = float(np.clip(usual * spread / radius, *HEIGHT_RANGE))
+        body = (posed - posed.mean(axis=0)) * height / usual
+        found = []
+        for h in range(START_HEADING_COUNT):
+            heading = rotations_of(np.array([[0.0, 2 * pi * h / START_HEADING_COUNT, 0.0]]))[0]
+            placed = body @ heading.T + mean
+            there = np.minimum(tree.query(placed)[0], MAX_COARSE_DISTANCE).mean()
+            back = np.minimum(cKDTree(placed).query(points)[0], MAX_COARSE_DISTANCE).mean()
+            found.append((float(there + back), h))
+        misfit, h = min(found)
+        ranked.append((misfit, number, h, height))
+    starts = []
+    for _, number, h, height in sorted(ranked)[:MOVING_START_COUNT]:
+        rotations = rotations_of(load_poses()[0][number])
+        rotations[0] = rotations_of(np.array([[0.0, 2 * pi * h / START_HEADING_COUNT, 0.0]]))[0] @ rotations[0]
+        shape = (slope * (height - usual) / (slope @ slope))[:4]
+        starts.append(FitState(shape, rotations, mean - _pose(template, shape, rotations, subset).mean(axis=0)))
     return starts
 
 

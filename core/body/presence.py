@@ -17,7 +17,11 @@ MIN_SCAN_CELL_COUNT = 2500
 """Smallest number of cells of 12 mm with a point in them; a scan with fewer is too sparse: 27 mm between points on a
 person's 1.9 m2, more than a cuff's hem."""
 MIN_WHOLE_PERSON_HEIGHT = 1.05
-"""Height [m] below which a scan is not a whole person: a seated one is 1.2 m high, half a standing one 0.8 to 1.0."""
+"""Height [m] below which half of a scan is no second person: a seated one is 1.2 m high, half a standing one 0.8 to
+1.0."""
+MIN_WHOLE_PERSON_REACH = 0.85
+"""Least extent of a scan along each axis as a share of the body's that was fitted to it [1]: hands and feet of small
+people lie beyond the scan, and of half a person half of the body does."""
 
 MAX_SCAN_MATCH_DISTANCE = 0.02
 """Distance [m] up to which a point of the body is found in the scan if the normals agree."""
@@ -44,6 +48,7 @@ class Presence:
         upper: The same of trunk and arms: people 0.52 to 0.86.
         far_share: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
         stray: Share of the scan beyond `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (wide skirts), pairs 0.29 to 0.45.
+        reach: Smallest extent of the scan along an axis as a share of the body's.
     """
 
     unseen: float
@@ -52,6 +57,7 @@ class Presence:
     upper: float
     far_share: float
     stray: float
+    reach: float = 1.0
 
     @property
     def is_person(self) -> bool:
@@ -113,6 +119,7 @@ def measure_presence(template: Template, surface: OrientedPoints, state: FitStat
         upper=float(found[~legs & ~head].mean()),
         far_share=float((distance > 0.1).mean()),
         stray=float((distance > STRAY_POINT_DISTANCE).mean()),
+        reach=float((np.ptp(surface.points, axis=0) / np.ptp(model, axis=0)).min()),
     )
 
 
@@ -137,14 +144,14 @@ def split_in_two(points: np.ndarray, rounds: int = 10) -> np.ndarray:
     return np.asarray(second)
 
 
-def find_presence_error(presence: Presence, height: float) -> BadInput | None:
-    """Return why a scan of this height [m] is not one whole person, or None; two persons are not checked here."""
-    if presence.is_person and height >= MIN_WHOLE_PERSON_HEIGHT:
+def find_presence_error(presence: Presence) -> BadInput | None:
+    """Return why a scan is not one whole person, or None; two persons are not checked here."""
+    if presence.is_person and presence.reach >= MIN_WHOLE_PERSON_REACH:
         return None
     if presence.far_share < 0.1 and presence.stray < 0.02:
         return ScanPartial()
     seen = f"Of a person's surface {100 * presence.found:.0f} % are found in the scan"
-    return NotHuman(f"{seen}. The scan does not look like a person; scan a whole wearer, head to feet, upright.")
+    return NotHuman(f"{seen}. The scan does not look like a person; scan a whole wearer, head to feet.")
 
 
 def _weight_of(template: Template, *parts: str) -> np.ndarray:

@@ -17,6 +17,7 @@ from garmentq.core.body.person import (
     refit_person,
     strengthen_contact,
 )
+from garmentq.core.body.person_search import load_poses, rank_poses
 from garmentq.core.body.presence import (
     Presence,
     ScanPartial,
@@ -157,12 +158,12 @@ def test_noise_does_not_turn_normals() -> None:
 def test_codes_follow_what_is_seen() -> None:
     """Broken where a half is told to be no person, or a coat or wide skirt that hides the body is refused."""
     whole = Presence(unseen=0.0, found=0.6, head=0.6, upper=0.6, far_share=0.02, stray=0.0)
-    assert find_presence_error(whole, 1.7) is None
-    assert find_presence_error(replace(whole, found=0.4, far_share=0.3, stray=0.2), 1.7) is None
-    assert isinstance(find_presence_error(replace(whole, unseen=0.2), 1.7), ScanPartial)
-    assert isinstance(find_presence_error(whole, 0.9), ScanPartial)
+    assert find_presence_error(whole) is None
+    assert find_presence_error(replace(whole, found=0.4, far_share=0.3, stray=0.2)) is None
+    assert isinstance(find_presence_error(replace(whole, unseen=0.2)), ScanPartial)
+    assert isinstance(find_presence_error(replace(whole, reach=0.6)), ScanPartial)
     chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, far_share=0.25, stray=0.1)
-    assert isinstance(find_presence_error(chair, 0.9), NotHuman)
+    assert isinstance(find_presence_error(chair), NotHuman)
 
 
 def test_hands_beyond_the_scan_do_not_refuse_a_whole_person(person: Dressed, monkeypatch) -> None:
@@ -238,6 +239,32 @@ def test_poses_and_outfits_are_accepted(stance: str, outfit: str) -> None:
     person = dress_person(TEMPLATE, 5, stance, outfit)
     fit = fit_person(person.vertices, vertex_normals(person.vertices, person.faces))
     assert errors(person, fit)[0] < 0.030
+
+
+@pytest.mark.parametrize("clip", ["roll", "spinkick", "getup_faceup"])
+def test_poses_out_of_motions_are_found(clip: str) -> None:
+    """Broken where someone who lies, rolls or kicks is no person: named poses stand upright, and are far from those."""
+    angles, clips = load_poses()
+    rng = np.random.default_rng(4)
+    vectors = angles[np.flatnonzero(clips == clip)[2]] + 0.1 * rng.normal(size=(24, 3))
+    state = FitState(0.5 * rng.normal(size=4), rotations_of(vectors), np.array([0.4, 0.2, -0.3]))
+    vertices, normals = pose_model(TEMPLATE, state)
+    fit = fit_person(vertices, normals)
+    # A limb that is taken for the other one, or a body turned about, lies 25 cm off.
+    assert np.sqrt(((fit.body.vertices - vertices) ** 2).sum(axis=1).mean()) < 0.05
+
+
+def test_poses_are_ranked_by_what_they_leave() -> None:
+    """Broken where the ranking is by one side alone, or headings, place or size are lost on the way to a start."""
+    angles, clips = load_poses()
+    chosen = int(np.flatnonzero(clips == "kick")[4])
+    vectors = angles[chosen].copy()
+    state = FitState(np.zeros(4), rotations_of(vectors), np.array([1.0, 0.3, 2.0]))
+    vertices, normals = pose_model(TEMPLATE, state)
+    subset = np.random.default_rng(0).choice(len(vertices), 150, replace=False)
+    best = rank_poses(TEMPLATE, OrientedPoints(vertices[::5], normals[::5]), subset)[0]
+    found, _ = pose_model(TEMPLATE, best)
+    assert np.abs(found - vertices).max() < 0.1
 
 
 def test_body_of_a_state_is_the_model() -> None:
