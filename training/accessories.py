@@ -26,6 +26,9 @@ TAKEN_IN = 0.008
 TRUNK = ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar", "neck")
 """Joints of what a strap goes around."""
 
+SOCKS = 0.3
+"""Share of persons whose socks show: without shoes, or above them."""
+
 TILT = np.deg2rad(35.0)
 """Angle by which the hairline is lower behind than in front."""
 
@@ -59,6 +62,10 @@ def draw_accessories(template: Template, body: Body, cloth: list[Layer], rng: np
         layers.append(Layer(Part.HAIR, worn_asset(template, body, chosen, bulk)))
     elif drawn < 0.9:
         layers.append(Layer(Part.HAIR, hair_shell(body, rng)))
+        if rng.random() < 0.25:
+            layers.append(Layer(Part.HAIR, tied_hair(body, rng)))
+    if rng.random() < SOCKS:
+        layers.append(Layer(Part.SHOES, sock_shell(body, rng)))
     drawn = rng.random()
     if drawn < 0.4:
         chosen, bulk = assets[str(rng.choice(shoes))], float(rng.uniform(0.8, 1.3))
@@ -71,6 +78,10 @@ def draw_accessories(template: Template, body: Body, cloth: list[Layer], rng: np
         layers.append(Layer(Part.OTHER, worn_asset(template, body, assets[hat], 1.05)))
     elif drawn < 0.08:
         layers.append(Layer(Part.OTHER, hair_shell(body, rng)))
+    elif drawn < 0.11:
+        layers.append(Layer(Part.OTHER, head_scarf(body, rng)))
+    if rng.random() < 0.12:
+        layers.append(Layer(Part.OTHER, glasses(body, rng)))
     if rng.random() < 0.12:
         layers += draw_bag(body, cloth, rng)
     if rng.random() < 0.04:
@@ -93,8 +104,13 @@ def worn_asset(template: Template, body: Body, asset: Mesh, bulk: float) -> Mesh
     values = np.hstack([body.rest_vertices - template.vertices, template.weights, template.vertices])
     near = surface_values(template.vertices, template.faces, values, points)
     moved, weights, foot = near[:, :3], near[:, 3:-3], near[:, -3:]
-    rest = foot + moved + bulk * (points - foot)
+    rest = foot + moved + bulk * size_of(body) * (points - foot)
     return skin(rest, weights / weights.sum(axis=1, keepdims=True), body.transforms), faces
+
+
+def size_of(body: Body) -> float:
+    """Return a wearer's height as a share of 1.7 m."""
+    return float(np.ptp(body.rest_vertices[:, 1])) / 1.7
 
 
 def hair_shell(body: Body, rng: np.random.Generator) -> Mesh:
@@ -114,9 +130,69 @@ def hair_shell(body: Body, rng: np.random.Generator) -> Mesh:
     return refine(*clip((shell, body.faces), keep))
 
 
+def tied_hair(body: Body, rng: np.random.Generator) -> Mesh:
+    """Return a bun or a tail behind the head."""
+    head, top = body.rest_joints[JOINTS.index("head")], body.rest_vertices[:, 1].max()
+    behind = body.rest_vertices[body.rest_vertices[:, 1] > head[1]][:, 2].min()
+    bun = rng.random() < 0.5
+    size = rng.uniform(0.025, 0.045) * np.ones(3) if bun else rng.uniform([0.02, 0.08, 0.02], [0.04, 0.2, 0.04])
+    high = rng.uniform(0.2, 1.0)
+    place = np.array(
+        [head[0], head[1] + high * (top - head[1]) - (0.0 if bun else 0.8 * size[1]), behind - 0.6 * size[2]]
+    )
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    rest = place + size * ball.vertices
+    weights = np.zeros((len(rest), 24))
+    weights[:, JOINTS.index("head")] = 1.0
+    return skin(rest, weights, body.transforms), np.asarray(ball.faces, np.int64)
+
+
+def head_scarf(body: Body, rng: np.random.Generator) -> Mesh:
+    """Return a cloth around head, neck and shoulders that leaves the face open."""
+    head, neck = (body.rest_joints[JOINTS.index(name)] for name in ("head", "neck"))
+    rest = body.rest_vertices
+    top = rest[:, 1].max()
+    face = np.array([head[0], 0.55 * head[1] + 0.45 * top, rest[rest[:, 1] > head[1]][:, 2].max()])
+    opening = np.linalg.norm((rest - face) / [0.07, 0.1, 0.09], axis=1) - 1.0
+    low = rest[:, 1] - (neck[1] - rng.uniform(-0.02, 0.12))
+    keep = np.minimum(np.minimum(0.08 * opening, low), 0.14 - np.abs(rest[:, 0]))
+    waves = wave_field(rest, (0.03, 0.12), rng)
+    height = rng.uniform(0.004, 0.02) * (1 + 0.3 * np.clip(waves, -2, 2))
+    shell = body.vertices + height[:, None] * vertex_normals(body.vertices, body.faces)
+    return refine(*clip((shell, body.faces), keep))
+
+
+def glasses(body: Body, rng: np.random.Generator) -> Mesh:
+    """Return two rims and a bridge before the eyes."""
+    head = body.rest_joints[JOINTS.index("head")]
+    rest = body.rest_vertices
+    own = rest[rest[:, 1] > head[1]]
+    eyes = head[1] + 0.5 * (own[:, 1].max() - head[1])
+    ahead = own[np.abs(own[:, 1] - eyes) < 0.02][:, 2].max() + 0.01
+    rims = []
+    for side in (-1.0, 1.0):
+        rim = trimesh.creation.torus(rng.uniform(0.02, 0.03), rng.uniform(0.002, 0.004), 32, 8)
+        rim.apply_translation([head[0] + side * 0.033, eyes, ahead])
+        rims.append(rim)
+    bridge = trimesh.creation.box([0.02, 0.005, 0.004])
+    bridge.apply_translation([head[0], eyes, ahead])
+    whole = trimesh.util.concatenate([*rims, bridge])
+    weights = np.zeros((len(whole.vertices), 24))
+    weights[:, JOINTS.index("head")] = 1.0
+    return skin(np.asarray(whole.vertices), weights, body.transforms), np.asarray(whole.faces, np.int64)
+
+
+def sock_shell(body: Body, rng: np.random.Generator) -> Mesh:
+    """Return socks up to a drawn height."""
+    rest = body.rest_vertices
+    rim = rng.uniform(0.06, 0.42) * size_of(body) - rest[:, 1]
+    shell = body.vertices + rng.uniform(0.001, 0.003) * vertex_normals(body.vertices, body.faces)
+    return refine(*clip((shell, body.faces), rim))
+
+
 def shoe_shell(body: Body, rng: np.random.Generator) -> Mesh:
     """Return shoes or boots: a smoothed shell around the feet up to a drawn height, with a sole."""
-    height = float(rng.choice([rng.uniform(0.05, 0.12), rng.uniform(0.12, 0.4)], p=[0.75, 0.25]))
+    height = float(rng.choice([rng.uniform(0.05, 0.12), rng.uniform(0.12, 0.4)], p=[0.75, 0.25])) * size_of(body)
     edges = HalfEdges.of(body.faces, len(body.vertices)).adjacency
     degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0)[:, None]
     rest = body.rest_vertices
@@ -142,7 +218,9 @@ def draw_bag(body: Body, cloth: list[Layer], rng: np.random.Generator) -> list[L
     kind = rng.choice(["hip", "back", "hand"])
     sign = 1.0 if side == "left" else -1.0
     if kind == "hand":
-        size, place = rng.uniform(0.02, 0.12, 3), body.joint(f"{side}_hand") + [0.0, -0.05, 0.0]
+        phone = rng.random() < 0.4
+        size = np.array([0.006, 0.075, 0.037]) if phone else rng.uniform(0.02, 0.12, 3)
+        place = body.joint(f"{side}_hand") + [0.0, -0.05, 0.0]
     elif kind == "back":
         size = rng.uniform([0.11, 0.15, 0.05], [0.17, 0.24, 0.10])
         place = body.joint("spine3") + [0.0, -0.05, -0.13 - size[2]]
@@ -198,7 +276,8 @@ def _outermost(points: np.ndarray, cloth: list[Layer]) -> np.ndarray:
 
 def scarf(body: Body, rng: np.random.Generator) -> Mesh:
     """Return a torus around the neck."""
-    ring = trimesh.creation.torus(rng.uniform(0.08, 0.1), rng.uniform(0.02, 0.04), 48, 24)
+    size = size_of(body)
+    ring = trimesh.creation.torus(size * rng.uniform(0.08, 0.1), size * rng.uniform(0.02, 0.04), 48, 24)
     turn = trimesh.transformations.rotation_matrix(np.pi / 2 + rng.normal(0.25, 0.1), [1, 0, 0])
     ring.apply_transform(turn)
     return np.asarray(ring.vertices) + body.joint("neck") + [0.0, 0.02, 0.02], np.asarray(ring.faces, np.int64)

@@ -16,6 +16,9 @@ Mesh = tuple[np.ndarray, np.ndarray]
 COVER = 0.06
 """Distance [m] of two layers up to which the outer covers the inner: a loose top over a waistband hangs 4 cm off."""
 
+COVERED_SKIN = 0.008
+"""Height of skin over cloth [m] up to which it is below it: a drape's errors on a person in a pose."""
+
 BELOW = 0.0025
 """Distance [m] at which a covered layer is put below the one that covers it: two thicknesses of cloth."""
 
@@ -108,6 +111,23 @@ def clear(mesh: Mesh, grid: SignedDistance, clearance: float) -> Mesh:
             break
         size = np.maximum(np.linalg.norm(gradient[low], axis=1, keepdims=True), 0.3)
         vertices[low] += (clearance - distance[low])[:, None] * gradient[low] / size
+    return vertices, faces
+
+
+def hide_skin(skin: Mesh, cloth: Mesh) -> Mesh:
+    """Put skin that pokes out of cloth below it; what faces the cloth from outside, a hand at a hip, stays."""
+    vertices, faces = skin[0].copy(), skin[1]
+    if not len(cloth[1]):
+        return skin
+    square, face, nearest = igl.point_mesh_squared_distance(vertices, *cloth)
+    normals = vertex_normals(*cloth)[cloth[1][face]].mean(axis=1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+    gap = vertices - nearest
+    above = np.einsum("na,na->n", gap, normals)
+    aside = np.sqrt(np.maximum(square - above**2, 0.0))
+    alike = np.einsum("na,na->n", normals, vertex_normals(*skin)) > 0.5
+    covered = alike & (above > -BELOW) & (above < COVERED_SKIN) & (aside < 0.5 * np.abs(above) + 1e-3)
+    vertices[covered] = nearest[covered] - BELOW * normals[covered]
     return vertices, faces
 
 

@@ -1,20 +1,19 @@
-"""Colours of simulated scans: skin, hair, cloth with stripes and prints, shade, and a camera's faults.
-
-Nothing is learnt from them: they let the rules that read colours be calibrated on scans as most scanners give them.
-"""
+"""Colours of simulated scans: skin, hair, cloth with stripes and prints, shade, and a camera's faults."""
 
 from __future__ import annotations
 
 import colorsys
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body.body import JOINTS
 from ..core.body.template import load_template
-from ..core.people.part import GARMENTS, Part
+from ..core.people.part import Part
 from .cloth import wave_field
+from .scanner import NO_SURFACE
 from .shards import Shard
 
 WITHOUT = 0.25
@@ -24,11 +23,17 @@ ALIKE = 0.1
 """Share of outfits of several garments that are all of one cloth: suits, tracksuits, black on black."""
 
 BLOCKED = 0.1
-"""Share of one-piece garments whose cloth changes at the waist or that have a belt there."""
+"""Share of garments whose cloth changes at a height or that have a belt there; of one piece, at the waist."""
+
+SLEEVED = 0.06
+"""Share of garments whose sleeves, or sides of the legs, are of another cloth."""
+
+SKIN_COLOURED = 0.06
+"""Share of garments in the colour of the wearer's skin."""
 
 TINTS = {
-    Part.SKIN: ((0.93, 0.76, 0.66), (0.36, 0.23, 0.17)),
-    Part.HAIR: ((0.78, 0.66, 0.47), (0.10, 0.08, 0.07)),
+    "skin": ((0.93, 0.76, 0.66), (0.36, 0.23, 0.17)),
+    "hair": ((0.78, 0.66, 0.47), (0.10, 0.08, 0.07)),
 }
 """The lightest and the darkest skin and hair (sRGB): persons lie between them."""
 
@@ -59,39 +64,81 @@ def paint(shard: Shard, always: bool = False) -> np.ndarray | None:
     """
     person = np.random.default_rng([int(shard.about["seed"]), 7])
     scan = np.random.default_rng([int(shard.about["seed"]), int(shard.about["scan"]), 7])
-    cloths = _draw_cloths(person)
+    cloths = draw_cloths(shard.about, person)
     if scan.random() < WITHOUT and not always:
         return None
     near = cKDTree(shard.body_vertices).query(shard.points)[1]
     rest = load_template().vertices[near] + shard.points - shard.body_vertices[near]
     rgb = np.zeros((len(rest), 3))
-    for part in Part:
-        own = shard.label == part
-        if own.any():
-            rgb[own] = cloths[part](rest[own])
-    rgb = _blend(rgb, shard.points)
-    return np.asarray(np.clip(_expose(rgb, shard, scan), 0.0, 1.0))
+    for number in np.unique(shard.surface):
+        own = shard.surface == number
+        rgb[own] = cloths[int(number)](rest[own])
+    rgb = _expose(_blend(rgb, shard.points), shard, scan)
+    if shard.about["scanner"]["kind"] == "image":
+        rgb = _paint_back(rgb, shard)
+    return np.asarray(np.clip(rgb, 0.0, 1.0))
 
 
-def _draw_cloths(rng: np.random.Generator) -> dict[Part, Cloth]:
-    """Draw what each part of a person looks like."""
-    template = load_template()
-    joints = dict(zip(JOINTS, template.joints, strict=True))
+def _paint_back(rgb: np.ndarray, shard: Shard) -> np.ndarray:
+    """Return colours, shape [n, 3], of which an image shows those in front; what is behind them has the same."""
+    front = np.flatnonzero(shard.normals[:, 2] > 0.0)
+    painted = rgb.copy()
+    behind = shard.normals[:, 2] <= 0.0
+    near = cKDTree(shard.points[front, :2]).query(shard.points[behind, :2])[1]
+    painted[behind] = rgb[front[near]]
+    return painted
+
+
+def draw_cloths(about: dict[str, Any], rng: np.random.Generator) -> dict[int, Cloth]:
+    """Draw what each surface of a person looks like, and the remains of a floor.
+
+    What is drawn first does not depend on the surfaces, of which each scan of a person has its own.
+
+    Args:
+        about: The scan's, with its `materials`.
+        rng: The generator.
+    """
+    joints = dict(zip(JOINTS, load_template().joints, strict=True))
     waist = float(joints["pelvis"][1]) + rng.uniform(0.02, 0.18)
-    shared = rng.random() < ALIKE
-    cloth = _draw_cloth(rng)
-    found: dict[Part, Cloth] = {}
-    for part in Part:
-        own = _draw_cloth(rng)
-        found[part] = cloth if shared and part in (Part.UPPER, Part.LOWER) else own
-    if rng.random() < BLOCKED:
-        found[Part.ONE_PIECE] = _block(found[Part.ONE_PIECE], _draw_cloth(rng), waist, rng)
-    for part, (light, dark) in TINTS.items():
+    tints = {}
+    for name, (light, dark) in TINTS.items():
         share = rng.beta(0.8, 0.8)
-        tint = (1 - share) * np.array(light) + share * np.array(dark) + rng.normal(0.0, 0.015, 3)
-        found[part] = _stain(tint, 0.03, rng)
-    assert set(GARMENTS) <= set(found)
+        tints[name] = (1 - share) * np.array(light) + share * np.array(dark) + rng.normal(0.0, 0.015, 3)
+    shared = _draw_cloth(rng) if rng.random() < ALIKE else None
+    seeds = rng.integers(2**31, size=256)
+    found: dict[int, Cloth] = {NO_SURFACE: _draw_cloth(np.random.default_rng(int(seeds[NO_SURFACE])))}
+    for number, (part, material) in enumerate(about["materials"]):
+        own = np.random.default_rng(int(seeds[number]))
+        if material in tints:
+            found[number] = _stain(tints[material], 0.03, own)
+        elif shared is not None and part in (Part.UPPER, Part.LOWER):
+            found[number] = shared
+        else:
+            found[number] = _draw_garment(Part(part), tints["skin"], waist, own)
     return found
+
+
+def _draw_garment(part: Part, skin: np.ndarray, waist: float, rng: np.random.Generator) -> Cloth:
+    """Draw the cloth, or the two cloths, of a garment."""
+    if rng.random() < SKIN_COLOURED:
+        return _stain(skin + rng.normal(0.0, 0.04, 3), 0.02, rng)
+    cloth, kind = _draw_cloth(rng), rng.random()
+    if kind < BLOCKED:
+        height = waist if part is Part.ONE_PIECE else waist + rng.uniform(-0.5, 0.35)
+        return _block(cloth, _draw_cloth(rng), height, rng)
+    if kind < BLOCKED + SLEEVED:
+        return _side(cloth, _draw_cloth(rng), rng)
+    return cloth
+
+
+def _side(one: Cloth, other: Cloth, rng: np.random.Generator) -> Cloth:
+    """Return a cloth with another one from a distance from the middle on: sleeves, and stripes down the legs."""
+    aside = rng.uniform(0.14, 0.22)
+
+    def sided(rest: np.ndarray) -> np.ndarray:
+        return np.where((np.abs(rest[:, 0]) > aside)[:, None], other(rest), one(rest))
+
+    return sided
 
 
 def _draw_cloth(rng: np.random.Generator) -> Cloth:

@@ -32,7 +32,7 @@ from ..core.people.tone import skin_evidence
 from ..core.run.errors import GarmentqError
 from ..core.scan.raw import RawScan
 from .colours import paint
-from .shards import Shard, load_shard
+from .shards import Shard, load_shard, nearest_points
 
 
 @dataclass(frozen=True)
@@ -88,9 +88,21 @@ def describe(shard: Shard) -> Described:
 
 
 def describe_given(shard: Shard) -> Described:
-    """Describe the samples of a scan around the true body, as where the user gives it."""
+    """Describe the samples of a scan around the true body, as where the user gives it.
+
+    Raises:
+        NoModel: where the wearer is a child, of whom the built-in body is no model.
+    """
+    if shard.about["gender"] == "child":
+        raise NoModel
     fit = true_fit(shard)
     return describe_fitted(shard, sample_person(painted_scan(shard), fit), fit)
+
+
+class NoModel(GarmentqError):
+    """The built-in body does not model this wearer; describe the scan around a fitted body."""
+
+    code = "training.no_model"
 
 
 def true_fit(shard: Shard) -> PersonFit:
@@ -138,13 +150,6 @@ def unpack_fit(packed: np.ndarray) -> PersonFit:
     packed = packed.astype(np.float64)
     state = FitState(packed[:-219], packed[-219:-3].reshape(24, 3, 3), packed[-3:])
     return PersonFit(body_of_state(load_template(), state, 0.0), state, 0.0, 0.0, 0.0, 0.0)
-
-
-def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
-    """Return the scan's point nearest to each sample, one that faces alike before one that does not, shape [n]."""
-    length = 0.01
-    tree = cKDTree(np.hstack([shard.points, length * shard.normals]))
-    return np.asarray(tree.query(np.hstack([points.positions, length * points.normals]))[1])
 
 
 def save_described(described: Described, path: Path) -> None:

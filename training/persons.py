@@ -18,15 +18,17 @@ import numpy as np
 from ..core.body.body import Body
 from ..core.body.distance import DistanceGrid
 from ..core.body.template import Template, load_template
-from ..core.people.part import Part
+from ..core.people.part import GARMENTS, Part
 from .accessories import bare_skin, draw_accessories
+from .cloth import hide_skin
 from .outfits import Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person
 from .shards import Shard, save_shard
-from .wardrobe import Layer, draw_outfit, grid_of, put_on, take_pose
-from .wearer import at_rest, draw_pose, draw_shape, stand
+from .shells import Shell, draw_leggings, draw_tight_suit, draw_tight_top, draw_underwear, wear_shell
+from .wardrobe import Layer, Piece, cover, draw_outfit, grid_of, put_on, take_pose
+from .wearer import at_rest, draw_pose, draw_wearer, stand
 
-REVISION = 1
+REVISION = 2
 """Counts up where the same seed gives other persons."""
 
 
@@ -38,26 +40,60 @@ def simulate(seed: int, scans: int, held_out: bool = False) -> Iterator[Shard]:
         scans: How many times he is scanned, each in a pose of its own.
         held_out: Dress him in designs that are kept for measuring.
     """
-    template = load_template()
     rng = np.random.default_rng([REVISION, seed])
-    gender, shape = draw_shape(template, rng)
+    gender, template, shape = draw_wearer(load_template(), rng)
     rest = at_rest(stand(template, shape, np.zeros((24, 3))))
-    worn = put_on(draw_outfit(rest, rng, held_out), rest)
-    if not worn:
+    shells, pieces = draw_clothes(rest, gender, rng, held_out)
+    worn = put_on(pieces, rest)
+    if pieces and not worn:
         return
+
+    def wear(body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
+        return cover([*(wear_shell(shell, body, rng) for shell in shells), *take_pose(worn, body, grid, rng)])
+
     for scan in range(scans):
         own = np.random.default_rng([REVISION, seed, scan])
-        shard, about = _scan(template, shape, partial(take_pose, worn), own)
+        shard, about = _scan(template, shape, wear, own)
         about |= {"seed": seed, "scan": scan, "gender": gender, "held_out": held_out}
-        about["garments"] = [one.piece.template for one in worn]
+        about["garments"] = [*(shell.name for shell in shells), *(one.piece.template for one in worn)]
         yield replace(shard, about=about)
+
+
+LITTLE, TIGHT_SUIT, TIGHT_TOP, LEGGINGS = 0.08, 0.03, 0.1, 0.12
+"""Shares of persons who wear underwear at most, a tight suit, and of tops and bottoms in two pieces that are tight."""
+
+
+def draw_clothes(rest: Body, gender: str, rng: np.random.Generator, held_out: bool) -> tuple[list[Shell], list[Piece]]:
+    """Draw what lies on the skin, and the garments that are draped over it, the innermost first.
+
+    Args:
+        rest: The wearer in the T-pose.
+        gender: `female`, `male` or `child`.
+        rng: The generator.
+        held_out: Draw designs that are kept for measuring.
+    """
+    kind = rng.random()
+    if not held_out and kind < LITTLE:
+        return draw_underwear(rest, gender, rng), []
+    if not held_out and kind < LITTLE + TIGHT_SUIT:
+        return [draw_tight_suit(rest, rng)], []
+    shells, pieces = draw_underwear(rest, gender, rng), draw_outfit(rest, rng, held_out)
+    inner = {piece.part for piece in pieces if piece.part is not Part.OUTER}
+    if held_out or inner != {Part.UPPER, Part.LOWER}:
+        return shells, pieces
+    if rng.random() < LEGGINGS:
+        shells.append(draw_leggings(rest, rng))
+        pieces = [piece for piece in pieces if piece.part is not Part.LOWER]
+    if rng.random() < TIGHT_TOP:
+        shells.append(draw_tight_top(rest, rng))
+        pieces = [piece for piece in pieces if piece.part is not Part.UPPER]
+    return shells, pieces
 
 
 def simulate_outfit(seed: int, scans: int, outfits: dict[str, Outfit]) -> Iterator[Shard]:
     """Yield the scans of one person in an outfit that was modelled by hand."""
-    template = load_template()
     rng = np.random.default_rng([REVISION, seed])
-    gender, shape = draw_shape(template, rng)
+    gender, template, shape = draw_wearer(load_template(), rng)
     name = sorted(outfits)[seed % len(outfits)]
 
     def wear(body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
@@ -77,12 +113,28 @@ def _scan(template: Template, shape: np.ndarray, wear: Wear, rng: np.random.Gene
     """Pose, dress and scan a person."""
     pose, body = draw_pose(template, shape, rng)
     layers = wear(body, grid_of(body), rng)
-    layers += draw_accessories(template, body, layers, rng)
-    layers.append(Layer(Part.SKIN, bare_skin(body, layers)))
+    layers += draw_accessories(load_template(), body, layers, rng)
+    skin = bare_skin(body, layers)
+    for layer in layers:
+        if layer.part in (*GARMENTS, Part.SKIN):
+            skin = hide_skin(skin, layer.mesh)
+    layers.append(Layer(Part.SKIN, skin, is_cloth=False))
     scanner = draw_scanner(rng)
     shard = scan_person(layers, body, scanner, rng)
     parts = sorted({int(part) for part in np.unique(shard.label)})
-    return shard, {"pose": pose, "parts": parts, "scanner": scanner.__dict__}
+    return shard, {
+        "pose": pose,
+        "parts": parts,
+        "scanner": scanner.__dict__,
+        "materials": [name_material(layer) for layer in layers],
+    }
+
+
+def name_material(layer: Layer) -> tuple[int, str]:
+    """Return a surface's part and what it is made of: `skin`, `hair` or `cloth`."""
+    if layer.part is Part.HAIR:
+        return int(layer.part), "hair"
+    return int(layer.part), "cloth" if layer.is_cloth else "skin"
 
 
 Simulate = Callable[[int, int], Iterator[Shard]]

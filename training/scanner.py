@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body.body import Body
+from ..core.geometry.connectivity import HalfEdges
 from ..core.geometry.geometry import face_areas, face_normals
 from ..core.people.part import Part
 from ..core.scan.open3d_library import load_open3d
@@ -39,8 +40,24 @@ FAR_BORDER = 0.1
 """Distances to a border are kept up to this [m]."""
 
 
+NO_SURFACE = 255
+"""Number of the surface of the remains of a floor."""
+
+STRAY_SHARE, STRAY_REACH = 0.01, 0.05
+"""Share of the points of splats that float about the surface, and how far [m]."""
+
+BACK_ROUNDS = 30
+"""Times that what an image does not show is smoothed: 3 cm of what is guessed behind."""
+
 Seen = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Points [m], shape [n, 3], unit normals, shape [n, 3], and labels, shape [n], or faces, shape [f, 3]."""
+"""Points [m], shape [n, 3], unit normals, shape [n, 3], and surfaces, shape [n], or faces, shape [f, 3]."""
+
+
+KINDS = {"cloud": 0.16, "fused": 0.38, "watertight": 0.16, "depth": 0.1, "image": 0.12, "splats": 0.08}
+"""Kinds of scanners and how often each is drawn."""
+
+POINTS = ("cloud", "splats")
+"""Kinds that give no surface."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +65,10 @@ class Scanner:
     """Describe a scanner and its faults.
 
     Attributes:
-        kind: `cloud`: points as seen; `fused`: a surface, trimmed where nothing was seen; `watertight`: all of it.
+        kind: `cloud`: points as seen; `fused`: a surface, trimmed where nothing was seen (structured light,
+            photogrammetry); `watertight`: all of it (booths); `depth`: fused depth images, a surface from cells of 1 to
+            2 cm; `image`: made of one image, bloated, gaps closed, its back smooth and painted like its front;
+            `splats`: points about the surface.
         noise: Standard deviation [m].
         bumps: RMS of errors of low frequency, of registering the views [m].
         holes: Radii [m] of round holes.
@@ -58,6 +78,7 @@ class Scanner:
         faces: Faces that a fused surface is thinned to.
         thinning: Share of the points that an uneven density leaves out at its worst.
         floor: Whether some of the floor about the feet is in the scan.
+        bloat: How far a surface made of an image lies outside [m].
     """
 
     kind: str
@@ -70,21 +91,25 @@ class Scanner:
     faces: int
     thinning: float
     floor: bool
+    bloat: float = 0.0
 
 
 def draw_scanner(rng: np.random.Generator) -> Scanner:
     """Draw a scanner."""
+    kind = str(rng.choice(list(KINDS), p=list(KINDS.values())))
+    coarse = kind in ("depth", "image")
     return Scanner(
-        kind=str(rng.choice(["cloud", "fused", "watertight"], p=[0.25, 0.5, 0.25])),
-        noise=float(np.exp(rng.uniform(*np.log([0.0004, 0.004])))),
+        kind=kind,
+        noise=float(np.exp(rng.uniform(*np.log([0.002, 0.006] if kind == "splats" else [0.0004, 0.004])))),
         bumps=float(rng.choice([0.0, rng.uniform(0.0, 0.004)])),
         holes=tuple(rng.uniform(0.01, 0.06, rng.integers(0, 6))),
         soles=bool(rng.random() < 0.5),
-        depth=int(rng.choice([8, 9], p=[0.9, 0.1])),
+        depth=int(rng.choice([7, 8] if coarse else [8, 9], p=[0.7, 0.3] if coarse else [0.9, 0.1])),
         snap=float(rng.uniform(0.3, 1.0)),
         faces=int(np.exp(rng.uniform(*np.log([16000, 60000])))),
         thinning=float(rng.choice([0.0, rng.uniform(0.2, 0.7)])),
         floor=bool(rng.random() < 0.08),
+        bloat=float(rng.uniform(0.0, 0.006)) if kind == "image" else 0.0,
     )
 
 
@@ -97,49 +122,57 @@ def scan_person(layers: list[Layer], body: Body, scanner: Scanner, rng: np.rando
         scanner: How it is scanned.
         rng: The generator.
     """
-    points, normals, label = see(layers, rng)
+    points, normals, surface = see(layers, rng)
     if not scanner.soles:
         kept = (points[:, 1] > points[:, 1].min() + 0.012) | (normals[:, 1] > -0.5)
-        points, normals, label = points[kept], normals[kept], label[kept]
+        points, normals, surface = points[kept], normals[kept], surface[kept]
     points = points + scanner.bumps * wave_field(points, (0.15, 0.5), rng)[:, None] * normals
     if scanner.floor:
         ground = _floor(points, rng)
-        points, label = np.concatenate([points, ground]), np.append(label, np.full(len(ground), Part.OTHER.value))
+        points, surface = np.concatenate([points, ground]), np.append(surface, np.full(len(ground), NO_SURFACE))
         normals = np.concatenate([normals, np.tile([0.0, 1.0, 0.0], (len(ground), 1))])
-    seen = (points, normals, label)
+    seen = (points, normals, surface)
     faces = np.zeros((0, 3), np.int64)
-    if scanner.kind == "cloud":
+    if scanner.kind in POINTS:
         wave = np.clip(wave_field(points, (0.3, 1.0), rng), -1, 1)
         kept = rng.random(len(points)) > scanner.thinning * 0.5 * (1 + wave)
-        points, normals, label = points[kept], normals[kept], label[kept]
+        points, normals, surface = points[kept], normals[kept], surface[kept]
+        if scanner.kind == "splats":
+            points = _float(points, rng)
     else:
         points, normals, faces = fuse(seen, scanner)
-        label = _carry(seen, points, normals)
+        surface = _carry(seen, points, normals)
+        if scanner.kind == "image":
+            points = _smooth_back(points, faces) + scanner.bloat * normals
     gone = np.zeros(len(points), bool)
-    for radius in scanner.holes if scanner.kind != "watertight" else ():
+    for radius in scanner.holes if scanner.kind not in ("watertight", "image") else ():
         gone |= ((points - points[rng.integers(len(points))]) ** 2).sum(axis=1) < radius**2
-    points, normals, label, faces = _drop(points, normals, label, faces, gone)
+    points, normals, surface, faces = _drop(points, normals, surface, faces, gone)
+    part_of = np.full(NO_SURFACE + 1, Part.OTHER.value, np.uint8)
+    part_of[: len(layers)] = [layer.part.value for layer in layers]
+    label = part_of[surface]
     square, _, _ = igl.point_mesh_squared_distance(points, body.vertices, body.faces)
     border = border_distance(points, label)
     points = points + scanner.noise * _grain(points, rng)[:, None] * normals
     normals = igl.per_vertex_normals(points, faces) if len(faces) else _shake(normals, scanner.noise, rng)
     normals = np.where(np.isfinite(normals), normals, 0.0)
-    return Shard(points, normals, faces, label, np.sqrt(square), border, body.vertices, dict(body.parameters), {})
+    surface = surface.astype(np.uint8)
+    return Shard(points, normals, faces, label, surface, np.sqrt(square), border, body.vertices, dict(body.parameters))
 
 
 def see(layers: list[Layer], rng: np.random.Generator) -> Seen:
-    """Return the points of some surfaces that are seen from enough views, their normals towards these, and labels."""
+    """Return the points of some surfaces that are seen from enough views, their normals towards these, and surfaces."""
     open3d = load_open3d()
     scene = open3d.t.geometry.RaycastingScene(nthreads=1)
     every = []
-    for layer in layers:
+    for number, layer in enumerate(layers):
         vertices, faces = layer.mesh
         scene.add_triangles(
             open3d.core.Tensor(vertices.astype(np.float32)), open3d.core.Tensor(faces.astype(np.uint32))
         )
         points, normals = _sample(vertices, faces, rng)
-        every.append((points, normals, np.full(len(points), layer.part.value, np.uint8)))
-    points, normals, label = (np.concatenate(parts) for parts in zip(*every, strict=True))
+        every.append((points, normals, np.full(len(points), number, np.uint8)))
+    points, normals, surface = (np.concatenate(parts) for parts in zip(*every, strict=True))
     front, back = np.zeros(len(points), np.int64), np.zeros(len(points), np.int64)
     for direction in _directions(rng):
         cosine = normals @ direction
@@ -151,7 +184,7 @@ def see(layers: list[Layer], rng: np.random.Generator) -> Seen:
         back[ahead[free & (cosine[ahead] < 0)]] += 1
     seen = np.maximum(front, back) >= SEEN_FROM
     normals = np.where((front >= back)[:, None], normals, -normals)
-    return points[seen], normals[seen], label[seen]
+    return points[seen], normals[seen], surface[seen]
 
 
 def _directions(rng: np.random.Generator) -> np.ndarray:
@@ -191,7 +224,7 @@ def fuse(seen: Seen, scanner: Scanner) -> Seen:
     cloud.normals = open3d.utility.Vector3dVector(normals)
     mesh, _ = open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=scanner.depth, n_threads=1)
     tree = cKDTree(points)
-    if scanner.kind == "fused":
+    if scanner.kind in ("fused", "depth"):
         far = tree.query(np.asarray(mesh.vertices))[0] > 0.015
         mesh.remove_vertices_by_mask(far)
     if len(mesh.triangles) > 1.5 * scanner.faces:
@@ -211,12 +244,13 @@ def fuse(seen: Seen, scanner: Scanner) -> Seen:
     height = np.einsum("nka,na->nk", points[near] - vertices[:, None], outward)
     move = (weight * height).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9)
     move = np.where((np.abs(move) < 0.008) & (distance[:, 0] < 0.01), move, 0.0)
-    vertices = vertices + scanner.snap * move[:, None] * outward
+    if scanner.kind not in ("depth", "image"):
+        vertices = vertices + scanner.snap * move[:, None] * outward
     return vertices, np.nan_to_num(igl.per_vertex_normals(vertices, faces)), faces
 
 
 def _carry(seen: Seen, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Return the label of the nearest point that was seen, one that faces alike before one that does not."""
+    """Return the surface of the nearest point that was seen, one that faces alike before one that does not."""
     length = 0.01  # a unit of difference in normals counts as 1 cm
     tree = cKDTree(np.hstack([seen[0], length * seen[1]]))
     return seen[2][tree.query(np.hstack([points, length * normals]))[1]]
@@ -235,12 +269,28 @@ def border_distance(points: np.ndarray, label: np.ndarray) -> np.ndarray:
 
 
 def _drop(
-    points: np.ndarray, normals: np.ndarray, label: np.ndarray, faces: np.ndarray, gone: np.ndarray
+    points: np.ndarray, normals: np.ndarray, surface: np.ndarray, faces: np.ndarray, gone: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Drop points, and the faces at them."""
     place = np.cumsum(~gone) - 1
     faces = place[faces[~gone[faces].any(axis=1)]] if len(faces) else faces
-    return points[~gone], normals[~gone], label[~gone], faces
+    return points[~gone], normals[~gone], surface[~gone], faces
+
+
+def _float(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return points [m], shape [n, 3], some of which float about the others."""
+    stray = rng.random(len(points)) < STRAY_SHARE
+    return points + stray[:, None] * rng.normal(0.0, STRAY_REACH, points.shape)
+
+
+def _smooth_back(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return a surface's vertices [m], shape [n, 3], smooth where they face away from a camera in front."""
+    edges = HalfEdges.of(faces, len(points)).adjacency
+    degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0)[:, None]
+    behind = igl.per_vertex_normals(points, faces)[:, 2:] < 0.0
+    for _ in range(BACK_ROUNDS):
+        points = np.where(behind, 0.5 * points + 0.5 * (edges @ points) / degree, points)
+    return points
 
 
 def _grain(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:

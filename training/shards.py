@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from ..core.people.points import PersonPoints
 from ..core.scan.raw import RawScan
 from .body_model import BodyModel
 
-VERSION = 1
+VERSION = 2
 """Layout of the files."""
 
 
@@ -25,6 +27,7 @@ class Shard:
         normals: Outward unit normals, shape [n, 3].
         faces: Triangles, shape [f, 3]; none for a cloud.
         label: `Part` numbers, uint8, shape [n].
+        surface: Number of the surface of each point, uint8, shape [n]; `about["materials"]` has their materials.
         tightness: Distance to the true body [m], shape [n].
         border: Distance to the nearest point with another label [m], at most 0.1, shape [n].
         body_vertices: The true body, in the built-in body's topology [m], shape [m, 3].
@@ -36,6 +39,7 @@ class Shard:
     normals: np.ndarray
     faces: np.ndarray
     label: np.ndarray
+    surface: np.ndarray
     tightness: np.ndarray
     border: np.ndarray
     body_vertices: np.ndarray
@@ -64,6 +68,7 @@ def save_shard(shard: Shard, path: Path) -> None:
             normals=np.round(127 * shard.normals).astype(np.int8),
             faces=shard.faces.astype(np.int32),
             label=shard.label.astype(np.uint8),
+            surface=shard.surface.astype(np.uint8),
             tightness=shard.tightness.astype(np.float16),
             border=shard.border.astype(np.float16),
             body_vertices=shard.body_vertices.astype(np.float32),
@@ -71,6 +76,13 @@ def save_shard(shard: Shard, path: Path) -> None:
             **arrays,
         )
     started.replace(path)
+
+
+def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
+    """Return the scan's point nearest to each sample, one that faces alike before one that does not, shape [n]."""
+    length = 0.01
+    tree = cKDTree(np.hstack([shard.points, length * shard.normals]))
+    return np.asarray(tree.query(np.hstack([points.positions, length * points.normals]))[1])
 
 
 def load_shard(path: Path) -> Shard:
@@ -82,6 +94,7 @@ def load_shard(path: Path) -> Shard:
             normals=normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9),
             faces=kept["faces"].astype(np.int64),
             label=kept["label"],
+            surface=kept["surface"],
             tightness=kept["tightness"].astype(np.float64),
             border=kept["border"].astype(np.float64),
             body_vertices=kept["body_vertices"].astype(np.float64),

@@ -37,8 +37,12 @@ SETTLED = 0.004
 UPPERS = ("long_sleeve_tshirt", "tshirt", "tank")
 LOWERS = ("trousers", "shorts", "skirt", "four_panel_skirt")
 DRESSES = ("dress", "sleeved_dress")
-HELD_OUT = ("jumpsuit", "sleeved_jumpsuit", "pencil_skirt")
-"""Designs that are kept for measuring when a set is drawn without them."""
+JUMPSUITS = ("jumpsuit", "sleeved_jumpsuit")
+HELD_OUT = "pencil_skirt"
+"""Design that is kept for measuring when a set is drawn without it."""
+
+OVER = 0.12
+"""Share of persons in an outer layer."""
 
 Cut = Callable[[np.ndarray], np.ndarray]
 """From points around the T-pose [m], [n, 3], to a field [n] that is positive where cloth stays."""
@@ -53,12 +57,14 @@ class Piece:
         part: What it is labelled as.
         measures: What it is drafted to.
         wide: Whether it lies over what was put on before.
+        tucked: Whether it is tucked into what is put on next.
     """
 
     template: str
     part: Part
     measures: BodyMeasures
     wide: bool = False
+    tucked: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,10 +93,12 @@ class Layer:
     Attributes:
         part: What it is.
         mesh: The surface.
+        is_cloth: Whether it is dyed: underwear counts as skin and is none.
     """
 
     part: Part
     mesh: Mesh = field(repr=False)
+    is_cloth: bool = True
 
 
 GRID = 0.013
@@ -136,7 +144,7 @@ def draw_outfit(body: Body, rng: np.random.Generator, held_out: bool) -> list[Pi
     Args:
         body: The wearer, whose measures they are drafted to with drawn ease.
         rng: The generator.
-        held_out: Draw an outfit of `HELD_OUT` instead of one without.
+        held_out: Draw a jumpsuit, or a top over `HELD_OUT`.
     """
     m = measure_wearer(body)
     ease = float(rng.uniform(0.97, 1.2))
@@ -148,17 +156,17 @@ def draw_outfit(body: Body, rng: np.random.Generator, held_out: bool) -> list[Pi
         hip_height=m.hip_height - float(rng.uniform(-0.06, 0.05)),
     )
     kind = rng.random()
-    if held_out and kind < 0.5:
-        pieces = [Piece(str(rng.choice(HELD_OUT[:2])), Part.ONE_PIECE, m)]
-    elif not held_out and kind < 0.24:
+    if kind < (0.5 if held_out else 0.1):
+        pieces = [Piece(str(rng.choice(JUMPSUITS)), Part.ONE_PIECE, m)]
+    elif not held_out and kind < 0.27:
         pieces = [Piece(str(rng.choice(DRESSES)), Part.ONE_PIECE, m)]
-    elif not held_out and kind < 0.28:
-        pieces = [_lower(m, rng, False) if rng.random() < 0.6 else _upper(m, rng)]
+    elif not held_out and kind < 0.35:
+        pieces = [_lower(m, rng, False) if rng.random() < 0.8 else _upper(m, rng)]
     else:
         upper, lower = _upper(m, rng), _lower(m, rng, held_out)
-        pieces = [upper, lower] if rng.random() < 0.35 else [lower, upper]
+        pieces = [replace(upper, tucked=True), lower] if rng.random() < 0.35 else [lower, upper]
         pieces[1] = replace(pieces[1], wide=True)
-    if rng.random() < 0.1:
+    if rng.random() < OVER:
         length = float(rng.uniform(-0.05, 0.25))
         roomy = replace(m, bust=m.bust * 1.14 + 0.06, hip=m.hip * 1.12, hip_height=m.hip_height - length)
         pieces.append(Piece("long_sleeve_tshirt", Part.OUTER, roomy, wide=True))
@@ -172,7 +180,7 @@ def _upper(m: BodyMeasures, rng: np.random.Generator) -> Piece:
 
 def _lower(m: BodyMeasures, rng: np.random.Generator, held_out: bool) -> Piece:
     slim = replace(m, waist=min(m.waist, 0.5 * (m.waist + m.hip)), hip_height=m.hip_height)
-    name = "pencil_skirt" if held_out else str(rng.choice(LOWERS, p=(0.5, 0.15, 0.2, 0.15)))
+    name = HELD_OUT if held_out else str(rng.choice(LOWERS, p=(0.5, 0.15, 0.2, 0.15)))
     return Piece(name, Part.LOWER, slim)
 
 
@@ -226,10 +234,13 @@ def draw_cuts(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Cut]:
         hem = pelvis[1] + rng.uniform(-0.12, 0.12)
         wave = rng.normal(0.0, 0.1)
         cuts.append(lambda p: p[:, 1] - hem - wave * np.abs(p[:, 0]) + tilt[0] * p[:, 2])
-    if piece.template in ("trousers", "jumpsuit", "sleeved_jumpsuit") and rng.random() < 0.55:
+    if piece.tucked:
+        end = pelvis[1] + rng.uniform(-0.03, 0.03)
+        cuts.append(lambda p: p[:, 1] - end)
+    if piece.template in ("trousers", *JUMPSUITS) and rng.random() < 0.55:
         leg = ankle[1] + rng.uniform(-0.02, 0.75) * (pelvis[1] - ankle[1])
         cuts.append(lambda p: p[:, 1] - leg + tilt[1] * p[:, 2])
-    if piece.template in (*DRESSES, "skirt", "four_panel_skirt", "pencil_skirt") and rng.random() < 0.4:
+    if piece.template in (*DRESSES, "skirt", "four_panel_skirt", HELD_OUT) and rng.random() < 0.4:
         low = knee[1] + rng.uniform(-0.05, 0.25) * (pelvis[1] - knee[1]) * 2
         cuts.append(lambda p: p[:, 1] - low + tilt[2] * p[:, 2])
     if piece.part is not Part.LOWER and rng.random() < 0.5:
@@ -255,7 +266,7 @@ def draw_cuts(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Cut]:
 
 
 def take_pose(worn: list[Worn], body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
-    """Carry what is worn into a pose, cut it to drawn lengths, wrinkle it, and put covered layers below the others.
+    """Carry what is worn into a pose, cut it to drawn lengths and wrinkle it.
 
     Args:
         worn: What hangs on the T-pose, the innermost first.
@@ -272,6 +283,11 @@ def take_pose(worn: list[Worn], body: Body, grid: DistanceGrid, rng: np.random.G
         if not np.isfinite(nodes).all():
             continue
         layers.append(Layer(one.piece.part, _finish(one, nodes, around, body, rng)))
+    return layers
+
+
+def cover(layers: list[Layer]) -> list[Layer]:
+    """Put what a layer covers of those before it below it; one of which nothing is left is dropped."""
     for outer in range(len(layers) - 1, 0, -1):
         for inner in range(outer):
             layers[inner] = replace(layers[inner], mesh=tuck_under(layers[inner].mesh, layers[outer].mesh))

@@ -4,10 +4,23 @@ import numpy as np
 import pytest
 from garmentq.core.body.body import JOINTS
 from garmentq.core.body.template import load_template
+from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.people.part import GARMENTS, Part
 from garmentq.training.accessories import hair_shell, load_accessories, shoe_shell, worn_asset
+from garmentq.training.cloth import border_vertices
 from garmentq.training.persons import simulate
-from garmentq.training.wearer import POSES, pose_angles, runs_into_itself, stand
+from garmentq.training.shells import draw_leggings, draw_tight_suit, draw_tight_top, draw_underwear, wear_shell
+from garmentq.training.wearer import (
+    CHILD_SIZE,
+    POSES,
+    at_rest,
+    draw_motion_pose,
+    mirror_pose,
+    pose_angles,
+    runs_into_itself,
+    shrink,
+    stand,
+)
 
 
 @pytest.fixture(scope="module")
@@ -70,9 +83,55 @@ def test_a_person_is_dressed_and_the_same_again():
     assert (first.label == second.label).all()
     parts = {Part(number) for number in np.unique(first.label)}
     assert Part.SKIN in parts
-    assert parts & set(GARMENTS)
     garment = np.isin(first.label, [int(part) for part in GARMENTS])
     assert first.tightness[garment].mean() > first.tightness[first.label == 0].mean()
+
+
+def test_poses_out_of_motions_stand_on_the_floor_and_mirror(template):
+    """Broken where a mirrored pose is another one, or motions leave people in the air."""
+    _, angles = draw_motion_pose(np.random.default_rng(3))
+    body, twin = (stand(template, template.means["male"], one) for one in (angles, mirror_pose(angles)))
+    assert body.vertices[:, 1].min() == pytest.approx(0.0, abs=1e-9)
+    assert mirror_pose(mirror_pose(angles)) == pytest.approx(angles)
+    assert twin.joint("left_hand") == pytest.approx(body.joint("right_hand") * [-1.0, 1.0, 1.0], abs=0.03)
+
+
+@pytest.mark.parametrize("size", CHILD_SIZE)
+def test_a_child_is_smaller_and_its_head_less_so(template, size):
+    """Broken where a child's skeleton leaves its skin, or its head shrinks as its legs do."""
+    child = shrink(template, size)
+    shape = template.means["female"]
+    small, tall = (stand(one, shape, pose_angles("A")) for one in (child, template))
+    assert np.ptp(small.joints[:, 1]) == pytest.approx(size * np.ptp(tall.joints[:, 1]), rel=1e-6)
+    head = template.weights[:, JOINTS.index("head")] > 0.95
+    assert np.ptp(small.vertices[head, 1]) == pytest.approx(size**0.5 * np.ptp(tall.vertices[head, 1]), rel=0.01)
+    assert not runs_into_itself(small)
+
+
+@pytest.mark.parametrize("draw", [draw_leggings, draw_tight_top, draw_tight_suit])
+def test_what_follows_the_body_lies_on_it_and_ends(template, draw):
+    """Broken where tight cloth is inside the skin, has no end, or covers head or hands."""
+    rest = at_rest(stand(template, template.means["female"], np.zeros((24, 3))))
+    rng = np.random.default_rng(5)
+    for _ in range(4):
+        shell = draw(rest, rng)
+        vertices, faces = wear_shell(shell, rest, rng).mesh
+        height = TriangleSurface(rest.vertices, rest.faces).heights(vertices)
+        assert np.median(height) == pytest.approx(shell.thickness, rel=0.6)
+        assert len(border_vertices((vertices, faces))) > 20
+        assert 0.05 < (shell.keep > 0).mean() < 0.85
+        assert (shell.keep[rest.vertices[:, 1] > rest.joint("head")[1] + 0.05] <= 0).all()
+
+
+def test_underwear_counts_as_skin_and_little_is_covered(template):
+    """Broken where underwear is a garment, or a swimsuit has legs."""
+    rest = at_rest(stand(template, template.means["female"], np.zeros((24, 3))))
+    knee = rest.joint("left_knee")[1]
+    for seed in range(20):
+        for shell in draw_underwear(rest, "female", np.random.default_rng(seed)):
+            assert shell.part is Part.SKIN
+            worn = rest.vertices[shell.keep > 0]
+            assert len(worn) and worn[:, 1].min() > knee and np.abs(worn[:, 0]).max() < 0.3
 
 
 @pytest.mark.nightly
