@@ -45,7 +45,7 @@ class Presence:
         found: Share of the body's vertices with scan of similar normal within `MAX_SCAN_MATCH_DISTANCE`: people 0.53 to
             0.82 (in coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
         head: The same of the head, or the face if more: people 0.64 to 0.90, chairs <= 0.10, animals 0.25, headless 0.
-        upper: The same of trunk and arms: people 0.52 to 0.86.
+        upper: The same of trunk and arms: people 0.52 to 0.86, a dog on its hind legs as a crouching child 0.46.
         far_share: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
         stray: Share of the scan beyond `STRAY_POINT_DISTANCE`: people 0.00 to 0.12 (wide skirts), pairs 0.29 to 0.45.
         reach: Smallest extent of the scan along an axis as a share of the body's.
@@ -71,7 +71,7 @@ class Presence:
 
     @property
     def _is_like_one(self) -> bool:
-        return self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40)
+        return self.found > 0.48 or (self.head > 0.35 and self.upper > 0.50)
 
 
 class ScanPartial(BadInput):

@@ -104,14 +104,14 @@ def list_readings(outfits: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
 
 def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
     """Return what each garment was found to be and which of its ends the scan shows, as names and texts."""
-    told = []
+    rows = []
     for garment in garments:
         what = f"{garment['category'] or 'of no known cut'}, confidence {garment['confidence']:.2f}"
         for word, hidden in (("ends seen", False), ("ends inferred", True)):
             ends = [contour["name"] for contour in garment["contours"] if contour["is_inferred"] is hidden]
             what += f"; {word}: {', '.join(ends)}" if ends else ""
-        told.append((garment["part"], what))
-    return told
+        rows.append((garment["part"], what))
+    return rows
 
 
 def _name(key: str) -> str:

@@ -162,6 +162,8 @@ def test_codes_follow_what_is_seen() -> None:
     assert find_presence_error(replace(whole, found=0.4, far_share=0.3, stray=0.2)) is None
     assert isinstance(find_presence_error(replace(whole, unseen=0.2)), ScanPartial)
     assert isinstance(find_presence_error(replace(whole, reach=0.6)), ScanPartial)
+    dog = replace(whole, found=0.44, head=0.64, upper=0.46, far_share=0.2)
+    assert isinstance(find_presence_error(dog), NotHuman)
     chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, far_share=0.25, stray=0.1)
     assert isinstance(find_presence_error(chair), NotHuman)
 
