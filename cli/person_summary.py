@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ..service.outfit_readings import list_readings
 from ..service.records import JobReport
 
 UNSURE_OPENING_COUNT = 2
@@ -27,16 +27,9 @@ def describe_person(job: JobReport) -> Iterator[tuple[str, str]]:
 
 
 def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
-    """Return the best reading of the outfit, and the second as `--wearing` takes it, with their probabilities."""
-    if not outfits:
-        return "not known"
-    best = max(outfit["score"] for outfit in outfits)
-    weights = [math.exp(outfit["score"] - best) for outfit in outfits]
-    shown = [
-        f"{' and '.join(outfit['parts']) or 'nothing'} ({100 * weight / sum(weights):.0f} %)"
-        for outfit, weight in zip(outfits[:2], weights, strict=False)
-    ]
-    return "; or ".join(shown)
+    """Return the best reading of the outfit, and the second, with their probabilities among all readings."""
+    shown = [f"{one.words} ({one.percent})" for one in list_readings(outfits)[:2]]
+    return "; or ".join(shown) or "not known"
 
 
 def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:

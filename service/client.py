@@ -15,10 +15,8 @@ from urllib.parse import quote
 from .connection import ServiceUnreachable
 from .deletion import Deleted
 from .persons import Person, PersonDeleted
-from .records import check_id
-from .remote import RemoteBackend
+from .remote import RemoteBackend, read_submitted
 from .remote_libraries import read
-from .states import State
 from .submission import SubmissionResult
 
 __all__ = ["Client"]
@@ -88,8 +86,7 @@ class Client(RemoteBackend):
             points: An .npy file, uint8: the number of a `Part` for each point of the job's segmented.ply.
         """
         payload = {"points": self.upload("labels", points)}
-        found = self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=payload)
-        return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
+        return read_submitted(self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=payload))
 
     def set_wearing(self, job: str, wearing: str) -> SubmissionResult:
         """Label a person's scan again in another outfit; the job stays, and a new one is queued.
@@ -98,8 +95,8 @@ class Client(RemoteBackend):
             job: A job of kind `person`; its `details["outfits"]` has the readings, the likeliest first.
             wearing: Exactly these garments, `upper,lower`, or `nothing`.
         """
-        found = self._request_object("POST", f"/v1/jobs/{quote(job, safe='')}/wearing", json={"wearing": wearing})
-        return SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
+        path = f"/v1/jobs/{quote(job, safe='')}/wearing"
+        return read_submitted(self._request_object("POST", path, json={"wearing": wearing}))
 
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job, all jobs below it and all jobs that read its results."""

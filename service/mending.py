@@ -10,7 +10,7 @@ from .derived import InputWrong
 from .kinds import FileRef, pack_request, read_request
 from .kinds.person_request import PersonRequest
 from .results import ResultMissing, export_files, list_files, report_jobs
-from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job
+from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job, check_wearing
 from .terms import JobTerms
 
 if TYPE_CHECKING:
@@ -56,7 +56,8 @@ def submit_relabelling(services: Services, row: JobRow, order: RelabelOrder) -> 
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
     before = read_request(PersonRequest, row.request)
     if order.wearing is not None:
-        again = _wear(before, order.wearing)
+        again = replace(before, wearing=order.wearing, labels=None)
+        check_wearing(again)
     else:
         again = replace(before, labels=_correct_labels(services, row, order.points), wearing=None, marks=())
     request = pack_request(replace(again, given_as="person"))
@@ -65,15 +66,6 @@ def submit_relabelling(services: Services, row: JobRow, order: RelabelOrder) -> 
     terms = replace(terms, key=order.key, quota=order.quota, realm=order.realm)
     with services.database.write() as session:
         return add_job(session, JobRequest(PERSON_KIND, request, row.scan, terms=terms))
-
-
-def _wear(before: PersonRequest, wearing: str) -> PersonRequest:
-    """Return the request with an outfit in place of given labels."""
-    from ..core.people.hints import parse_wearing
-
-    again = replace(before, wearing=wearing, labels=None)
-    again.choose([part.word for part in parse_wearing(wearing)])  # refuses now, not after the labelling
-    return again
 
 
 def _correct_labels(services: Services, row: JobRow, points: Path | None) -> FileRef:

@@ -134,7 +134,7 @@ class RemoteBackend(RemoteLibraries):
     def _submit(self, payload: dict[str, Any], terms: JobTerms) -> SubmissionResult:
         """Create a job; a forced one has an idempotency key, so that a repeated request creates no second job."""
         headers = {"idempotency-key": terms.nonce or uuid.uuid4().hex} if terms.force else {}
-        return _read_submitted(self._ask("POST", "/v1/jobs", json=payload, headers=headers))
+        return read_submitted(self._ask("POST", "/v1/jobs", json=payload, headers=headers))
 
     def _complete(self, job: str) -> str:
         """Return the complete id of a job from a beginning of it."""
@@ -266,7 +266,7 @@ class RemoteBackend(RemoteLibraries):
 
     def refine(self, job: str) -> SubmissionResult:
         """Queue the recovery at standard quality of a preview's files."""
-        return _read_submitted(self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/refine"))
+        return read_submitted(self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/refine"))
 
     def read_health(self) -> dict[str, Any]:
         """Return the service's version, and `ok` or the fault of its database and store."""
@@ -302,7 +302,8 @@ def _describe_terms(terms: JobTerms) -> dict[str, Any]:
     return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)}
 
 
-def _read_submitted(found: Json) -> SubmissionResult:
+def read_submitted(found: Json) -> SubmissionResult:
+    """Return what the service answers to a submission."""
     return read(lambda: SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
 
 

@@ -216,11 +216,21 @@ def _describe_person(order: Order, scan: StoredFile, store: Store) -> dict[str, 
         choices,
         order.given_as,
     )
+    check_wearing(request)
+    return pack_request(request)
+
+
+def check_wearing(request: PersonRequest) -> None:
+    """Check what a person is said to wear, and that the choices fit it: now, and not after the labelling.
+
+    Raises:
+        HintBad: if a word is no garment.
+        ChoiceAmbiguous: if a choice names no garment, and two could be meant.
+    """
     if request.wearing is not None:
         from ..core.people.hints import parse_wearing
 
-        request.choose([part.word for part in parse_wearing(request.wearing)])  # refuses now, not after the labelling
-    return pack_request(request)
+        request.choose([part.word for part in parse_wearing(request.wearing)])
 
 
 def _drop_wait(settings: RecoverySettings) -> RecoverySettings:

@@ -24,7 +24,7 @@ from .words import (
     draw_time,
     draw_verdict,
     is_ended,
-    list_readings,
+    list_offered,
 )
 
 router = make_router()
@@ -43,7 +43,7 @@ def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Respons
         [
             html("<h1>{}</h1>", report.name),
             _draw_progress(report, visitor, has_files),
-            _draw_worn(report, _may_change(visitor)),
+            _draw_worn(report, visitor.may_submit),
             _draw_understood(report),
             draw_family(report),
             _draw_checks(report),
@@ -55,7 +55,7 @@ def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Respons
 
 
 def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
-    may_change = _may_change(visitor)
+    may_change = visitor.may_submit
     buttons = []
     if may_change and not is_ended(job):
         buttons.append(html('<button type="button" id="cancel">Cancel</button>'))
@@ -84,24 +84,19 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
     )  # fmt: skip
 
 
-def _may_change(visitor: Visitor) -> bool:
-    return "submit" in visitor.caller.scopes or visitor.caller.sees_all
-
-
 def _draw_worn(job: JobReport, may_change: bool) -> Html:
     """Draw what a person was found to wear, why, and a button for each other likely reading of the outfit."""
     outfits = job.details.get("outfits") if job.kind == PERSON_KIND else None
     if not outfits:
         return Html()
-    first, *others = list_readings(outfits)
+    first, *others = list_offered(outfits)
     rows = join(
         html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text)
         for name, text in describe_worn(job.details.get("garments") or [])
     )
-    buttons = join(
-        (html('<button type="button" data-wearing="{}">Take it for {} ({})</button>', *one) for one in others), " "
-    )
-    return html(WORN, words=first[1], share=first[2], rows=rows, buttons=buttons if may_change else Html())
+    button = '<button type="button" data-wearing="{}">Take it for {} ({})</button>'
+    buttons = join((html(button, one.wearing, one.words, one.percent) for one in others), " ")
+    return html(WORN, words=first.words, share=first.percent, rows=rows, buttons=buttons if may_change else Html())
 
 
 def _draw_understood(job: JobReport) -> Html:

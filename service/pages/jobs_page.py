@@ -73,7 +73,7 @@ def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[Jo
     content = join(
         [
             html("<h1>Jobs</h1>"),
-            _draw_drop(rooms, visitor) if "submit" in visitor.caller.scopes or visitor.caller.sees_all else Html(),
+            _draw_drop(rooms, visitor) if visitor.may_submit else Html(),
             _draw_filters(chosen | {"where": where}),
             _draw_list(families, is_filtered=bool(filters)),
             html('<p class="row">{}{}</p>', newest, more),

@@ -67,13 +67,13 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
     links = [html('<a class="button" href="/jobs/{}">Job</a>', job.id)]
     if REPORT in names:
         links.append(html('<a class="button" href="/results/{}/report">Report</a>', job.id))
-    if {"worn.npz", "pattern.json"} <= names and _may_submit(visitor):
+    if {"worn.npz", "pattern.json"} <= names and visitor.may_submit:
         links.append(html('<a class="button" href="/results/{}/edit">Edit the pattern</a>', job.id))
     if "labels.npz" in names:
         links.append(html('<a class="button" href="/results/{}/labels">Labels</a>', job.id))
     if "pattern.json" in names:
         links.append(html('<a class="button" href="/match?a={}">Match</a>', job.id))
-    if job.state == State.SUCCEEDED and is_preview(job.kind, job.settings) and _may_submit(visitor):
+    if job.state == State.SUCCEEDED and is_preview(job.kind, job.settings) and visitor.may_submit:
         links.append(html('<button type="button" id="refine">Refine</button>'))
     links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))
     what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
@@ -176,7 +176,7 @@ def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
         for name, title in DESCRIPTIONS.items()
     )
     offered = html('<p class="row">{}</p><div id="exported" role="status"></div>', buttons)
-    return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if _may_submit(visitor) else Html(), join(made))
+    return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if visitor.may_submit else Html(), join(made))
 
 
 def _find_exports(rooms: AppState, job: str, visitor: Visitor) -> list[Any]:
@@ -187,10 +187,6 @@ def _find_exports(rooms: AppState, job: str, visitor: Visitor) -> list[Any]:
         statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == visitor.caller.key)
     with rooms.database.read() as session:
         return list(session.scalars(statement.order_by(JobRow.created.desc(), JobRow.id).limit(20)))
-
-
-def _may_submit(visitor: Visitor) -> bool:
-    return "submit" in visitor.caller.scopes or visitor.caller.sees_all
 
 
 VIEWS = """<div id="result" data-job="{job}" data-person="{person}" data-files="{files}"{packed}>

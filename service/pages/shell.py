@@ -33,6 +33,11 @@ class Visitor:
     caller: Caller
     csrf: str
 
+    @property
+    def may_submit(self) -> bool:
+        """Return whether the visitor may queue and change jobs."""
+        return "submit" in self.caller.scopes or self.caller.sees_all
+
 
 def draw_shell(
     title: str,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
 from ..kinds.redrape_request import REDRAPE
+from ..outfit_readings import Reading, list_readings
 from ..records import Gate, JobReport, RedrapeState
 from ..states import ENDED, State
 from .markup import Html, html, join
@@ -89,17 +89,10 @@ MAX_READINGS = 3
 """Number of readings that the page names."""
 
 
-def list_readings(outfits: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
-    """Return the likely readings of an outfit, the best first: as `--wearing` takes it, in words, probability."""
-    best = max(outfit["score"] for outfit in outfits)
-    weights = [math.exp(outfit["score"] - best) for outfit in outfits]
-    found: list[tuple[str, str, str]] = []
-    for outfit, weight in list(zip(outfits, weights, strict=True))[:MAX_READINGS]:
-        share = weight / sum(weights)
-        if not found or share >= MIN_READING_SHARE:
-            parts = outfit["parts"] or ["nothing"]
-            found.append((",".join(parts), " and ".join(parts), f"{100 * share:.0f} %"))
-    return found
+def list_offered(outfits: Sequence[Mapping[str, Any]]) -> list[Reading]:
+    """Return the likely readings of an outfit that the page names, the best first."""
+    first, *others = list_readings(outfits)[:MAX_READINGS]
+    return [first, *(one for one in others if one.share >= MIN_READING_SHARE)]
 
 
 def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
