@@ -12,13 +12,13 @@ from scipy.spatial import ConvexHull
 from ..core.body.body import JOINTS, Body
 from ..core.body.skinning import skin
 from ..core.body.template import Template
-from ..core.geometry.connectivity import HalfEdges
 from ..core.geometry.geometry import vertex_normals
 from ..core.people.part import Part
 from .base_mesh import surface_values
 from .build_accessories import ASSET, STEP
-from .cloth import Mesh, clip, refine, wave_field
+from .cloth import Mesh, clip, even_out, refine, thicken, wave_field
 from .wardrobe import Layer
+from .wearer import size_of
 
 TAKEN_IN = 0.008
 """How far the skin inside shoes is drawn in [m]: toes are thicker in one shape than in another."""
@@ -108,11 +108,6 @@ def worn_asset(template: Template, body: Body, asset: Mesh, bulk: float) -> Mesh
     return skin(rest, weights / weights.sum(axis=1, keepdims=True), body.transforms), faces
 
 
-def size_of(body: Body) -> float:
-    """Return a wearer's height as a share of 1.7 m."""
-    return float(np.ptp(body.rest_vertices[:, 1])) / 1.7
-
-
 def hair_shell(body: Body, rng: np.random.Generator) -> Mesh:
     """Return a cap of drawn extent and thickness on the head: short hair, or a close hat."""
     head = body.rest_joints[JOINTS.index("head")]
@@ -126,8 +121,7 @@ def hair_shell(body: Body, rng: np.random.Generator) -> Mesh:
     keep = np.where(body.rest_vertices[:, 1] > head[1] - 0.02, keep, -1.0)
     thickness = rng.uniform(0.003, 0.03)
     height = thickness * np.clip(keep / 0.25, 0.05, 1.0) * (1 + 0.25 * wave_field(body.rest_vertices, (0.02, 0.1), rng))
-    shell = body.vertices + np.maximum(height, 0.001)[:, None] * vertex_normals(body.vertices, body.faces)
-    return refine(*clip((shell, body.faces), keep))
+    return refine(*clip(thicken((body.vertices, body.faces), np.maximum(height, 0.001)), keep))
 
 
 def tied_hair(body: Body, rng: np.random.Generator) -> Mesh:
@@ -141,10 +135,14 @@ def tied_hair(body: Body, rng: np.random.Generator) -> Mesh:
         [head[0], head[1] + high * (top - head[1]) - (0.0 if bun else 0.8 * size[1]), behind - 0.6 * size[2]]
     )
     ball = trimesh.creation.icosphere(subdivisions=3)
-    rest = place + size * ball.vertices
-    weights = np.zeros((len(rest), 24))
+    return turn_with_head(body, place + size * ball.vertices), np.asarray(ball.faces, np.int64)
+
+
+def turn_with_head(body: Body, rest: np.ndarray) -> np.ndarray:
+    """Return points about the T-pose's head [m], shape [n, 3], where they are in the pose."""
+    weights = np.zeros((len(rest), len(JOINTS)))
     weights[:, JOINTS.index("head")] = 1.0
-    return skin(rest, weights, body.transforms), np.asarray(ball.faces, np.int64)
+    return skin(rest, weights, body.transforms)
 
 
 def head_scarf(body: Body, rng: np.random.Generator) -> Mesh:
@@ -158,8 +156,7 @@ def head_scarf(body: Body, rng: np.random.Generator) -> Mesh:
     keep = np.minimum(np.minimum(0.08 * opening, low), 0.14 - np.abs(rest[:, 0]))
     waves = wave_field(rest, (0.03, 0.12), rng)
     height = rng.uniform(0.004, 0.02) * (1 + 0.3 * np.clip(waves, -2, 2))
-    shell = body.vertices + height[:, None] * vertex_normals(body.vertices, body.faces)
-    return refine(*clip((shell, body.faces), keep))
+    return refine(*clip(thicken((body.vertices, body.faces), height), keep))
 
 
 def glasses(body: Body, rng: np.random.Generator) -> Mesh:
@@ -177,9 +174,7 @@ def glasses(body: Body, rng: np.random.Generator) -> Mesh:
     bridge = trimesh.creation.box([0.02, 0.005, 0.004])
     bridge.apply_translation([head[0], eyes, ahead])
     whole = trimesh.util.concatenate([*rims, bridge])
-    weights = np.zeros((len(whole.vertices), 24))
-    weights[:, JOINTS.index("head")] = 1.0
-    return skin(np.asarray(whole.vertices), weights, body.transforms), np.asarray(whole.faces, np.int64)
+    return turn_with_head(body, np.asarray(whole.vertices)), np.asarray(whole.faces, np.int64)
 
 
 def sock_shell(body: Body, rng: np.random.Generator) -> Mesh:
@@ -193,13 +188,10 @@ def sock_shell(body: Body, rng: np.random.Generator) -> Mesh:
 def shoe_shell(body: Body, rng: np.random.Generator) -> Mesh:
     """Return shoes or boots: a smoothed shell around the feet up to a drawn height, with a sole."""
     height = float(rng.choice([rng.uniform(0.05, 0.12), rng.uniform(0.12, 0.4)], p=[0.75, 0.25])) * size_of(body)
-    edges = HalfEdges.of(body.faces, len(body.vertices)).adjacency
-    degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0)[:, None]
     rest = body.rest_vertices
     low = rest[:, 1] < height + 0.05
     smooth = rest + rng.uniform(0.004, 0.01) * vertex_normals(rest, body.faces)
-    for _ in range(12):
-        smooth = np.where(low[:, None], 0.5 * smooth + 0.5 * (edges @ smooth) / degree, smooth)
+    smooth = even_out(smooth, body.faces, 12, low[:, None])
     smooth += rng.uniform(0.003, 0.007) * vertex_normals(smooth, body.faces)
     sole = rng.uniform(0.005, 0.03)
     smooth[:, 1] -= sole * np.clip((0.03 - rest[:, 1]) / 0.02, 0.0, 1.0)

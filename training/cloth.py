@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import igl
 import numpy as np
 from scipy.spatial import cKDTree
@@ -86,6 +88,23 @@ def wave_field(points: np.ndarray, lengths: tuple[float, float], rng: np.random.
     return np.sin(points @ wave.T + rng.uniform(0, 2 * np.pi, WAVES)).sum(axis=1) * np.sqrt(2 / WAVES)
 
 
+def even_out(values: np.ndarray, faces: np.ndarray, rounds: int, chosen: np.ndarray | None = None) -> np.ndarray:
+    """Return values at a mesh's vertices, shape [n] or [n, k], each moved half way to its neighbours' mean, repeatedly.
+
+    Args:
+        values: One row for each vertex.
+        faces: The mesh's, shape [m, 3].
+        rounds: How often.
+        chosen: Which vertices, bool, broadcast to the values; None: all.
+    """
+    edges = HalfEdges.of(faces, len(values)).adjacency
+    degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0).reshape(-1, *(1,) * (values.ndim - 1))
+    for _ in range(rounds):
+        evened = 0.5 * values + 0.5 * (edges @ values) / degree
+        values = evened if chosen is None else np.where(chosen, evened, values)
+    return values
+
+
 def thicken(mesh: Mesh, height: np.ndarray) -> Mesh:
     """Move vertices out along their normals by heights [m], shape [n]."""
     return mesh[0] + height[:, None] * vertex_normals(*mesh), mesh[1]
@@ -116,32 +135,49 @@ def clear(mesh: Mesh, grid: SignedDistance, clearance: float) -> Mesh:
 
 def hide_skin(skin: Mesh, cloth: Mesh) -> Mesh:
     """Put skin that pokes out of cloth below it; what faces the cloth from outside, a hand at a hip, stays."""
-    vertices, faces = skin[0].copy(), skin[1]
     if not len(cloth[1]):
         return skin
-    square, face, nearest = igl.point_mesh_squared_distance(vertices, *cloth)
-    normals = vertex_normals(*cloth)[cloth[1][face]].mean(axis=1)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
-    gap = vertices - nearest
-    above = np.einsum("na,na->n", gap, normals)
-    aside = np.sqrt(np.maximum(square - above**2, 0.0))
-    alike = np.einsum("na,na->n", normals, vertex_normals(*skin)) > 0.5
-    covered = alike & (above > -BELOW) & (above < COVERED_SKIN) & (aside < 0.5 * np.abs(above) + 1e-3)
-    vertices[covered] = nearest[covered] - BELOW * normals[covered]
-    return vertices, faces
+    over = _OverLayer.of(skin[0], cloth)
+    alike = np.einsum("na,na->n", over.normals, vertex_normals(*skin)) > 0.5
+    return over.put_below(skin, alike & (over.above < COVERED_SKIN))
 
 
 def tuck_under(inner: Mesh, outer: Mesh) -> Mesh:
     """Put what an outer layer covers of an inner one below it, so that no layer shows through the other."""
-    vertices, faces = inner[0].copy(), inner[1]
     if not len(outer[1]):
         return inner
-    square, face, nearest = igl.point_mesh_squared_distance(vertices, *outer)
-    normals = vertex_normals(*outer)[outer[1][face]].mean(axis=1)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
-    gap = vertices - nearest
-    above = np.einsum("na,na->n", gap, normals)
-    aside = np.sqrt(np.maximum(square - above**2, 0.0))
-    covered = (above > -BELOW) & (np.sqrt(square) < COVER) & (aside < 0.5 * np.abs(above) + 1e-3)
-    vertices[covered] = nearest[covered] - BELOW * normals[covered]
-    return vertices, faces
+    over = _OverLayer.of(inner[0], outer)
+    return over.put_below(inner, np.sqrt(over.square) < COVER)
+
+
+@dataclass(frozen=True)
+class _OverLayer:
+    """Describe where vertices are over a layer.
+
+    Attributes:
+        nearest: The layer's nearest points [m], shape [n, 3].
+        normals: Its unit normals there, shape [n, 3].
+        square: Squared distances [m2], shape [n].
+        above: Heights along the normals [m], shape [n].
+    """
+
+    nearest: np.ndarray
+    normals: np.ndarray
+    square: np.ndarray
+    above: np.ndarray
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, layer: Mesh) -> _OverLayer:
+        """Measure vertices [m], shape [n, 3], over a layer."""
+        square, face, nearest = igl.point_mesh_squared_distance(vertices, *layer)
+        normals = vertex_normals(*layer)[layer[1][face]].mean(axis=1)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+        return cls(nearest, normals, square, np.einsum("na,na->n", vertices - nearest, normals))
+
+    def put_below(self, mesh: Mesh, chosen: np.ndarray) -> Mesh:
+        """Return the mesh with those chosen vertices, bool of shape [n], below the layer that are upright over it."""
+        aside = np.sqrt(np.maximum(self.square - self.above**2, 0.0))
+        covered = chosen & (self.above > -BELOW) & (aside < 0.5 * np.abs(self.above) + 1e-3)
+        vertices = mesh[0].copy()
+        vertices[covered] = self.nearest[covered] - BELOW * self.normals[covered]
+        return vertices, mesh[1]

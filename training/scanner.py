@@ -9,11 +9,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body.body import Body
-from ..core.geometry.connectivity import HalfEdges
 from ..core.geometry.geometry import face_areas, face_normals
 from ..core.people.part import Part
 from ..core.scan.open3d_library import load_open3d
-from .cloth import wave_field
+from .cloth import even_out, wave_field
 from .shards import Shard
 from .wardrobe import Layer
 
@@ -285,12 +284,7 @@ def _float(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def _smooth_back(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return a surface's vertices [m], shape [n, 3], smooth where they face away from a camera in front."""
-    edges = HalfEdges.of(faces, len(points)).adjacency
-    degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0)[:, None]
-    behind = igl.per_vertex_normals(points, faces)[:, 2:] < 0.0
-    for _ in range(BACK_ROUNDS):
-        points = np.where(behind, 0.5 * points + 0.5 * (edges @ points) / degree, points)
-    return points
+    return even_out(points, faces, BACK_ROUNDS, igl.per_vertex_normals(points, faces)[:, 2:] < 0.0)
 
 
 def _grain(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:

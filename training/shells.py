@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.body.body import Body
-from ..core.geometry.geometry import vertex_normals
 from ..core.people.part import Part
 from .cloth import clip, hem_height, thicken, wave_field
 from .wardrobe import Layer
+from .wearer import size_of
 
 THICKNESS = (0.001, 0.0025)
 """Range of the thickness of elastic cloth [m], hems aside."""
@@ -49,14 +49,17 @@ class Shell:
 class _Rest:
     """Describe the T-pose: its vertices, their distance from the middle, and the heights that ends are drawn from."""
 
-    points: np.ndarray
-    aside: np.ndarray
     body: Body
 
-    @classmethod
-    def of(cls, body: Body) -> _Rest:
-        """Return what is measured on a body in the T-pose."""
-        return cls(body.rest_vertices, np.abs(body.rest_vertices[:, 0]), body)
+    @property
+    def points(self) -> np.ndarray:
+        """Return the vertices [m], shape [n, 3]."""
+        return self.body.rest_vertices
+
+    @property
+    def aside(self) -> np.ndarray:
+        """Return how far each vertex is from the middle [m], shape [n]."""
+        return np.abs(self.points[:, 0])
 
     def joint(self, name: str) -> np.ndarray:
         """Return a joint in the T-pose [m], shape [3]."""
@@ -65,7 +68,7 @@ class _Rest:
     @property
     def scale(self) -> float:
         """Return the height as a share of 1.7 m."""
-        return float(np.ptp(self.points[:, 1])) / 1.7
+        return size_of(self.body)
 
     def below(self, height: float) -> np.ndarray:
         """Return how far each vertex is below a height [m]."""
@@ -80,7 +83,7 @@ def draw_underwear(rest: Body, gender: str, rng: np.random.Generator) -> list[Sh
         gender: `female`, `male` or `child`.
         rng: The generator.
     """
-    own = _Rest.of(rest)
+    own = _Rest(rest)
     kind = rng.random()
     if kind < 0.2:
         return []
@@ -95,19 +98,19 @@ def draw_underwear(rest: Body, gender: str, rng: np.random.Generator) -> list[Sh
 
 def draw_leggings(rest: Body, rng: np.random.Generator) -> Shell:
     """Draw leggings or tights that end between knee and ankle."""
-    return _shell(Part.LOWER, "leggings", _legs(_Rest.of(rest), rng), rng)
+    return _shell(Part.LOWER, "leggings", _legs(_Rest(rest), rng), rng)
 
 
 def draw_tight_top(rest: Body, rng: np.random.Generator) -> Shell:
     """Draw a top of stretched cloth whose ends are drawn."""
-    own = _Rest.of(rest)
+    own = _Rest(rest)
     hem = own.joint("pelvis")[1] + rng.uniform(-0.1, 0.2) * own.scale
     return _shell(Part.UPPER, "tight top", np.minimum(_top(own, rng), -own.below(hem)), rng)
 
 
 def draw_tight_suit(rest: Body, rng: np.random.Generator) -> Shell:
     """Draw a suit of stretched cloth from the neck to the legs."""
-    own = _Rest.of(rest)
+    own = _Rest(rest)
     waist = own.below(own.joint("spine1")[1])
     keep = np.where(waist > 0, np.minimum(_legs(own, rng), 1.0) + np.maximum(waist, 0.0), _top(own, rng))
     legs = own.points[:, 1] - rng.uniform(own.joint("left_ankle")[1], own.joint("left_knee")[1] + 0.3 * own.scale)
@@ -118,8 +121,7 @@ def wear_shell(shell: Shell, body: Body, rng: np.random.Generator) -> Layer:
     """Return a shell on the wearer in a pose."""
     waves = np.clip(wave_field(body.rest_vertices, (0.03, 0.12), rng), -1.0, 1.0)
     height = shell.thickness * (1.0 + 0.3 * waves)
-    raised = body.vertices + height[:, None] * vertex_normals(body.vertices, body.faces)
-    mesh = clip((raised, body.faces), shell.keep)
+    mesh = clip(thicken((body.vertices, body.faces), height), shell.keep)
     return Layer(shell.part, thicken(mesh, hem_height(mesh, *HEM)))
 
 

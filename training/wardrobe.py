@@ -16,14 +16,13 @@ from ..core.garment.garment import Garment
 from ..core.garment.measures import BodyMeasures
 from ..core.garment.sewing import mesh_pattern
 from ..core.garment.templates import draft_template
-from ..core.geometry.connectivity import HalfEdges
 from ..core.people.part import Part
 from ..core.recover.drape.dress import DressSettings, dress
 from ..core.recover.drape.pbd import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
 from ..core.recover.drape.sizing import measure_wearer
 from ..core.recover.drape.waist import waist_loop
 from ..core.run.errors import GarmentqError
-from .cloth import COVER, Mesh, clear, clip, hem_height, refine, thicken, tuck_under, wave_field
+from .cloth import COVER, Mesh, clear, clip, even_out, hem_height, refine, thicken, tuck_under, wave_field
 
 NODES = 1000
 """Nodes of a garment while it is draped: edges of 3 cm, 0.7 s a garment; refined once before it is scanned."""
@@ -213,11 +212,7 @@ def heights_above(body: Body, cloth: Mesh) -> np.ndarray:
     normals = igl.per_vertex_normals(body.vertices, body.faces)
     upright = np.einsum("na,na->n", nearest - body.vertices, normals) > 0.7 * distance
     height = np.where(upright & (distance < 0.5 * COVER), distance, 0.0)
-    edges = HalfEdges.of(body.faces, len(body.vertices)).adjacency
-    degree = np.maximum(np.asarray(edges.sum(axis=1)).ravel(), 1.0)
-    for _ in range(4):
-        height = 0.5 * height + 0.5 * (edges @ height) / degree
-    return height
+    return even_out(height, body.faces, 4)
 
 
 def draw_cuts(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Cut]:

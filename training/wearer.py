@@ -144,6 +144,11 @@ def stand(template: Template, shape: np.ndarray, angles: np.ndarray) -> Body:
     return pose_template(template, shape, angles, source, -np.array([0.0, lowest, 0.0]))
 
 
+def size_of(body: Body) -> float:
+    """Return a wearer's height as a share of 1.7 m."""
+    return float(np.ptp(body.rest_vertices[:, 1])) / 1.7
+
+
 def at_rest(body: Body) -> Body:
     """Return the same wearer in the T-pose."""
     return replace(

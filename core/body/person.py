@@ -160,10 +160,9 @@ def fit_person(
     settings = settings or PersonSettings()
     template = load_template()
     surface = average_points(points, normals, oriented, settings.surface_count, settings.seed)
-    height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
-    length = 0.0 if surface is None else float(np.ptp(surface.points, axis=0).max())
-    if surface is None or not (0.7 <= length and height <= 2.8):
-        raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")
+    extent = np.zeros(3) if surface is None else np.ptp(surface.points, axis=0)
+    if surface is None or not (0.7 <= extent.max() and extent[1] <= 2.8):
+        raise NotHuman(f"The scan is {extent[1]:.2f} m high. {NotHuman().message}")
     if settings.refuses and surface.total < MIN_SCAN_CELL_COUNT:
         raise TooSparse()
     found = find_start(template, surface, settings.search, settings.seed, hooks)

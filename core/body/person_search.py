@@ -92,7 +92,6 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
     low, high = np.quantile(surface.points[:, 1], (0.002, 0.998))
     centre = 0.5 * (np.quantile(surface.points, 0.02, axis=0) + np.quantile(surface.points, 0.98, axis=0))
     usual = float(np.ptp(template.vertices[:, 1]))
-    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
     starts = []
     for angles in (*POSES.values(), *MORE_POSES.values()):
         vectors = np.zeros((24, 3))
@@ -100,10 +99,10 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
             vectors[JOINTS.index(joint)] = vector
         posed = _pose(template, np.zeros(4), rotations_of(vectors), subset)
         height = float(np.clip((high - low) / np.ptp(posed[:, 1]) * usual, 1.4, 2.0))
-        shape = (slope * (height - usual) / (slope @ slope))[:4]
-        for h in range(START_HEADING_COUNT):
+        shape = _shape_of_stature(template, height)
+        for turn in _headings():
             turned = vectors.copy()
-            turned[0] = (0.0, 2 * pi * h / START_HEADING_COUNT, 0.0)
+            turned[0] = (0.0, turn, 0.0)
             rotations = rotations_of(turned)
             posed = _pose(template, shape, rotations, subset)
             shift = centre - 0.5 * (posed.min(axis=0) + posed.max(axis=0))
@@ -130,7 +129,7 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
     spread = float(np.sqrt(((surface.points - mean) ** 2).sum(axis=1).mean()))
     tree = cKDTree(surface.points)
     usual = float(np.ptp(template.vertices[:, 1]))
-    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
+    headings = rotations_of(np.array([[0.0, turn, 0.0] for turn in _headings()]))
     ranked = []
     for number, angles in enumerate(load_poses()[0]):
         rotations = rotations_of(angles)
@@ -139,8 +138,7 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
         height = float(np.clip(usual * spread / radius, *HEIGHT_RANGE))
         body = (posed - posed.mean(axis=0)) * height / usual
         found = []
-        for h in range(START_HEADING_COUNT):
-            heading = rotations_of(np.array([[0.0, 2 * pi * h / START_HEADING_COUNT, 0.0]]))[0]
+        for h, heading in enumerate(headings):
             placed = body @ heading.T + mean
             there = np.minimum(tree.query(placed)[0], MAX_COARSE_DISTANCE).mean()
             back = np.minimum(cKDTree(placed).query(points)[0], MAX_COARSE_DISTANCE).mean()
@@ -150,10 +148,22 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
     starts = []
     for _, number, h, height in sorted(ranked)[:MOVING_START_COUNT]:
         rotations = rotations_of(load_poses()[0][number])
-        rotations[0] = rotations_of(np.array([[0.0, 2 * pi * h / START_HEADING_COUNT, 0.0]]))[0] @ rotations[0]
-        shape = (slope * (height - usual) / (slope @ slope))[:4]
+        rotations[0] = headings[h] @ rotations[0]
+        shape = _shape_of_stature(template, height)
         starts.append(FitState(shape, rotations, mean - _pose(template, shape, rotations, subset).mean(axis=0)))
     return starts
+
+
+def _headings() -> list[float]:
+    """Return the headings of every start pose [rad]."""
+    return [2 * pi * h / START_HEADING_COUNT for h in range(START_HEADING_COUNT)]
+
+
+def _shape_of_stature(template: Template, stature: float) -> np.ndarray:
+    """Return the first four shape coefficients of the most probable body of a stature [m], shape [4]."""
+    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
+    usual = float(np.ptp(template.vertices[:, 1]))
+    return np.asarray((slope * (stature - usual) / (slope @ slope))[:4])
 
 
 def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: np.ndarray) -> np.ndarray:

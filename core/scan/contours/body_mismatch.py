@@ -70,7 +70,7 @@ def check_own_body(points: np.ndarray, body: Body) -> None:
     """
     misfit = explain_misfit(points, body.vertices, body.faces) if body.source.startswith("mesh:") else ""
     if misfit:
-        raise BodyMismatch(misfit[0].upper() + misfit[1:])
+        raise BodyMismatch(misfit)
 
 
 def find_misfit_warnings(points: np.ndarray, body: Body) -> tuple[str, ...]:
