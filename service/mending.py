@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,58 +21,67 @@ LABELS = "labels.npz"
 """Name of the file of labels in a person's result, and of the corrected one that the new job reads."""
 
 
-@dataclass(frozen=True)
-class RelabelOrder:
-    """Describe an order to label a person again: one of `points` and `wearing` is given.
+def submit_corrected(services: Services, row: JobRow, points: Path, owner: JobTerms) -> SubmissionResult:
+    """Queue a job that labels a person's scan again with corrected labels; all other options are as before.
 
-    Attributes:
+    The options about worn garments and marked points are dropped, because the labels replace them.
+
+    Args:
+        services: Database and store.
+        row: The job of the person.
         points: A `.npy` file with the number of a part for each point of the result's `segmented.ply`.
-        wearing: Exactly these garments, `upper,lower`, or `nothing`.
-        key: Id of the caller's API key, or empty.
-        quota: Jobs that the key may have open at a time.
-        realm: Whose equal orders are one job: a key's id; empty: everybody's.
-    """
-
-    points: Path | None = None
-    wearing: str | None = None
-    key: str = ""
-    quota: int = 0
-    realm: str = ""
-
-
-def submit_relabelling(services: Services, row: JobRow, order: RelabelOrder) -> SubmissionResult:
-    """Queue a job that labels a person's scan again; all other options are as before.
-
-    Corrected labels replace the options about worn garments and marked points, an outfit replaces given labels.
+        owner: Key, quota and realm of who orders it.
 
     Raises:
         InputWrong: if the job is not a person's.
-        HintBad: if the outfit is none.
-        ResultMissing: if it stored no labels to correct.
+        ResultMissing: if it stored no labels.
         LabelsUnreadable, LabelsMismatch, LabelsOld: if the labels do not fit its scan.
         QueueFull: if the key has reached its number of open jobs.
     """
+    before = _read_person(row)
+    labels = _correct_labels(services, row, points)
+    return _queue(services, row, replace(before, labels=labels, wearing=None, marks=()), owner)
+
+
+def submit_in_outfit(services: Services, row: JobRow, wearing: str, owner: JobTerms) -> SubmissionResult:
+    """Queue a job that labels a person's scan again in another outfit, which replaces given labels.
+
+    Args:
+        services: Database and store.
+        row: The job of the person.
+        wearing: Exactly these garments, `upper,lower`, or `nothing`.
+        owner: Key, quota and realm of who orders it.
+
+    Raises:
+        InputWrong: if the job is not a person's.
+        HintBad: if a word is no garment.
+        QueueFull: if the key has reached its number of open jobs.
+    """
+    request = replace(_read_person(row), wearing=wearing, labels=None)
+    check_wearing(request)
+    return _queue(services, row, request, owner)
+
+
+def _read_person(row: JobRow) -> PersonRequest:
     if row.kind != PERSON_KIND:
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
-    before = read_request(PersonRequest, row.request)
-    if order.wearing is not None:
-        again = replace(before, wearing=order.wearing, labels=None)
-        check_wearing(again)
-    else:
-        again = replace(before, labels=_correct_labels(services, row, order.points), wearing=None, marks=())
-    request = pack_request(replace(again, given_as="person"))
+    return read_request(PersonRequest, row.request)
+
+
+def _queue(services: Services, row: JobRow, request: PersonRequest, owner: JobTerms) -> SubmissionResult:
+    """Queue a request in place of a job's, under the job's name, with its tags, in its queue."""
     (report,) = report_jobs(services.database, [row], services.settings)
-    terms = JobTerms(row.name, tuple(report.tags), queue=row.queue)
-    terms = replace(terms, key=order.key, quota=order.quota, realm=order.realm)
+    terms = replace(owner, name=row.name, tags=tuple(report.tags), queue=row.queue)
+    packed = pack_request(replace(request, given_as="person"))
     with services.database.write() as session:
-        return add_job(session, JobRequest(PERSON_KIND, request, row.scan, terms=terms))
+        return add_job(session, JobRequest(PERSON_KIND, packed, row.scan, terms=terms))
 
 
-def _correct_labels(services: Services, row: JobRow, points: Path | None) -> FileRef:
+def _correct_labels(services: Services, row: JobRow, points: Path) -> FileRef:
     """Store the labels of a result with those of some points corrected."""
     from ..core.people.mend import apply_corrected_labels, read_corrected_labels
 
-    if points is None or LABELS not in {file.name for file in list_files(services.database, row.id)}:
+    if LABELS not in {file.name for file in list_files(services.database, row.id)}:
         raise ResultMissing(f"job {row.id} has no labels; `garmentq status {row.id}` shows why.")
     with services.copying() as folder:
         (stored,) = export_files(services.database, services.store, row.id, folder, [LABELS])

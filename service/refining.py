@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..core.recover.settings import QUALITIES
@@ -28,31 +28,21 @@ class NotPreview(BadInput):
     code = "job.not_preview"
 
 
-@dataclass(frozen=True)
-class Refiner:
-    """Describe who orders a refinement.
-
-    Attributes:
-        key: Id of the caller's API key, or empty.
-        quota: Jobs that the key may have open at a time.
-        realm: Whose equal orders are one job: a key's id; empty: everybody's.
-    """
-
-    key: str = ""
-    quota: int = 0
-    realm: str = ""
-
-
 def is_preview(kind: str, settings: Mapping[str, Any]) -> bool:
     """Return whether a job of a kind with these settings fits no pattern, so that it can be refined."""
     return kind in REFINABLE_KINDS and settings.get("method") == QUALITIES["preview"]["method"]
 
 
-def submit_refinement(services: Services, row: JobRow, refiner: Refiner = Refiner()) -> SubmissionResult:
+def submit_refinement(services: Services, row: JobRow, owner: JobTerms | None = None) -> SubmissionResult:
     """Queue the recovery at standard quality of a preview's files, with all its other settings; the preview stays.
 
     It is the job that an order of these files at that quality makes, so that an equal one is returned. The garment of a
     person is recovered from the labels and the body that were found for the preview.
+
+    Args:
+        services: Database and store.
+        row: The preview.
+        owner: Key, quota and realm of who orders it; None: the local user.
 
     Raises:
         NotPreview: if the job is not a preview.
@@ -66,7 +56,6 @@ def submit_refinement(services: Services, row: JobRow, refiner: Refiner = Refine
     preview = read_request(find_kind(services.settings, row.kind).request, row.request)
     request = pack_request(replace(preview, settings=replace(preview.settings, **QUALITIES["standard"])))
     (report,) = report_jobs(services.database, [row], services.settings)
-    terms = JobTerms(row.name, tuple(report.tags), queue=row.queue)
-    terms = replace(terms, key=refiner.key, quota=refiner.quota, realm=refiner.realm)
+    terms = replace(owner or JobTerms(), name=row.name, tags=tuple(report.tags), queue=row.queue)
     with services.database.write() as session:
         return add_job(session, JobRequest(row.kind, request, row.scan, report.inputs, terms))

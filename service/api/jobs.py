@@ -26,7 +26,7 @@ from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
 from ..query import MAX_QUERY_OFFSET, JobQuery, find_jobs
-from ..refining import Refiner, submit_refinement
+from ..refining import submit_refinement
 from ..results import report_jobs
 from ..submission import SubmissionResult, clean_name, own_name, submit
 from ..terms import JobTerms
@@ -187,8 +187,8 @@ def refine_job(job: str, response: Response, rooms: AppStateDependency, caller: 
 
     If an equal job exists, that is returned: 200, not 202.
     """
-    refiner = Refiner(caller.key, caller.quota, find_realm(rooms, caller))
-    return answer_submission(response, submit_refinement(rooms, find_own(rooms, caller, job), refiner))
+    row = find_own(rooms, caller, job)
+    return answer_submission(response, submit_refinement(rooms, row, make_owner_terms(rooms, caller)))
 
 
 def answer_submission(response: Response, done: SubmissionResult) -> dict[str, Any]:
@@ -257,16 +257,19 @@ def _derive(rooms: AppState, caller: Caller, payload: DerivedIn, nonce: str) -> 
 
 def _read_terms(rooms: AppState, caller: Caller, payload: JobIn | DerivedIn) -> JobTerms:
     """Return the terms under which the job is queued."""
-    return JobTerms(
-        payload.name,
-        tuple(payload.tags),
-        payload.priority,
-        payload.queue,
-        payload.force,
-        key=caller.key,
-        quota=caller.quota,
-        realm=find_realm(rooms, caller),
+    return replace(
+        make_owner_terms(rooms, caller),
+        name=payload.name,
+        tags=tuple(payload.tags),
+        priority=payload.priority,
+        queue=payload.queue,
+        force=payload.force,
     )
+
+
+def make_owner_terms(rooms: AppState, caller: Caller) -> JobTerms:
+    """Return the terms of a job that a caller owns: its key, quota and realm."""
+    return JobTerms(key=caller.key, quota=caller.quota, realm=find_realm(rooms, caller))
 
 
 def find_realm(rooms: AppState, caller: Caller) -> str:

@@ -6,10 +6,10 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from ..mending import RelabelOrder, submit_relabelling
+from ..mending import submit_corrected, submit_in_outfit
 from ..uploads import find_upload
 from .access import AppStateDependency, Submitter, find_own
-from .jobs import answer_submission, find_realm, show_created
+from .jobs import answer_submission, make_owner_terms, show_created
 from .schemas import LabelsIn, WearingIn
 
 router = APIRouter(tags=["jobs"])
@@ -28,8 +28,7 @@ def mend_labels(job: str, payload: LabelsIn, response: Response, rooms: AppState
     kept = find_upload(rooms.database, caller.key, payload.points, "labels")
     with rooms.copying() as folder:
         points = rooms.store.copy(kept.sha256, folder / "points.npy")
-        order = RelabelOrder(points, None, caller.key, caller.quota, find_realm(rooms, caller))
-        done = submit_relabelling(rooms, row, order)
+        done = submit_corrected(rooms, row, points, make_owner_terms(rooms, caller))
     return answer_submission(response, done)
 
 
@@ -43,5 +42,5 @@ def set_wearing(job: str, payload: WearingIn, response: Response, rooms: AppStat
     `details.outfits` of the old job has the readings of the outfit, the likeliest first. The same outfit again is the
     same job: 200, not 202.
     """
-    order = RelabelOrder(None, payload.wearing, caller.key, caller.quota, find_realm(rooms, caller))
-    return answer_submission(response, submit_relabelling(rooms, find_own(rooms, caller, job), order))
+    row, owner = find_own(rooms, caller, job), make_owner_terms(rooms, caller)
+    return answer_submission(response, submit_in_outfit(rooms, row, payload.wearing, owner))
