@@ -21,7 +21,7 @@ from ..core.body.template import Template, load_template
 from ..core.people.part import GARMENTS, Part
 from .accessories import bare_skin, draw_accessories
 from .cloth import hide_skin
-from .outfits import Outfit, load_outfits, wear_outfit
+from .outfits import HELD_OUT_OUTFITS, TRAINED_OUTFITS, Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person
 from .shards import Shard, save_shard
 from .shells import Shell, draw_leggings, draw_tight_suit, draw_tight_top, draw_underwear, wear_shell
@@ -91,17 +91,18 @@ def draw_clothes(rest: Body, gender: str, rng: np.random.Generator, held_out: bo
 
 
 def simulate_outfit(seed: int, scans: int, outfits: dict[str, Outfit]) -> Iterator[Shard]:
-    """Yield the scans of one person in an outfit that was modelled by hand."""
+    """Yield the scans of one person in one of the outfits that were modelled by hand."""
     rng = np.random.default_rng([REVISION, seed])
     gender, template, shape = draw_wearer(load_template(), rng)
     name = sorted(outfits)[seed % len(outfits)]
 
     def wear(body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
-        return wear_outfit(template, body, outfits[name])
+        return wear_outfit(load_template(), body, outfits[name])
 
     for scan in range(scans):
         shard, about = _scan(template, shape, wear, np.random.default_rng([REVISION, seed, scan]))
-        about |= {"seed": seed, "scan": scan, "gender": gender, "held_out": True, "garments": [name]}
+        about |= {"seed": seed, "scan": scan, "gender": gender}
+        about |= {"held_out": name in HELD_OUT_OUTFITS, "garments": [name]}
         yield replace(shard, about=about)
 
 
@@ -176,14 +177,15 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--count", type=int, default=100, help="persons")
     parser.add_argument("--scans", type=int, default=2, help="scans of each")
-    parser.add_argument("--held-out", action="store_true", help="jumpsuits and pencil skirts, kept for measuring")
+    parser.add_argument("--held-out", action="store_true", help="designs that are kept for measuring")
     parser.add_argument("--outfits", type=Path, help="folder of CC0 outfits to wear instead: base.obj and clothes")
     parser.add_argument("--limit", type=float, help="stop after so many seconds")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.count)
     how: Simulate = partial(simulate, held_out=options.held_out)
     if options.outfits:
-        how = partial(simulate_outfit, outfits=load_outfits(options.outfits))
+        names = HELD_OUT_OUTFITS if options.held_out else TRAINED_OUTFITS
+        how = partial(simulate_outfit, outfits=load_outfits(options.outfits, names))
     write_persons(options.out, seeds, options.scans, how, options.limit)
 
 
