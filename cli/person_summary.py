@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ..service.outfit_readings import list_readings
+from ..service.outfit_readings import list_readings, name_end
 from ..service.records import JobReport
 
 UNSURE_OPENING_COUNT = 2
@@ -36,7 +36,7 @@ def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
     """Return the inferred openings, and of the shown ones those with the least confidence."""
     found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
     inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
-    seen = sorted((c["confidence"], f"{part} {c['name']}") for part, c in found if not c["is_inferred"])
+    seen = sorted((c["confidence"], f"{part} {name_end(c)}") for part, c in found if not c["is_inferred"])
     texts = [f"{name} {probability:.2f}" for probability, name in seen[:UNSURE_OPENING_COUNT]]
     unseen = f"; inferred: {', '.join(inferred)}" if inferred else ""
     least = f"{len(seen)} shown" + (f", least confidence: {', '.join(texts)}" if texts else "")

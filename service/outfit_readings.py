@@ -1,4 +1,4 @@
-"""The readings of a person's outfit as a job's details have them, with their probabilities."""
+"""What a job's details say of a person in words: readings of the outfit with their probabilities, and ends."""
 
 from __future__ import annotations
 
@@ -37,3 +37,9 @@ def list_readings(outfits: Sequence[Mapping[str, Any]]) -> list[Reading]:
         parts = outfit["parts"] or ["nothing"]
         found.append(Reading(",".join(parts), " and ".join(parts), weight / sum(weights)))
     return found
+
+
+def name_end(contour: Mapping[str, Any]) -> str:
+    """Return the name of a garment's end, with the interval that it lies in with 0.9 where that is known."""
+    interval = contour.get("interval_mm")
+    return str(contour["name"]) if interval is None else f"{contour['name']} ±{interval:.0f} mm"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -40,6 +40,21 @@ EXCLUDED_CONTOURS = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"
 
 MAX_COVERED_BORDER_DISTANCE = 0.015
 """Largest median distance from a border to the points of another garment that covers it [m]: two samples."""
+
+
+@dataclass(frozen=True)
+class PointLabels:
+    """Describe the labels of a scan's points.
+
+    Attributes:
+        part: A `Part` for each, shape [point_count].
+        confidence: Probability of each over all readings of the outfit, shape [point_count].
+        certainty: Probability of each under the best reading, shape [point_count].
+    """
+
+    part: np.ndarray
+    confidence: np.ndarray
+    certainty: np.ndarray
 
 
 class PartNotWorn(BadInput):
@@ -81,21 +96,22 @@ def extract_garment(
 
 
 def find_garments(
-    raw: RawScan, label: np.ndarray, confidence: np.ndarray, surface: PersonSurface, body: Body
+    raw: RawScan, labels: PointLabels, surface: PersonSurface, body: Body
 ) -> tuple[FoundGarment, ...]:
     """Find each garment's confidence, category and openings.
 
     Args:
         raw: The person.
-        label: A `Part` for each of its points, shape [point_count].
-        confidence: Probability of each, shape [point_count].
+        labels: Of its points.
         surface: The person's surface, of all points or fewer.
         body: The wearer.
     """
-    confidences = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
-    whole, label = surface.scan, label[raw.place[surface.origin]]
+    worn = [part for part in GARMENTS if (labels.part == part).any()]
+    confidences = {part: garment_confidence(labels.part, labels.confidence, part) for part in worn}
+    row = raw.place[surface.origin]
+    whole, label = surface.scan, labels.part[row]
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
-    around = Surroundings.of(whole, label, body)
+    around = Surroundings.of(whole, label, labels.certainty[row], body)
     found = []
     for part in GARMENTS:
         of_part = label == part

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body.body import Body
-from ..geometry.geometry import unit, vertex_normals
+from ..geometry.geometry import face_areas, lump, unit, vertex_normals
 from ..geometry.surface import TriangleSurface
 from ..scan.contours.target import Contour
 from ..scan.scan import Scan
@@ -40,6 +40,14 @@ garments is more likely a waistband than a hem. Waistbands that are seen are 8 t
 over end below; and a tucked top blouses over the band, so that by the step alone it would seem to hang over."""
 
 
+BORDER_DOUBT_DISTANCES = (0.05, 0.08)
+"""Distances from a border [m]: doubts of labels nearer than the first are doubts of where it is, as far as they exceed
+those between the two, which are of what is worn; farther off, other borders begin."""
+
+NORMAL_INTERVAL_RATIO = 1.645 * np.sqrt(np.pi / 2.0)
+"""Half the width of a normal distribution's 0.9 interval over its mean absolute deviation [1]."""
+
+
 @dataclass(frozen=True)
 class Surroundings:
     """Describe a labelled scan, to compare both sides of a border.
@@ -50,6 +58,8 @@ class Surroundings:
         lab: Colours in L*a*b*, shape [n, 3], or None.
         height: Over the body [m], shape [n].
         hips: Height of the hip joints [m].
+        area: Of each [m2], shape [n].
+        doubt: Probability that its label is wrong under the best reading, shape [n].
     """
 
     points: np.ndarray
@@ -57,14 +67,24 @@ class Surroundings:
     lab: np.ndarray | None
     height: np.ndarray
     hips: float
+    area: np.ndarray
+    doubt: np.ndarray
 
     @classmethod
-    def of(cls, whole: Scan, label: np.ndarray, body: Body) -> Surroundings:
-        """Compute colours of a labelled scan and its heights over the body."""
+    def of(cls, whole: Scan, label: np.ndarray, certainty: np.ndarray, body: Body) -> Surroundings:
+        """Compute colours of a labelled scan, its heights over the body, and where its labels are doubted.
+
+        Args:
+            whole: The scan.
+            label: A `Part` for each vertex, shape [n].
+            certainty: Probability of each under the best reading, shape [n].
+            body: The wearer.
+        """
         height = TriangleSurface(body.vertices, body.faces).heights(whole.vertices)
         lab = None if whole.colours is None else to_lab(whole.colours) * CONTRAST
         hips = float(0.5 * (body.joint("left_hip")[1] + body.joint("right_hip")[1]))
-        return cls(whole.vertices, label, lab, height, hips)
+        area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
+        return cls(whole.vertices, label, lab, height, hips, area, 1.0 - certainty)
 
 
 @dataclass(frozen=True)
@@ -110,8 +130,34 @@ def find_openings(
         other = [outside[rows] for rows in trees[1].query_ball_point(points - left, BORDER_AVERAGING_RADIUS)]
         is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=MAX_FREE_EDGE_DISTANCE)[0])
         sides = _compare_sides(around, inner, other, is_free, float(np.median(points[:, 1]) - around.hips))
-        found.append(_classify_opening(contour.name, part, sides))
+        opening = _classify_opening(contour.name, part, sides)
+        beyond = Part(int(np.bincount(sides.next_part[sides.next_part >= 0], minlength=1).argmax()))
+        interval = None if opening.is_inferred else measure_interval(around, points, (part, beyond))
+        found.append(replace(opening, interval=interval))
     return tuple(found)
+
+
+def measure_interval(around: Surroundings, border: np.ndarray, parts: tuple[Part, Part]) -> float:
+    """Return half the width of the interval that a border lies in with a probability of 0.9 [m].
+
+    A point at a distance x from where the border was found is labelled wrongly if the border lies beyond it, so that
+    the integral of that probability over x is the mean absolute deviation of the border: the sum of areas times
+    doubts beside it, over its length. What labels farther off are doubted on the same side is not the border's.
+
+    Args:
+        around: The labelled scan.
+        border: Points along the closed border [m], shape [k, 3].
+        parts: The garment and what is beyond the border; other labels are doubted for other borders.
+    """
+    close, far = BORDER_DOUBT_DISTANCES
+    distance = cKDTree(border).query(around.points, distance_upper_bound=far)[0]
+    doubted = 0.0
+    for part in parts:
+        near, beside = ((around.label == part) & (distance < reach) for reach in (close, far))
+        beside &= ~near & (around.area > 0.0)
+        general = np.average(around.doubt[beside], weights=around.area[beside]) if beside.any() else 0.0
+        doubted += max(float((around.area * (around.doubt - general))[near].sum()), 0.0)
+    return float(NORMAL_INTERVAL_RATIO * doubted / np.linalg.norm(np.roll(border, -1, axis=0) - border, axis=1).sum())
 
 
 def _compare_sides(

@@ -16,11 +16,11 @@ from ..scan.thin import thin_raw_scan
 from .bareness import add_bare_readings, find_bare_odds
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
-from .confidence import check_confidence
+from .confidence import apply_temperature, check_confidence
 from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
-from .garments import build_person_surface, find_garments
+from .garments import PointLabels, build_person_surface, find_garments
 from .hints import Hints
 from .limbs import BodyPlace
 from .marks import apply_marks, list_marked_garments
@@ -120,21 +120,30 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         marginal, posterior = (give_to_skin(one, bare) for one in (marginal, posterior))
     if not isinstance(fit, _GivenBody):
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior, features.place), hooks)
-    best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
-    at, certainty = PART_NUMBERS[best], points.carry(marginal.astype(np.float32))[np.arange(len(best)), best]
+    labels = _carry_labels(points, posterior, marginal)
     if hints.label is not None:
-        at, certainty = hints.label[raw.origin], np.full(len(at), USER_LABEL_PROBABILITY, np.float32)
+        sure = np.full(len(raw.origin), USER_LABEL_PROBABILITY, np.float32)
+        labels = PointLabels(hints.label[raw.origin], sure, sure)
     hooks.progress(STAGE, 0.9, "finding the garments' openings")
     body = fit.body if isinstance(fit, _GivenBody) else replace(fit.body, source=f"scan:{raw.name}")
     thinned = thin_raw_scan(raw)
     surface = build_person_surface(thinned, body)
-    garments = find_garments(raw, at, certainty, surface, body)
+    garments = find_garments(raw, labels, surface, body)
     warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
-    label, confidence = expand_to_file(raw, at, certainty)
+    label, confidence = expand_to_file(raw, labels.part, labels.confidence)
     if hints.label is not None:
         label = hints.label.astype(np.uint8)
     whole = surface if thinned is raw else None
     return LabelledPerson(body, label, confidence, garments, outfits, warnings, problem, whole)
+
+
+def _carry_labels(points: PersonPoints, posterior: np.ndarray, marginal: np.ndarray) -> PointLabels:
+    """Return the labels of the scan's points, from the samples' posterior under the best reading and over all."""
+    certain = points.carry(apply_temperature(posterior).astype(np.float32))
+    best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
+    row = np.arange(len(best))
+    confidence = points.carry(marginal.astype(np.float32))[row, best]
+    return PointLabels(PART_NUMBERS[best], confidence, certain[row, best])
 
 
 def check_single_person(raw: RawScan) -> None:

@@ -21,11 +21,13 @@ class FoundContour:
         name: One of `CONTOUR_NAMES`.
         confidence: Probability that it is within 2 cm of where it was found.
         is_inferred: Whether nothing in the scan shows it: then it is neither fitted nor measured.
+        interval: Half the width of the interval that it lies in with 0.9 [m], or None where nothing shows it.
     """
 
     name: str
     confidence: float
     is_inferred: bool
+    interval: float | None = None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from ..kinds.redrape_request import REDRAPE
-from ..outfit_readings import Reading, list_readings
+from ..outfit_readings import Reading, list_readings, name_end
 from ..records import Gate, JobReport, RedrapeState
 from ..states import ENDED, State
 from .markup import Html, html, join
@@ -101,7 +101,7 @@ def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]
     for garment in garments:
         what = f"{garment['category'] or 'of no known cut'}, confidence {garment['confidence']:.2f}"
         for word, hidden in (("ends seen", False), ("ends inferred", True)):
-            ends = [contour["name"] for contour in garment["contours"] if contour["is_inferred"] is hidden]
+            ends = [name_end(contour) for contour in garment["contours"] if contour["is_inferred"] is hidden]
             what += f"; {word}: {', '.join(ends)}" if ends else ""
         rows.append((garment["part"], what))
     return rows

@@ -86,7 +86,7 @@ def test_a_job_of_another_kind_shows_its_own(capsys) -> None:
 def test_a_person_is_told_in_ten_lines(capsys) -> None:
     """Breaks where the second reading is left out, or an opening that nothing shows counts as seen."""
     neck = {"name": "neck", "confidence": 0.4, "is_inferred": True}
-    contours = [neck, {"name": "hem", "confidence": 0.9, "is_inferred": False}]
+    contours = [neck, {"name": "hem", "confidence": 0.9, "is_inferred": False, "interval_mm": 17.4}]
     garments = [{"part": "one-piece", "category": "dress", "confidence": 0.912, "contours": contours}]
     outfits = [{"parts": ["one-piece"], "score": 0.0}, {"parts": ["upper", "lower"], "score": -1.0}]
     scan = {"vertex_count": 9, "is_cloud": True, "has_colours": False, "units": "cm", "up": "-z"}
@@ -99,7 +99,8 @@ def test_a_person_is_told_in_ten_lines(capsys) -> None:
     for text in (
         "person; cloud of 9 points without colours, cm, -z up", "7.2 mm RMS",
         "one-piece (73 %); or upper and lower (27 %)",
-        "one-piece (dress), confidence 0.91", "1 shown, least confidence: one-piece hem 0.90; inferred: one-piece neck",
+        "one-piece (dress), confidence 0.91",
+        "1 shown, least confidence: one-piece hem \u00b117 mm 0.90; inferred: one-piece neck",
         "one-piece (aaaabbbbcccc, failed)",
     ):  # fmt: skip
         assert text in shown, text

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.people.openings import _BorderSides, _classify_opening
+from garmentq.core.people.openings import Surroundings, _BorderSides, _classify_opening, measure_interval
 from garmentq.core.people.part import Part
+from scipy.stats import norm
 
 
 @pytest.mark.parametrize(
@@ -24,3 +25,19 @@ def test_what_a_garment_stands_out_over_does_not_cover_it(beyond, step, is_infer
     sides = _BorderSides(np.full(count, step), np.full(count, 27.0), np.full(count, int(beyond)), 0.17)
     found = _classify_opening("hem", Part.UPPER, sides)
     assert found.is_inferred == is_inferred
+
+
+def test_the_doubt_beside_a_border_is_its_interval():
+    """Broken where the interval of a normally distributed border is not 1.645 deviations, or counts other doubts."""
+    deviation, step = 0.01, 0.0025
+    turn = 2.0 * np.pi * np.arange(160) / 160
+    ring = np.column_stack([0.2 * np.cos(turn), np.zeros(160), 0.2 * np.sin(turn)])
+    heights = step * (np.arange(-40, 40) + 0.5)
+    points = np.concatenate([ring + [0.0, height, 0.0] for height in heights])
+    wrong = np.repeat(norm.sf(np.abs(heights) / deviation), 160)
+    label = np.repeat(np.where(heights > 0.0, int(Part.UPPER), int(Part.SKIN)), 160)
+    area = step * np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum() / 160
+    around = Surroundings(points, label, None, np.zeros(len(points)), 1.0, np.full(len(points), area), 0.1 + wrong)
+    found = measure_interval(around, ring, (Part.UPPER, Part.SKIN))
+    assert found == pytest.approx(1.645 * deviation, rel=0.02)
+    assert measure_interval(around, ring, (Part.UPPER, Part.LOWER)) == pytest.approx(0.5 * found, rel=0.02)
