@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..body.body import Body
 from ..garment.reading import Reading
-from ..geometry.geometry import face_areas, lump, vertex_normals
+from ..geometry.geometry import vertex_normals
 from ..geometry.point_normals import estimate_normals, orient_normals
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
@@ -110,12 +110,11 @@ def find_garments(
     confidences = {part: garment_confidence(labels.part, labels.confidence, part) for part in worn}
     row = raw.place[surface.origin]
     whole, label = surface.scan, labels.part[row]
-    area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, labels.certainty[row], body)
     found = []
     for part in GARMENTS:
         of_part = label == part
-        if part not in confidences or area[of_part].sum() < MIN_GARMENT_AREA:
+        if part not in confidences or around.area[of_part].sum() < MIN_GARMENT_AREA:
             continue
         cut = cut_part(whole, of_part, body)
         category = choose_part_category(part, cut.contours, cut.garment, body)
