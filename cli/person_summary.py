@@ -45,7 +45,8 @@ def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
 
 def _describe_garment(garment: Mapping[str, Any]) -> str:
     category = f" ({garment['category']})" if garment.get("category") else ""
-    return f"{garment['part']}{category}, confidence {garment['confidence']:.2f}"
+    left = ", not recovered" if garment.get("problem") else ""
+    return f"{garment['part']}{category}, confidence {garment['confidence']:.2f}{left}"
 
 
 def _describe_scan(checked: Mapping[str, Any]) -> str:

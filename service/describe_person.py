@@ -8,13 +8,13 @@ import numpy as np
 
 from ..core.people.part import Part
 from ..core.people.separation import FoundContour, FoundGarment, LabelledPerson
+from ..core.run.errors import GarmentqError
 from ..core.scan.raw import RawScan
 
 
 def describe_person(raw: RawScan, separation: LabelledPerson) -> dict[str, Any]:
     """Return garments, readings, body and warnings of a labelled person."""
     values, counts = np.unique(separation.label[raw.place >= 0], return_counts=True)
-    problem = separation.problem
     return {
         "scan": {
             "name": raw.name,
@@ -34,18 +34,23 @@ def describe_person(raw: RawScan, separation: LabelledPerson) -> dict[str, Any]:
             for outfit in separation.outfits
         ],
         "warnings": list(separation.warnings),
-        "problem": None if problem is None else {"code": problem.code, "message": problem.message},
+        "problem": _describe_problem(separation.problem),
     }
 
 
 def describe_garment(garment: FoundGarment) -> dict[str, Any]:
-    """Return one garment's category, confidence and openings."""
+    """Return one garment's category, confidence, openings, and why it is not recovered or None."""
     return {
         "part": garment.part.word,
         "category": garment.category,
         "confidence": round(garment.confidence, 4),
         "contours": [_describe_contour(contour) for contour in garment.contours],
+        "problem": _describe_problem(garment.problem),
     }
+
+
+def _describe_problem(problem: GarmentqError | None) -> dict[str, str] | None:
+    return None if problem is None else {"code": problem.code, "message": problem.message}
 
 
 def _describe_contour(contour: FoundContour) -> dict[str, Any]:

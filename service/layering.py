@@ -12,7 +12,7 @@ LAYER_ORDER = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
 
 
 def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return a person's garments by their words, from the innermost to the outermost.
+    """Return the words of a person's garments that have no problem, from the innermost to the outermost.
 
     A top hangs over a bottom, unless the bottom covers the top's hem and its own waist is seen: then it is tucked in.
     An outer layer is over all.
@@ -21,9 +21,9 @@ def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
         person: A result of `describe_person`.
     """
     found = {str(garment["part"]): garment for garment in person["garments"]}
-    words = [part.word for part in LAYER_ORDER if part.word in found]
+    words = [part.word for part in LAYER_ORDER if part.word in found and not found[part.word].get("problem")]
     upper, lower = Part.UPPER.word, Part.LOWER.word
-    if upper in found and lower in found and is_tucked(found[upper], found[lower]):
+    if upper in words and lower in words and is_tucked(found[upper], found[lower]):
         words.remove(upper)
         words.insert(words.index(lower), upper)
     return tuple(words)

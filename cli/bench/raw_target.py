@@ -144,7 +144,7 @@ class _Run:
                 self.line["ok"] = separation.problem is None
                 return
             surface = self._find_surface(raw, separation)
-            for garment in separation.garments:
+            for garment in (one for one in separation.garments if one.problem is None):
                 self._recover(path, surface, separation, garment, frame)
             self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
 
@@ -198,7 +198,8 @@ class _Run:
         of_body = measure_true_body(read_mesh_file(self.pack.body), read_cover(self.pack), body)
         worn = {each.part: each.category for each in self.pack.garments}
         names = {each.part: each.category for each in separation.garments}
-        code = None if separation.problem is None else separation.problem.code
+        problems = (separation.problem, *(each.problem for each in separation.garments))
+        code = next((each.code for each in problems if each is not None), None)
         line |= {
             "problem": code,
             "outcome": judge_outcome(worn, names, score.part_iou, code, False).value,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from ..run.errors import BadInput
+from ..run.errors import BadInput, GarmentqError
 from .hints import NOTHING_WORN
 from .part import Part
 from .separation import FoundGarment, Outfit
@@ -77,19 +79,32 @@ def contour_confidence(step: np.ndarray, contrast: np.ndarray) -> float:
     return float(1.0 - np.exp(-np.median(border_evidence(step, contrast))))
 
 
-def check_confidence(
-    garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], is_given: bool
-) -> tuple[tuple[str, ...], BadInput | None]:
-    """Return the warnings to the user, and the reason why nothing should be recovered, or None.
+def check_garments(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> tuple[FoundGarment, ...]:
+    """Return the garments, each with the reason why a person should look before it is recovered, or None.
 
     Args:
         garments: What was found.
         outfits: Readings, the best first.
-        is_given: Whether the user gave what is worn: then nothing is refused as unsure.
+    """
+    is_covered = any(garment.part is Part.OUTER for garment in garments)
+    return tuple(replace(garment, problem=_find_problem(garment, outfits, is_covered)) for garment in garments)
+
+
+def check_confidence(
+    garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], is_given: bool
+) -> tuple[tuple[str, ...], GarmentqError | None]:
+    """Return the warnings to the user, and the reason why nothing can be recovered; None where some garment can.
+
+    Args:
+        garments: What was found, each checked.
+        outfits: Readings, the best first.
+        is_given: Whether the user gave what is worn: then a scan without clothes is no problem.
     """
     warnings = []
     if not garments:
         return (), None if is_given else NoCloth()
+    problems = [garment.problem for garment in garments]
+    is_blocked = None not in problems
     if len(outfits) > 1 and outfits[0].score - outfits[1].score < OUTFIT_WARNING_LOG_ODDS:
         first, second = (_name_outfit(outfit) for outfit in outfits[:2])
         warnings.append(f"It is taken for {first}, but may be {second}; say --wearing {second.replace(' and ', ',')}.")
@@ -99,25 +114,33 @@ def check_confidence(
         hidden = [contour.name for contour in garment.contours if contour.is_inferred]
         if hidden:
             warnings.append(f"Nothing shows where the {garment.part.word} ends at {', '.join(hidden)}: inferred.")
-    return tuple(warnings), None if is_given else _find_problem(garments, outfits)
+        if garment.problem is not None and not is_blocked:
+            warnings.append(f"The {garment.part.word} is not recovered. {garment.problem.message}")
+    return tuple(warnings), problems[0] if is_blocked else None
 
 
-def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> BadInput | None:
-    """Return the reason why a person should look first, or None."""
-    weak = [garment.part.word for garment in garments if garment.confidence < MIN_GARMENT_CONFIDENCE]
-    if weak:
-        return LabelsUnsure(f"What was found of {', '.join(weak)} is unsure. {LabelsUnsure().message}")
-    if any(garment.part is Part.OUTER for garment in garments):
-        return LabelsUnsure(
-            f"An outer layer seems to be open in front, as no base pattern is. {LabelsUnsure().message}"
-        )
-    shapeless = [garment.part.word for garment in garments if not garment.category]
-    if shapeless:
-        return LabelsUnsure(f"The openings of {', '.join(shapeless)} could not be made out. {LabelsUnsure().message}")
-    if len(outfits) > 1 and outfits[0].score - outfits[1].score < MIN_OUTFIT_LOG_ODDS:
+def _find_problem(garment: FoundGarment, outfits: tuple[Outfit, ...], is_covered: bool) -> BadInput | None:
+    """Return the reason why a person should look at a garment first, or None.
+
+    Args:
+        garment: The garment.
+        outfits: Readings, the best first.
+        is_covered: Whether an outer layer is worn over what is not on the legs alone.
+    """
+    word, reason = garment.part.word, ""
+    is_open = len(outfits) > 1 and outfits[0].score - outfits[1].score < MIN_OUTFIT_LOG_ODDS
+    if garment.confidence < MIN_GARMENT_CONFIDENCE:
+        reason = f"What was found of {word} is unsure."
+    elif garment.part is Part.OUTER:
+        reason = "An outer layer seems to be open in front, as no base pattern is."
+    elif is_covered and garment.part is not Part.LOWER:
+        reason = f"An outer layer hides most of {word}."
+    elif not garment.category:
+        reason = f"The openings of {word} could not be made out."
+    elif is_open and garment.part not in outfits[1].parts:
         first, second = (_name_outfit(outfit) for outfit in outfits[:2])
-        return LabelsUnsure(f"It may be {first}, or {second}. {LabelsUnsure().message}")
-    return None
+        reason = f"It may be {first}, or {second}."
+    return LabelsUnsure(f"{reason} {LabelsUnsure().message}") if reason else None
 
 
 def _name_outfit(outfit: Outfit) -> str:

@@ -95,9 +95,7 @@ def extract_garment(
     return Reading(ScanInput(garment, None), body=separation.body, category=found[0].category or None)
 
 
-def find_garments(
-    raw: RawScan, labels: PointLabels, surface: PersonSurface, body: Body
-) -> tuple[FoundGarment, ...]:
+def find_garments(raw: RawScan, labels: PointLabels, surface: PersonSurface, body: Body) -> tuple[FoundGarment, ...]:
     """Find each garment's confidence, category and openings.
 
     Args:

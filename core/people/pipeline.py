@@ -48,7 +48,7 @@ class SegmentedPerson:
     Attributes:
         raw: The scan.
         separation: The labels.
-        readings: By the garments' words; empty where the labels have a problem.
+        readings: By the garments' words; none of a garment that has a problem.
         report: Warnings and cost.
     """
 
@@ -90,11 +90,12 @@ def segment_person(content: PersonInput, unparsed: UnparsedHints, hooks: Hooks =
 
 
 def _cut_garments(raw: RawScan, separation: LabelledPerson, hooks: Hooks) -> dict[str, Reading]:
-    """Cut every garment out of the person's surface, which is computed once."""
+    """Cut every garment that can be recovered out of the person's surface, which is computed once."""
     surface = separation.surface or build_person_surface(raw, separation.body)
     readings: dict[str, Reading] = {}
-    for garment in separation.garments:
-        hooks.progress("garments", len(readings) / len(separation.garments), garment.part.word)
+    recovered = [garment for garment in separation.garments if garment.problem is None]
+    for garment in recovered:
+        hooks.progress("garments", len(readings) / len(recovered), garment.part.word)
         readings[garment.part.word] = extract_garment(surface, separation, garment.part, hooks)
     return readings
 

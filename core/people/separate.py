@@ -16,7 +16,7 @@ from ..scan.thin import thin_raw_scan
 from .bareness import add_bare_readings, find_bare_odds
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
-from .confidence import apply_temperature, check_confidence
+from .confidence import apply_temperature, check_confidence, check_garments
 from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
@@ -73,7 +73,8 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The labelled person. Where it is too unsure to recover from, `problem` has the reason.
+        The labelled person. A garment that is too unsure to recover has the reason as its `problem`, and the person
+        where all are.
 
     Raises:
         BadInput: where the scan is no person.
@@ -129,7 +130,9 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
     thinned = thin_raw_scan(raw)
     surface = build_person_surface(thinned, body)
     garments = find_garments(raw, labels, surface, body)
-    warnings, problem = check_confidence(garments, outfits, hints.wearing is not None or hints.label is not None)
+    is_given = hints.wearing is not None or hints.label is not None
+    garments = garments if is_given else check_garments(garments, outfits)
+    warnings, problem = check_confidence(garments, outfits, is_given)
     label, confidence = expand_to_file(raw, labels.part, labels.confidence)
     if hints.label is not None:
         label = hints.label.astype(np.uint8)

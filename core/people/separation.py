@@ -40,6 +40,7 @@ class FoundGarment:
         category: One of `CATEGORIES`, from its openings on the body, or an empty text.
         contours: Its openings.
         cut: It as cut out of the surface on which the openings were found, or None.
+        problem: Why it is not recovered until a person has checked the labels, or None.
     """
 
     part: Part
@@ -47,6 +48,7 @@ class FoundGarment:
     category: str
     contours: tuple[FoundContour, ...] = ()
     cut: CutPart | None = None
+    problem: GarmentqError | None = None
 
 
 @dataclass(frozen=True)
@@ -83,10 +85,10 @@ class LabelledPerson:
         body: The wearer under the clothes, in the scan's place and pose [m].
         label: A `Part` for each point of the file, dropped ones included (OTHER), uint8, shape [file_count].
         confidence: Probability of each label, float32, shape [file_count].
-        garments: What is recovered, in the order of `GARMENTS`.
+        garments: What was found, in the order of `GARMENTS`.
         outfits: Readings, the best first.
         warnings: What the user should know, one sentence each.
-        problem: Why nothing should be recovered until a person has checked the labels, or None.
+        problem: Why nothing is recovered until a person has checked the labels; None where some garment is.
         surface: The person's surface where the openings were found on all of it; None where it was thinned for them.
     """
 

@@ -50,7 +50,7 @@ class Outfit(Kind):
             return request
         found, words = order_garments(person), read_request(OutfitRequest, request).words
         if words and sorted(words) != sorted(found):
-            raise RequestBad(f"'order' names each garment that is worn, innermost first: {','.join(found)}.")
+            raise RequestBad(f"'order' names each garment that was recovered, innermost first: {','.join(found)}.")
         return request | {"order": ",".join(words or found)}
 
     def find_inputs(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, str]:

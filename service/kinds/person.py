@@ -57,12 +57,11 @@ class Person(Kind):
 
 
 def _make_children(request: PersonRequest, found: PersonFound) -> tuple[ChildRequest, ...]:
-    """Return a recovery for each garment."""
-    words = found.words
-    chosen = request.choose(words)
+    """Return a recovery for each garment that has no problem."""
+    chosen = request.choose(found.words)
     return tuple(
         ChildRequest(
             word, Recover.name, pack_request(request.make_recovery(word, chosen[word])), inputs={PERSON: PARENT}
         )
-        for word in words
+        for word in found.recovered_words
     )

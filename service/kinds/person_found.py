@@ -32,3 +32,8 @@ class PersonFound:
     def words(self) -> tuple[str, ...]:
         """Return the garments by the words of options and folders."""
         return tuple(str(garment["part"]) for garment in self.person["garments"])
+
+    @property
+    def recovered_words(self) -> tuple[str, ...]:
+        """Return those of the garments that have no problem."""
+        return tuple(str(garment["part"]) for garment in self.person["garments"] if not garment.get("problem"))

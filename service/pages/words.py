@@ -96,13 +96,15 @@ def list_offered(outfits: Sequence[Mapping[str, Any]]) -> list[Reading]:
 
 
 def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Return what each garment was found to be and which of its ends the scan shows, as names and texts."""
+    """Return what each garment was found to be, which of its ends the scan shows, and why it is not recovered."""
     rows = []
     for garment in garments:
         what = f"{garment['category'] or 'of no known cut'}, confidence {garment['confidence']:.2f}"
         for word, hidden in (("ends seen", False), ("ends inferred", True)):
             ends = [name_end(contour) for contour in garment["contours"] if contour["is_inferred"] is hidden]
             what += f"; {word}: {', '.join(ends)}" if ends else ""
+        problem = garment.get("problem")
+        what += f". Not recovered: {problem['message']}" if problem else ""
         rows.append((garment["part"], what))
     return rows
 

@@ -31,3 +31,9 @@ CASES = [
 def test_top_over_bottom_unless_tucked(expected, garments):
     """Broken where a tucked top is worn over the waistband, a hanging one under it, or a coat under a shirt."""
     assert order_garments({"garments": garments}) == tuple(expected.split())
+
+
+def test_what_is_not_recovered_has_no_layer():
+    """Broken where an outfit waits for a garment that has no recovery."""
+    upper = find("upper", hem=True) | {"problem": {"code": "segment.unsure", "message": "."}}
+    assert order_garments({"garments": [upper, find("lower", waist=False)]}) == ("lower",)

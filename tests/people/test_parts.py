@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.people.colour import fit_colours, is_painted
-from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence
+from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence, check_garments
 from garmentq.core.people.diffusion import diffuse, link_points
 from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
@@ -160,28 +160,50 @@ def test_tempering_keeps_order_and_softens():
     assert soft[0] < 0.7 and (np.diff(soft) < 0).all()
 
 
-def test_what_is_unsure_is_not_recovered():
-    """Broken where a doubtful garment is recovered in silence, or a user who named it is asked again."""
+def check(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]):
+    """Return whether each garment is recovered, the warnings, and the person's problem."""
+    checked = check_garments(garments, outfits)
+    return [garment.problem is None for garment in checked], *check_confidence(checked, outfits, is_given=False)
+
+
+def test_doubt_stays_with_the_garment():
+    """Broken where a doubtful garment is recovered in silence, or keeps a sure one from being recovered."""
     sure = FoundGarment(Part.UPPER, 0.95, "tshirt", (FoundContour("neck", 0.1, True),))
     weak = FoundGarment(Part.LOWER, 0.3, "skirt")
-    outfits = (Outfit((Part.UPPER, Part.LOWER), -1.0), Outfit((Part.ONE_PIECE,), -1.5))
-    warnings, problem = check_confidence((sure,), outfits[:1], is_given=False)
-    assert problem is None and "neck" in warnings[0]
-    warnings, problem = check_confidence((sure, weak), outfits, is_given=False)
-    assert isinstance(problem, LabelsUnsure) and "one-piece" in warnings[0]
-    assert check_confidence((sure, weak), outfits, is_given=True)[1] is None
-    assert isinstance(check_confidence((), outfits, is_given=False)[1], NoCloth)
+    outfits = (Outfit((Part.UPPER, Part.LOWER), -1.0), Outfit((Part.ONE_PIECE,), -4.0))
+    recovered, warnings, problem = check((sure,), outfits[:1])
+    assert recovered == [True] and problem is None and "neck" in warnings[0]
+    recovered, warnings, problem = check((sure, weak), outfits)
+    assert recovered == [True, False] and problem is None
+    assert any("lower is not recovered" in text and "unsure" in text for text in warnings)
+    recovered, warnings, problem = check((weak,), outfits)
+    assert recovered == [False] and isinstance(problem, LabelsUnsure)
+    assert not any("not recovered" in text for text in warnings)  # the problem says it
     coat = FoundGarment(Part.OUTER, 0.95, "long_sleeve_tshirt", (FoundContour("neck", 0.9, False),))
-    assert isinstance(
-        check_confidence((sure, coat), outfits[:1], is_given=False)[1], LabelsUnsure
-    )  # recovered, it would be closed
+    trousers = FoundGarment(Part.LOWER, 0.95, "trousers")
+    assert check((sure, trousers, coat), outfits[:1])[0] == [False, True, False]  # the top is hardly seen
     ends = tuple(FoundContour(f"armhole.{side}", 0.1, True) for side in ("left", "right"))
-    guessed = FoundGarment(Part.UPPER, 0.95, "tank", ends)
-    warnings, problem = check_confidence((guessed,), outfits[:1], is_given=False)
-    assert problem is None and "armhole.left, armhole.right" in warnings[0]  # the gate `ends` doubts it
+    recovered, warnings, problem = check((FoundGarment(Part.UPPER, 0.95, "tank", ends),), outfits[:1])
+    assert recovered == [True] and "armhole.left, armhole.right" in warnings[0]  # the gate `ends` doubts it
+
+
+def test_doubtful_readings_keep_what_they_share():
+    """Broken where trousers are kept back because it is open what is worn above them, or one of two cuts is guessed."""
+    top, trousers = FoundGarment(Part.UPPER, 0.7, "tank"), FoundGarment(Part.LOWER, 0.95, "trousers")
+    worn = Outfit((Part.UPPER, Part.LOWER), -1.0)
+    recovered, warnings, problem = check((top, trousers), (worn, Outfit((Part.LOWER,), -1.5)))
+    assert recovered == [False, True] and problem is None and "may be lower" in warnings[0]
+    recovered, _, problem = check((top, trousers), (worn, Outfit((Part.ONE_PIECE,), -1.5)))
+    assert recovered == [False, False] and "one-piece" in problem.message
+
+
+def test_the_user_is_not_asked_twice():
+    """Broken where a user who said what is worn is asked again, or nothing worn is silent."""
+    weak = FoundGarment(Part.LOWER, 0.3, "skirt")
+    outfits = (Outfit((Part.LOWER,), 0.0), Outfit((), -1.0))
+    assert check_confidence((weak,), outfits, is_given=True)[1] is None
+    assert isinstance(check_confidence((), outfits, is_given=False)[1], NoCloth)
     assert check_confidence((), (Outfit((), 0.0),), is_given=True) == ((), None)
-    bare = (Outfit((), 0.0), Outfit((Part.UPPER,), -1.0))
-    assert "may be upper" in check_confidence((sure,), bare, is_given=False)[0][0]
 
 
 def test_labels_round_trip(tmp_path):
@@ -246,5 +268,5 @@ def test_a_top_with_legs_is_doubted(part, names):
     """Broken where a top that swallowed the trousers is sure to be a jumpsuit, worn with something below."""
     contours = tuple(Contour(name, np.arange(3), 0.5, ()) for name in names)
     assert choose_part_category(part, contours, None, None) == ""
-    problem = check_confidence((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), is_given=False)[1]
+    problem = check((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),))[2]
     assert isinstance(problem, LabelsUnsure)

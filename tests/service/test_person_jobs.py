@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.cli.person_summary import describe_person
 from garmentq.core.body.spec import BuiltinWearer
 from garmentq.core.recover.settings import RecoverySettings
 from garmentq.service.families import retry
@@ -16,6 +17,7 @@ from garmentq.service.kinds.person_request import ChoiceAmbiguous, PartChoice, P
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.kinds.request import RequestBad
+from garmentq.service.pages.words import describe_worn
 from garmentq.service.results import export_files, list_files, report_jobs
 from garmentq.service.services import Services
 from garmentq.service.settings import CHECKER
@@ -87,6 +89,21 @@ def test_who_is_unsure_keeps_what_there_is_to_see(queue_person, persons, databas
     assert find_job(database, root).result is None
     work_off(persons, database)
     assert find_job(database, root).state == "failed" and list_files(database, root)
+
+
+def test_what_is_sure_is_recovered_beside_what_is_not(queue_person, persons, database, settings):
+    """Breaks where a doubtful garment stops the others' recovery, or is recovered, or nothing says why it is not."""
+    root = queue_person("coat.ply")
+    work_off(persons, database)
+    row = find_job(database, root)
+    assert row.state == "succeeded" and {name: one.state for name, one in pieces(database, root).items()} == {
+        "lower": "succeeded"
+    }
+    (told,) = report_jobs(database, [row], settings)
+    assert [garment.get("problem") is None for garment in told.details["garments"]] == [False, True]
+    worn = dict(describe_worn(told.details["garments"]))
+    assert "Not recovered: An outer layer" in worn["upper"] and "Not recovered" not in worn["lower"]
+    assert "confidence 0.97, not recovered; lower" in dict(describe_person(told))["garments"]
 
 
 def test_a_refusal_keeps_nothing(queue_person, persons, database):

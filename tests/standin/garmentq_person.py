@@ -1,7 +1,8 @@
 """A quick stand-in for taking a person apart; what it finds is in the scan's name, as `garmentq_standin` has it.
 
-`dress...` wears a one-piece, `unsure...` is refused with everything written, `bare...` is refused at once; everybody
-else wears top and trousers. Where STANDIN_KILLS names `person`, the process is killed once before it writes anything,
+`dress...` wears a one-piece, `unsure...` is refused with everything written, `bare...` is refused at once, the top of
+`coat...` is not recovered; everybody else wears top and trousers.
+Where STANDIN_KILLS names `person`, the process is killed once before it writes anything,
 and once within the transaction that stores the result.
 """
 
@@ -69,6 +70,8 @@ def take_apart(request: PersonRequest, work: RunContext, hooks: Hooks) -> Person
     (work.out / "labels.npz").write_bytes(b"labels")
     (work.out / "report.html").write_text("<html></html>")
     garments = [{"part": part, "category": "tshirt", "confidence": 0.97, "contours": []} for part in parts]
+    if name.startswith("coat"):
+        garments[0]["problem"] = {"code": Unsure.code, "message": "An outer layer hides most of upper."}
     (work.out / PERSON_REPORT_FILE).write_text(json.dumps({"garments": garments}))
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     piece = Scan(nodes, np.array([[0, 1, 2], [0, 2, 3]]), name=name)
