@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ..service.outfit_readings import list_readings, name_end
+from ..service.outfit_readings import list_readings, name_category, name_end
 from ..service.records import JobReport
 
 UNSURE_OPENING_COUNT = 2
@@ -44,7 +44,7 @@ def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _describe_garment(garment: Mapping[str, Any]) -> str:
-    category = f" ({garment['category']})" if garment.get("category") else ""
+    category = f" ({name_category(garment)})" if garment.get("category") else ""
     left = ", not recovered" if garment.get("problem") else ""
     return f"{garment['part']}{category}, confidence {garment['confidence']:.2f}{left}"
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ..core.people.limb_ends import third_probabilities
 from ..core.people.part import Part
-from ..core.people.separation import FoundContour, FoundGarment, LabelledPerson
+from ..core.people.separation import CategoryAlternative, FoundContour, FoundGarment, LabelledPerson, LimbEnd
 from ..core.run.errors import GarmentqError
 from ..core.scan.raw import RawScan
 
@@ -43,6 +44,7 @@ def describe_garment(garment: FoundGarment) -> dict[str, Any]:
     return {
         "part": garment.part.word,
         "category": garment.category,
+        "alternative": _describe_alternative(garment.alternative),
         "confidence": round(garment.confidence, 4),
         "contours": [_describe_contour(contour) for contour in garment.contours],
         "problem": _describe_problem(garment.problem),
@@ -57,4 +59,16 @@ def _describe_contour(contour: FoundContour) -> dict[str, Any]:
     """Return where a garment ends, and half the width of its 0.9 interval; none where it is inferred."""
     interval = None if contour.interval is None else round(1e3 * contour.interval, 1)
     found = {"name": contour.name, "confidence": round(contour.confidence, 4), "is_inferred": contour.is_inferred}
-    return found | {"interval_mm": interval}
+    return found | {"interval_mm": interval} | _describe_limb_end(contour.limb_end)
+
+
+def _describe_limb_end(end: LimbEnd | None) -> dict[str, Any]:
+    """Return how far along its limb a sleeve or leg ends, and the probabilities of the limb's thirds."""
+    if end is None:
+        return {}
+    thirds = [round(one, 3) for one in third_probabilities(end)]
+    return {"limb_share": round(end.limb_share, 3), "third_probabilities": thirds}
+
+
+def _describe_alternative(other: CategoryAlternative | None) -> dict[str, Any] | None:
+    return None if other is None else {"category": other.category, "probability": round(other.probability, 3)}

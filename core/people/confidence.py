@@ -39,6 +39,9 @@ MIN_OUTFIT_LOG_ODDS = 0.7
 OUTFIT_WARNING_LOG_ODDS = 2.0
 """Log-odds of the two best readings below which the user is warned and both are named."""
 
+MIN_WARNED_ALTERNATIVE = float(1.0 / (1.0 + np.exp(OUTFIT_WARNING_LOG_ODDS)))
+"""Probability of another category from which on the user is warned [1]: as of another outfit."""
+
 
 class LabelsUnsure(BadInput):
     """It is not clear what is worn; look at the picture, then say --wearing, or mend labels.npz and give --labels."""
@@ -111,6 +114,12 @@ def check_confidence(
     for garment in garments:
         if garment.confidence < GARMENT_WARNING_CONFIDENCE:
             warnings.append(f"The {garment.part.word} is unsure ({garment.confidence:.2f}); look at the picture.")
+        other = garment.alternative
+        if other is not None and other.probability > MIN_WARNED_ALTERNATIVE:
+            warnings.append(
+                f"The {garment.part.word} is taken for {garment.category}, but may be {other.category} "
+                f"({100.0 * other.probability:.0f} %)."
+            )
         hidden = [contour.name for contour in garment.contours if contour.is_inferred]
         if hidden:
             warnings.append(f"Nothing shows where the {garment.part.word} ends at {', '.join(hidden)}: inferred.")

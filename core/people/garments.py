@@ -23,6 +23,7 @@ from ..scan.thin import thin_raw_scan
 from .confidence import garment_confidence
 from .hem_cap import cut_part
 from .inner_side import find_inner_side
+from .limb_ends import find_alternative, place_limb_ends
 from .openings import Surroundings, find_openings
 from .part import GARMENTS, Part
 from .separation import FoundContour, FoundGarment, LabelledPerson, PersonSurface
@@ -117,7 +118,9 @@ def find_garments(raw: RawScan, labels: PointLabels, surface: PersonSurface, bod
         cut = cut_part(whole, of_part, body)
         category = choose_part_category(part, cut.contours, cut.garment, body)
         openings = find_openings(cut.garment, cut.contours, part, around)
-        found.append(FoundGarment(part, confidences[part], category, openings, cut))
+        openings = place_limb_ends(openings, cut.contours, cut.garment.vertices, body)
+        alternative = find_alternative(category, openings)
+        found.append(FoundGarment(part, confidences[part], category, openings, cut, alternative=alternative))
     return tuple(found)
 
 

@@ -14,6 +14,36 @@ from .part import Part
 
 
 @dataclass(frozen=True)
+class LimbEnd:
+    """Describe where on its limb a sleeve or leg ends.
+
+    Attributes:
+        bone_place: Place [bones]: 0 at the shoulder or hip joint, 1 at elbow or knee, 2 at wrist or ankle.
+        limb_share: Share of the length from the shoulder to the wrist joint, or from hip to ankle.
+        bone_deviation: Standard deviation of `bone_place` [bones], or None where nothing shows it.
+        share_deviation: The same of `limb_share`.
+    """
+
+    bone_place: float
+    limb_share: float
+    bone_deviation: float | None
+    share_deviation: float | None
+
+
+@dataclass(frozen=True)
+class CategoryAlternative:
+    """Describe the category that a garment may have instead of the one that was chosen.
+
+    Attributes:
+        category: One of `CATEGORIES`.
+        probability: That it is the right one of the two.
+    """
+
+    category: str
+    probability: float
+
+
+@dataclass(frozen=True)
 class FoundContour:
     """Describe an opening of a garment.
 
@@ -22,12 +52,14 @@ class FoundContour:
         confidence: Probability that it is within 2 cm of where it was found.
         is_inferred: Whether nothing in the scan shows it: then it is neither fitted nor measured.
         interval: Half the width of the interval that it lies in with 0.9 [m], or None where nothing shows it.
+        limb_end: Where on its limb it is; None for what is not around a limb.
     """
 
     name: str
     confidence: float
     is_inferred: bool
     interval: float | None = None
+    limb_end: LimbEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -41,6 +73,7 @@ class FoundGarment:
         contours: Its openings.
         cut: It as cut out of the surface on which the openings were found, or None.
         problem: Why it is not recovered until a person has checked the labels, or None.
+        alternative: The category that it has if its sleeves or legs end a little elsewhere, or None.
     """
 
     part: Part
@@ -49,6 +82,7 @@ class FoundGarment:
     contours: tuple[FoundContour, ...] = ()
     cut: CutPart | None = None
     problem: GarmentqError | None = None
+    alternative: CategoryAlternative | None = None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from ..kinds.redrape_request import REDRAPE
-from ..outfit_readings import Reading, list_readings, name_end
+from ..outfit_readings import Reading, list_readings, name_category, name_end
 from ..records import Gate, JobReport, RedrapeState
 from ..states import ENDED, State
 from .markup import Html, html, join
@@ -99,7 +99,7 @@ def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]
     """Return what each garment was found to be, which of its ends the scan shows, and why it is not recovered."""
     rows = []
     for garment in garments:
-        what = f"{garment['category'] or 'of no known cut'}, confidence {garment['confidence']:.2f}"
+        what = f"{name_category(garment) or 'of no known cut'}, confidence {garment['confidence']:.2f}"
         for word, hidden in (("ends seen", False), ("ends inferred", True)):
             ends = [name_end(contour) for contour in garment["contours"] if contour["is_inferred"] is hidden]
             what += f"; {word}: {', '.join(ends)}" if ends else ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...body.body import Body
@@ -17,6 +19,29 @@ SHORTS_END = 1.4
 DRESS_START = 0.4
 """Place on the leg [bones: 0 is the hip joint, 1 the knee] below which a hem makes a top a dress. The crotch is at
 about 0.25, and a long shirt covers it."""
+
+
+class LimbLimit(NamedTuple):
+    """Describe a limit between two categories.
+
+    Attributes:
+        kind: First word of the openings' names.
+        place: On the limb [bones].
+        above: Category of garments that end above it.
+        below: Category of those that end below.
+    """
+
+    kind: str
+    place: float
+    above: str
+    below: str
+
+
+LIMB_LIMITS = (
+    LimbLimit("cuff", LONG_SLEEVE, "tshirt", "long_sleeve_tshirt"),
+    LimbLimit("leg", SHORTS_END, "shorts", "trousers"),
+)
+"""Limits between categories by where sleeves or legs end."""
 
 
 def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: Body) -> str:
