@@ -21,6 +21,10 @@ JOINT_PARENTS = (-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 1
 """Index of each joint's parent in `JOINTS`; the root's is -1. A bone is named by its child joint."""
 
 
+DRESS_FORM_SOURCE = "form:"
+"""Begin of the `source` of dress forms."""
+
+
 @dataclass(frozen=True)
 class Body:
     """Describe a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
@@ -37,7 +41,7 @@ class Body:
         rest_weights: Skinning weights of the fitted model, shape [model_count, 24].
         heading: Rotation [3, 3] from the file's axes to a body that faces +z.
         parameters: Shape and pose parameters of the fitted model by name.
-        source: `builtin:female`, `mesh:NAME`, `scan:NAME` (of a dressed person).
+        source: `builtin:female`, `mesh:NAME`, `form:NAME` (a dress form), `scan:NAME` (of a dressed person).
         fit_rms: RMS distance of the fitted model to the given mesh, or to a dressed person's skin [m]; 0 if built in.
     """
 
@@ -58,6 +62,11 @@ class Body:
     def __repr__(self) -> str:
         """Return a one-line summary without the arrays."""
         return f"<Body {self.source}: {len(self.vertices)} vertices, {len(self.faces)} faces>"
+
+    @property
+    def is_dress_form(self) -> bool:
+        """Return whether it is a dress form, of which only the trunk is there."""
+        return self.source.startswith(DRESS_FORM_SOURCE)
 
     def joint(self, name: str) -> np.ndarray:
         """Return the position [m] of a named joint, shape [3]."""

@@ -123,7 +123,7 @@ def _find(
 ) -> FitState:
     """Let all starts compete and return the best fit."""
     rng = np.random.default_rng(settings.seed)
-    surface = _sample(vertices, faces, settings.surface_count, rng)
+    surface = sample_surface(vertices, faces, settings.surface_count, rng)
     subset = spread_subset(template, settings.search.fine_count, rng)
     shape_count = settings.search.stages[0][0].shape_count
     starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset, shape_count)
@@ -161,7 +161,7 @@ def _starts(
     return starts
 
 
-def _sample(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator) -> OrientedPoints:
+def sample_surface(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator) -> OrientedPoints:
     """Draw points uniformly by area, with their faces' normals."""
     normals, area = face_normals(vertices, faces)
     face = rng.choice(len(faces), count, p=area / area.sum())
@@ -179,7 +179,7 @@ def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, fa
 
 def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other_faces: np.ndarray) -> float:
     """Return the RMS distance [m] from one surface to another."""
-    points = _sample(vertices, faces, 4000, np.random.default_rng(0)).points
+    points = sample_surface(vertices, faces, 4000, np.random.default_rng(0)).points
     distance = TriangleSurface(others, other_faces).distance(points)
     return float(np.sqrt((distance**2).mean()))
 

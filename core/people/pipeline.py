@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ..body.body import Body
 from ..body.builtin import builtin_body
-from ..body.registration import register_body
+from ..body.dress_form import register_wearer
 from ..body.spec import BuiltinWearer
 from ..garment.reading import Reading
 from ..run.clock import Clock
@@ -111,7 +111,7 @@ def register_given_body(content: PersonInput, builtin: BuiltinWearer | None, hoo
         body = builtin_body(builtin)
     elif content.wearer is not None:
         wearer = content.wearer
-        body = register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+        body = register_wearer(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
     if body is not None and not lies_on(content.raw.points, Scan(body.vertices, body.faces)):
         raise BodyApart("the person does not stand where the body is; export both from the same scene.")
     return body

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body.body import Body
+from ..body.dress_form import register_wearer
 from ..body.person import PersonSettings, fit_person, refit_person
-from ..body.registration import NotHuman, register_body, require_fit
+from ..body.registration import NotHuman, require_fit
 from ..geometry.geometry import vertex_normals
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan
@@ -61,7 +62,7 @@ def fit_wearer(
         NotHuman: where nothing is skin, or no body comes near it.
     """
     if cloth is None:
-        return FoundWearer(register_body(scan.vertices, scan.faces, name=scan.name, hooks=hooks))
+        return FoundWearer(register_wearer(scan.vertices, scan.faces, name=scan.name, hooks=hooks))
     if cloth[scan.faces].all():
         raise NotHuman(f"Nothing of the mesh is skin. {NotHuman().message}")
     every = np.arange(len(scan.vertices))

@@ -13,6 +13,11 @@ AXES = ("y", "z")
 BODY_LONGEST = (0.95, 2.4)
 """Range of the longest side of a body's bounding box [m]: height or arm span from a small child on. The ratio of both
 is below 2.54, so that no body in inches passes as one in centimetres."""
+FORM_LONGEST = (0.5, 0.95)
+"""Range of the longest side of a dress form's bounding box [m], for meshes that are no whole body in any unit: from
+hips to neck, or from the thighs."""
+LONGEST_SIDES = {"body": BODY_LONGEST, "form": FORM_LONGEST}
+"""Range of the longest side of what is measured by that alone [m]."""
 GARMENT_LONGEST = (0.28, 2.3)
 """Range of the longest side of a worn garment's bounding box [m]: from shorts to the span of long sleeves or a gown."""
 GARMENT_SHORTEST = (0.16, 1.2)
@@ -40,8 +45,9 @@ def check_choice(units: str | None, up: str | None) -> None:
 
 def _fits(extent: np.ndarray, area: float | None, scale: float, kind: str) -> bool:
     longest, shortest = float(extent.max()) * scale, float(extent.min()) * scale
-    if kind == "body":
-        return BODY_LONGEST[0] <= longest <= BODY_LONGEST[1]
+    if kind in LONGEST_SIDES:
+        least, most = LONGEST_SIDES[kind]
+        return least <= longest <= most
     fits = GARMENT_LONGEST[0] <= longest <= GARMENT_LONGEST[1] and (
         GARMENT_SHORTEST[0] <= shortest <= GARMENT_SHORTEST[1]
     )
@@ -53,9 +59,10 @@ def _measure(vertices: np.ndarray, faces: np.ndarray | None) -> tuple[np.ndarray
 
 
 def possible_units(vertices: np.ndarray, faces: np.ndarray | None = None, kind: str = "garment") -> list[str]:
-    """List the units of `METRIC` in which a mesh has the size of a `garment` or a `body`."""
+    """List the units of `METRIC` in which a mesh has the size of a `garment`, a `body`, or else of a dress `form`."""
     extent, area = _measure(vertices, faces)
-    return [name for name in METRIC if _fits(extent, area, UNITS[name], kind)]
+    found = [name for name in METRIC if _fits(extent, area, UNITS[name], kind)]
+    return found if found or kind != "body" else possible_units(vertices, faces, "form")
 
 
 def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray | None = None) -> str:

@@ -8,8 +8,8 @@ from typing import Any
 
 from ...body.body import Body
 from ...body.builtin import builtin_body
+from ...body.dress_form import register_wearer
 from ...body.posing import pose_body
-from ...body.registration import register_body
 from ...body.smpl import is_smpl, load_smpl
 from ...body.spec import BuiltinWearer
 from ...run.hooks import SILENT_HOOKS, Hooks
@@ -67,7 +67,7 @@ def find_wearer(
     if isinstance(chosen, BodyFile):
         body = chosen.body
         if body is None and chosen.mesh is not None:
-            body = register_body(chosen.mesh.vertices, chosen.mesh.faces, name=chosen.mesh.name, hooks=hooks)
+            body = register_wearer(chosen.mesh.vertices, chosen.mesh.faces, name=chosen.mesh.name, hooks=hooks)
         found = wearer if body is None else body
     else:
         found = wearer if chosen is None else builtin_body(chosen)

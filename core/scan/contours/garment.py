@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from ...run.errors import BadInput
 from ..scan import Scan
 from ..thin import thin_scan
 from .category import choose_category
-from .contours import name_contours
+from .contours import MIN_CONTOUR_LENGTH, name_contours
 from .loop import find_loops, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
@@ -70,6 +71,8 @@ def segment_garment(scan: Scan, body: Body) -> Target:
             f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
         )
     check_parts(contours, scan.name, is_covered=scan.hidden is not None and bool(scan.hidden.any()))
+    if body.is_dress_form:
+        check_carried([smoothed_length(scan.vertices[hole]) for hole in holes], scan.name)
     vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
     vertices, noise = smooth_noise(vertices, scan.faces)
     if noise > 0.0 or spikes.any():
@@ -108,6 +111,24 @@ def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = Fal
             f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
             f"none {' and none '.join(missing)}; give all of the garment, upright, its front closed, in its place on "
             "the body."
+        )
+
+
+def check_carried(hole_lengths: Sequence[float], name: str) -> None:
+    """Check that a garment on a dress form has no opening that encircles nothing: sleeves, for example.
+
+    Args:
+        hole_lengths: Lengths of the borders that have no name [m].
+        name: The scan's, for the message.
+
+    Raises:
+        PartMissing: where an arm or a leg would fit through one.
+    """
+    longest = max(hole_lengths, default=0.0)
+    if longest >= MIN_CONTOUR_LENGTH:
+        raise PartMissing(
+            f"{name} has an opening of {100.0 * longest:.0f} cm that goes around nothing of the dress form, which has "
+            "no arms and legs; give the body of a whole person that wears it."
         )
 
 
