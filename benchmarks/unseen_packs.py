@@ -36,6 +36,7 @@ from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field
 from garmentq.training.colours import paint
+from garmentq.training.persons import name_material
 from garmentq.training.scanner import Scanner, scan_person
 from garmentq.training.shards import Shard
 from garmentq.training.wardrobe import Layer, heights_above
@@ -279,14 +280,16 @@ def write_person(target: Target, body: Body, hung: list[Hung], folder: Path, tol
         meshes[worn[0]] = tuck_under(meshes[worn[0]], meshes[worn[1]])
     layers = [Layer(PARTS[role], mesh) for role, mesh in meshes.items()]
     layers += [each for each in draw_accessories(load_template(), body, layers, rng) if each.part is not Part.OTHER]
-    layers.append(Layer(Part.SKIN, bare_skin(body, layers)))
+    layers.append(Layer(Part.SKIN, bare_skin(body, layers), is_cloth=False))
     scanner = Scanner(
         kind=str(rng.choice(["cloud", "fused"], p=[0.2, 0.8])), noise=target.noise, bumps=float(rng.uniform(0, 2e-3)),
         holes=target.holes, soles=bool(rng.random() < 0.5), depth=9, snap=float(rng.uniform(0.5, 1.0)), faces=60000,
         thinning=0.2, floor=False,
     )  # fmt: skip
     shard = scan_person(layers, body, scanner, rng)
-    shard = replace(shard, about={"seed": target.seed, "scan": 0})
+    materials = [name_material(layer) for layer in layers]
+    about = {"seed": target.seed, "scan": 0, "materials": materials, "scanner": asdict(scanner)}
+    shard = replace(shard, about=about)
     truth = folder / "truth"
     truth.mkdir()
     _write_scan(shard, folder / "scan.ply")
