@@ -130,28 +130,40 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
     tree = cKDTree(surface.points)
     usual = float(np.ptp(template.vertices[:, 1]))
     headings = rotations_of(np.array([[0.0, turn, 0.0] for turn in _headings()]))
-    ranked = []
-    for number, angles in enumerate(load_poses()[0]):
-        rotations = rotations_of(angles)
-        posed = _pose(template, np.zeros(4), rotations, subset)
-        radius = float(np.sqrt(((posed - posed.mean(axis=0)) ** 2).sum(axis=1).mean()))
-        height = float(np.clip(usual * spread / radius, *HEIGHT_RANGE))
-        body = (posed - posed.mean(axis=0)) * height / usual
-        found = []
-        for h, heading in enumerate(headings):
-            placed = body @ heading.T + mean
-            there = np.minimum(tree.query(placed)[0], MAX_COARSE_DISTANCE).mean()
-            back = np.minimum(cKDTree(placed).query(points)[0], MAX_COARSE_DISTANCE).mean()
-            found.append((float(there + back), h))
-        misfit, h = min(found)
-        ranked.append((misfit, number, h, height))
+    posed = _pose_all(template, subset)
+    radius = np.sqrt((posed**2).sum(axis=2).mean(axis=1))
+    heights = np.clip(usual * spread / radius, *HEIGHT_RANGE)
+    placed = np.einsum("hab,pnb->phna", headings, posed * (heights / usual)[:, None, None]) + mean
+    there = np.minimum(tree.query(placed, distance_upper_bound=MAX_COARSE_DISTANCE)[0], MAX_COARSE_DISTANCE)
+    back = np.stack([_clamp_distances(points, each.reshape(-1, *each.shape[-2:])) for each in placed])
+    misfit = there.mean(axis=2) + back
+    turn = misfit.argmin(axis=1)
+    best = misfit.min(axis=1)
     starts = []
-    for _, number, h, height in sorted(ranked)[:MOVING_START_COUNT]:
+    for number in np.argsort(best, kind="stable")[:MOVING_START_COUNT]:
+        h, height = turn[number], float(heights[number])
         rotations = rotations_of(load_poses()[0][number])
         rotations[0] = headings[h] @ rotations[0]
         shape = _shape_of_stature(template, height)
         starts.append(FitState(shape, rotations, mean - _pose(template, shape, rotations, subset).mean(axis=0)))
     return starts
+
+
+def _pose_all(template: Template, subset: np.ndarray) -> np.ndarray:
+    """Return the mean body's points in each pose out of motions, about their mean [m], shape [pose_count, m, 3]."""
+    posed = np.stack([_pose(template, np.zeros(4), rotations_of(angles), subset) for angles in load_poses()[0]])
+    return np.asarray(posed - posed.mean(axis=1, keepdims=True))
+
+
+def _clamp_distances(points: np.ndarray, bodies: np.ndarray) -> np.ndarray:
+    """Compute the mean distance of points, shape [k, 3], to each of some bodies [h, m, 3], clamped [m], shape [h].
+
+    |p - b|^2 = |p|^2 - 2 p b + |b|^2 for all pairs at once, as both are few.
+    """
+    centre = points.mean(axis=0)
+    near, far = points - centre, bodies - centre
+    squares = (near**2).sum(axis=1)[:, None] + (far**2).sum(axis=2)[:, None] - 2.0 * near @ far.transpose(0, 2, 1)
+    return np.asarray(np.sqrt(squares.min(axis=2).clip(0.0, MAX_COARSE_DISTANCE**2)).mean(axis=1))
 
 
 def _headings() -> list[float]:
