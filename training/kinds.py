@@ -92,10 +92,6 @@ def describe_training(
     }
 
 
-if __name__ == "__main__":
-    main()
-
-
 def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
     """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, without training heads."""
     arrays: dict[str, np.ndarray] = {"version": np.array(FEATURE_LAYOUT_VERSION)}
@@ -105,3 +101,7 @@ def save_ensemble(committee: NetworkEnsemble, path: Path) -> None:
             if name.split(".")[0] not in TRAINING_HEADS:
                 arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
+
+
+if __name__ == "__main__":
+    main()
