@@ -35,7 +35,7 @@ def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
 def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
     """Return the inferred openings, and of the shown ones those with the least confidence."""
     found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
-    inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
+    inferred = [f"{part} {name_end(contour)}" for part, contour in found if contour["is_inferred"]]
     seen = sorted((c["confidence"], f"{part} {name_end(c)}") for part, c in found if not c["is_inferred"])
     texts = [f"{name} {probability:.2f}" for probability, name in seen[:UNSURE_OPENING_COUNT]]
     unseen = f"; inferred: {', '.join(inferred)}" if inferred else ""

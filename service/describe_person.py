@@ -56,7 +56,7 @@ def _describe_problem(problem: GarmentqError | None) -> dict[str, str] | None:
 
 
 def _describe_contour(contour: FoundContour) -> dict[str, Any]:
-    """Return where a garment ends, and half the width of its 0.9 interval; none where it is inferred."""
+    """Return where a garment ends, and half the width of its 0.9 interval; none where it is hidden and not known."""
     interval = None if contour.interval is None else round(1e3 * contour.interval, 1)
     found = {"name": contour.name, "confidence": round(contour.confidence, 4), "is_inferred": contour.is_inferred}
     return found | {"interval_mm": interval} | _describe_limb_end(contour.limb_end)

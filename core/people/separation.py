@@ -51,7 +51,7 @@ class FoundContour:
         name: One of `CONTOUR_NAMES`.
         confidence: Probability that it is within 2 cm of where it was found.
         is_inferred: Whether nothing in the scan shows it: then it is neither fitted nor measured.
-        interval: Half the width of the interval that it lies in with 0.9 [m], or None where nothing shows it.
+        interval: Half the width of the interval that it lies in with 0.9 [m]; None where it is hidden and not known.
         limb_end: Where on its limb it is; None for what is not around a limb.
     """
 
