@@ -70,7 +70,7 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     from ..service.query import JobQuery
     from ..service.settings import read_settings
     from .summary import flatten
-    from .terminal import print_csv, print_json, print_table, show_time
+    from .terminal import print_csv, print_json, print_note, print_table, show_time
 
     fields = {name: value for name in OPTION_FIELDS if (value := getattr(options, name)) is not None}
     query = JobQuery(fields, options.wheres, options.sort, options.limit)
@@ -81,6 +81,9 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
         return
     if as_csv:
         print_csv(*flatten(found))
+        return
+    if not found:
+        print_note("no job matches; `garmentq query` alone lists the newest jobs")
         return
     metrics = [c.name for c in query.conditions if any(c.name in job.metrics for job in found)]
     shown = list(dict.fromkeys(["surface_rms_mm.s2t", "surface_rms_mm.t2s", *metrics]))

@@ -122,6 +122,8 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     assert {row["name"] for row in rows} == {"anna", "upper", "lower"}
     assert all(row["tags"] == ["spring"] for row in rows)
     assert [row["job"] for row in read_rows(ask("query", "--where", "confidence.upper > 0.9", "--json"))] == [root]
+    nothing = ask("query", "--name", "nobody")
+    assert nothing.returncode == 0 and "no job matches" in nothing.stderr + nothing.stdout
 
 
 def test_a_doubtful_person_is_brought_out(ask, work, tmp_path):

@@ -4,7 +4,7 @@ import { getJson, uploadFile } from '../api.js';
 import { find, make, showError } from '../dom.js';
 
 /** Kinds of job that have a pattern, and how many of the newest are listed. */
-const KINDS = ['recover', 'dress', 'refit'], MOST = 200;
+const KINDS = ['recover', 'dress', 'refit', 'edit'], MOST = 200;
 
 /** Fill both lists; a file that is chosen is uploaded and stands in its list. @param {Element} problem shows errors */
 export async function offerPatterns(problem) {
