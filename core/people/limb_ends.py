@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
 from ..body.body import Body
 from ..scan.contours.category import LIMB_LIMITS
 from ..scan.contours.contours import ARM_BONES, LEG_BONES, limb_place
 from ..scan.contours.encirclement import find_crossings
 from ..scan.contours.target import Contour
+from .openings import INTERVAL_DEVIATIONS
 from .separation import CategoryAlternative, FoundContour, LimbEnd
 
 LIMB_BONES = {"cuff": ARM_BONES, "leg": LEG_BONES}
@@ -20,9 +21,6 @@ LIMB_BONES = {"cuff": ARM_BONES, "leg": LEG_BONES}
 
 LIMB_JOINTS = {"cuff": ("shoulder", "elbow", "wrist"), "leg": ("hip", "knee", "ankle")}
 """Joints between which an opening is placed, by the first word of its name."""
-
-INTERVAL_DEVIATIONS = float(ndtri(0.95))
-"""Half the width of a normal distribution's 0.9 interval in standard deviations [1]."""
 
 MIN_DEVIATION = 1e-6
 """Least standard deviation that divides [bones]: far below what any scan shows."""

@@ -44,11 +44,14 @@ BORDER_DOUBT_DISTANCES = (0.05, 0.08)
 """Distances from a border [m]: doubts of labels nearer than the first are doubts of where it is, as far as they exceed
 those between the two, which are of what is worn; farther off, other borders begin."""
 
-HIDDEN_WAIST_INTERVAL = 1.645 * 0.036
+INTERVAL_DEVIATIONS = 1.645
+"""Half the width of a normal distribution's 0.9 interval in standard deviations [1]."""
+
+HIDDEN_WAIST_INTERVAL = INTERVAL_DEVIATIONS * 0.036
 """Half the width of the 0.9 interval of a waist below a top [m]: where its base pattern puts it, 20 garments of other
 simulators have it with a standard deviation of 36 mm. Of hidden hems and necklines nothing is known."""
 
-NORMAL_INTERVAL_RATIO = 1.645 * np.sqrt(np.pi / 2.0)
+NORMAL_INTERVAL_RATIO = INTERVAL_DEVIATIONS * np.sqrt(np.pi / 2.0)
 """Half the width of a normal distribution's 0.9 interval over its mean absolute deviation [1]."""
 
 

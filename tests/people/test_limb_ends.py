@@ -16,7 +16,7 @@ from garmentq.core.scan.contours.target import Contour
 from garmentq.service.describe_person import describe_garment
 from garmentq.service.outfit_readings import name_category, name_end
 
-DEVIATION = 1.6448536269514722
+DEVIATION = 1.645
 """Half of the 0.9 interval of a normal distribution in standard deviations."""
 
 
