@@ -73,6 +73,8 @@ def register_wearer(
 
 def is_solid(vertices: np.ndarray, faces: np.ndarray) -> bool:
     """Check whether a mesh is closed but for one opening at most, as a form on its stand; garments have two or more."""
+    if not len(faces) or not np.isfinite(vertices).all():
+        return False
     edges = HalfEdges.of(faces, len(vertices))
     tail, head = edges.tail[edges.border], edges.head[edges.border]
     _, piece = find_components(len(vertices), tail, head)

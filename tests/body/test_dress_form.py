@@ -83,6 +83,8 @@ def test_a_garment_is_no_form():
     assert not is_solid(body.vertices, shirt)
     with pytest.raises(NotHuman):
         register_wearer(body.vertices, shirt)
+    with pytest.raises(NotHuman, match="no faces"):
+        register_wearer(vertices, np.zeros((0, 3), dtype=np.int64))
     box = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (0.0, 0.7) for z in (-0.1, 0.1)])
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     with pytest.raises(NotHuman):
