@@ -9,8 +9,8 @@ import numpy as np
 from ..run.kernels import kernel
 
 RIDGE_SHARE = 1e-6
-"""Share of a point's weight that is added in all directions [1]: a single pair has rank 1, and its Cholesky factor
-exists without visible effect."""
+"""Share of a point's weight that is added in all directions where planes count [1]: a single pair has rank 1, and its
+Cholesky factor exists without visible effect."""
 
 MIN_RIDGE = 1e-300
 """Weight that a point without a pair has in all directions [1]: its factor exists."""
@@ -93,7 +93,7 @@ def scale_slopes(bones, skeleton, rest, shapes, pairs):  # type: ignore[no-untyp
     arm, share, slope = np.zeros((joint_count, 3)), np.zeros(joint_count), np.zeros(3)
     moved = np.zeros(joint_count, np.int64)
     for i in range(count):
-        root = _find_root(inertia[i])
+        root = _find_root(inertia[i], RIDGE_SHARE if pairs.is_plane else 0.0)
         moved_count = 0
         for k in range(bones.bone.shape[1]):
             weight = bones.weight[i, k]
@@ -160,9 +160,9 @@ def _sum_pairs(pairs, count):  # type: ignore[no-untyped-def]
 
 
 @kernel(inline="always")
-def _find_root(inertia):  # type: ignore[no-untyped-def]
-    """Return the Cholesky factor L of M and a little of the identity, row by row: 00, 10, 11, 20, 21, 22."""
-    ridge = RIDGE_SHARE * (inertia[0, 0] + inertia[1, 1] + inertia[2, 2]) + MIN_RIDGE
+def _find_root(inertia, share):  # type: ignore[no-untyped-def]
+    """Return the Cholesky factor L of M and a share of the identity, row by row: 00, 10, 11, 20, 21, 22."""
+    ridge = share * (inertia[0, 0] + inertia[1, 1] + inertia[2, 2]) + MIN_RIDGE
     a = np.sqrt(inertia[0, 0] + ridge)
     b = inertia[1, 0] / a
     c = np.sqrt(max(inertia[1, 1] + ridge - b * b, MIN_RIDGE))

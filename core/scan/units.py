@@ -59,10 +59,15 @@ def _measure(vertices: np.ndarray, faces: np.ndarray | None) -> tuple[np.ndarray
 
 
 def possible_units(vertices: np.ndarray, faces: np.ndarray | None = None, kind: str = "garment") -> list[str]:
-    """List the units of `METRIC` in which a mesh has the size of a `garment`, a `body`, or else of a dress `form`."""
+    """List the units of `METRIC` in which a mesh has the size of a `garment`, a `body`, or else of a dress `form`.
+
+    A form of 70 cm may be a person of 70 inches: where another unit makes a body of it, it is not taken for a form.
+    """
     extent, area = _measure(vertices, faces)
     found = [name for name in METRIC if _fits(extent, area, UNITS[name], kind)]
-    return found if found or kind != "body" else possible_units(vertices, faces, "form")
+    if found or kind != "body" or any(_fits(extent, area, scale, kind) for scale in UNITS.values()):
+        return found
+    return possible_units(vertices, faces, "form")
 
 
 def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray | None = None) -> str:

@@ -92,7 +92,9 @@ def test_a_garment_is_no_form():
 def test_a_form_has_its_own_sizes():
     """Broken where a form of 70 cm is a doll, or a person's unit changes."""
     _, vertices, _ = make_form("builtin:female,height=1.72")
-    assert find_units(vertices, "body") == "m" and find_units(100.0 * vertices, "body") == "cm"
+    assert find_units(vertices, "body") == "m" and find_units(1000.0 * vertices, "body") == "mm"
+    with pytest.raises(UnitsUnknown, match="inch"):
+        find_units(100.0 * vertices, "body")  # or a person of 76 inches
     body = builtin_body(BuiltinWearer("builtin:female,height=1.72"))
     assert find_units(1000.0 * body.vertices, "body") == "mm"
     with pytest.raises(UnitsUnknown):
