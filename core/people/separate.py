@@ -30,7 +30,7 @@ from .part import CLOTH, PARTS, Part
 from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import LabelledPerson
-from .small_pieces import relabel_small_pieces
+from .small_pieces import relabel_beyond_skin, relabel_small_pieces
 from .tone import skin_evidence
 
 STAGE = "separate"
@@ -110,6 +110,7 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
     column = posterior.argmax(axis=1)
     if known is None:
         column = relabel_small_pieces(column, points.positions, area, links)
+        column = relabel_beyond_skin(column, posterior, features.place, links)
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
     marginal, posterior = (_swap_probabilities(one, first, column) for one in (marginal, posterior))

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from garmentq.core.people.colour import fit_colours, is_painted
 from garmentq.core.people.confidence import LabelsUnsure, NoCloth, apply_temperature, check_confidence, check_garments
-from garmentq.core.people.diffusion import diffuse, link_points
+from garmentq.core.people.diffusion import Links, diffuse, link_points
 from garmentq.core.people.garments import choose_part_category
 from garmentq.core.people.hints import HintBad, parse_mark, parse_wearing
 from garmentq.core.people.lab import to_lab
 from garmentq.core.people.labels import has_names, read_parts, write_labels
+from garmentq.core.people.limbs import BodyPlace, Limb
 from garmentq.core.people.outfit import condition_on_outfit, marginalise_outfits, outfit_probabilities, rank_outfits
 from garmentq.core.people.part import GARMENTS, PARTS, Part
 from garmentq.core.people.separation import FoundContour, FoundGarment, Outfit
-from garmentq.core.people.small_pieces import relabel_small_pieces
+from garmentq.core.people.small_pieces import relabel_beyond_skin, relabel_small_pieces
 from garmentq.core.scan.contours.legs import split_legs
 from garmentq.core.scan.contours.target import Contour
 from garmentq.core.scan.refusal import LabelsUnreadable
@@ -270,3 +271,43 @@ def test_a_top_with_legs_is_doubted(part, names):
     assert choose_part_category(part, contours, None, None) == ""
     problem = check((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),))[2]
     assert isinstance(problem, LabelsUnsure)
+
+
+def draw_leg(pieces: list[tuple[float, float, Part]]) -> tuple[np.ndarray, BodyPlace, Links]:
+    """Return columns, places and links of samples along a leg that hold parts between stations [m]."""
+    station = np.repeat(np.arange(0.0, 0.9, 0.01), 8)
+    column = np.full(len(station), PARTS.index(Part.SKIN))
+    for first, last, part in pieces:
+        column[(station >= first) & (station < last)] = PARTS.index(part)
+    count = len(station)
+    place = BodyPlace(
+        limb=np.full(count, Limb.LEFT_LEG), station=station,
+        **{name: np.zeros((count, 3)) for name in BodyPlace.__annotations__ if name not in ("limb", "station")},
+    )  # fmt: skip
+    first = np.arange(count - 8)
+    pairs = np.stack([first, first + 8], axis=1)
+    ring = np.stack([np.arange(count), np.arange(count) // 8 * 8 + (np.arange(count) + 1) % 8], axis=1)
+    pairs = np.concatenate([pairs, ring])
+    return column, place, Links(pairs, np.ones(len(pairs)), count)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "is_kept"),
+    [
+        ([(0.0, 0.3, Part.LOWER), (0.6, 0.75, Part.LOWER)], False),
+        ([(0.0, 0.6, Part.ONE_PIECE), (0.6, 0.75, Part.LOWER)], True),
+        ([(0.0, 0.3, Part.LOWER), (0.3, 0.6, Part.HAIR), (0.6, 0.75, Part.LOWER)], True),
+        ([(0.0, 0.75, Part.LOWER)], True),
+        ([(0.1, 0.2, Part.UPPER), (0.6, 0.75, Part.LOWER)], True),
+    ],
+)
+def test_what_bare_skin_separates_is_no_part_of_a_garment(pieces, is_kept):
+    """Broken where boots in the shorts' colour lengthen them, or trousers below a dress or beside hair lose a piece."""
+    column, place, links = draw_leg(pieces)
+    posterior = np.full((len(column), len(PARTS)), 0.1)
+    posterior[:, PARTS.index(Part.SHOES)] = 0.2
+    posterior[:, PARTS.index(Part.LOWER)] = 0.3
+    found = relabel_beyond_skin(column, posterior, place, links)
+    low = (place.station >= 0.6) & (place.station < 0.75)
+    assert (found[~low] == column[~low]).all()
+    assert (found[low] == PARTS.index(Part.LOWER if is_kept else Part.SHOES)).all()
