@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 
 from ..geometry.connectivity import HalfEdges, find_components
-from ..geometry.geometry import face_areas, signed_volume
+from ..geometry.geometry import signed_volume, vertex_areas
 from ..geometry.surface import TriangleSurface
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import DRESS_FORM_SOURCE, JOINTS, Body
-from .competing_starts import START_HEADING_COUNT, rank_starts
+from .competing_starts import rank_starts
 from .fit import FitState, Fitter, OrientedPoints
+from .girths import MIN_LIMB_GIRTH
+from .person_search import list_headings, pose_points, shape_of_stature
 from .registration import NotHuman, RegistrationSettings, body_of_state, pose_model, register_body, sample_surface
-from .skinning import skin
-from .template import Template, articulate, load_template, rotations_of, transforms_of
+from .template import Template, load_template, rotations_of
 from .weight_transfer import transfer_weights
 
 TRUNK_JOINTS = ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar")
@@ -27,9 +27,6 @@ START_STATURES = (1.55, 1.75)
 
 ARM_ANGLE = 0.9
 """Angle by which the arms hang below the horizontal in the start [rad]: between those of forms with stumps of arms."""
-
-MIN_OPENING_LENGTH = 0.12
-"""Length of a border from which on it is an opening [m]: shorter ones are gaps of a scan."""
 
 LID_HEIGHT = 0.02
 """Height of the lowest and the highest strip whose level faces are the form's base and the lid of its neck [m]."""
@@ -79,7 +76,7 @@ def is_solid(vertices: np.ndarray, faces: np.ndarray) -> bool:
     tail, head = edges.tail[edges.border], edges.head[edges.border]
     _, piece = find_components(len(vertices), tail, head)
     lengths = np.bincount(piece[tail], np.linalg.norm(vertices[head] - vertices[tail], axis=1))
-    return bool((lengths > MIN_OPENING_LENGTH).sum() <= 1)
+    return bool((lengths > MIN_LIMB_GIRTH).sum() <= 1)
 
 
 def register_dress_form(
@@ -102,9 +99,7 @@ def register_dress_form(
         faces = faces[:, ::-1]
     surface = _without_lids(sample_surface(vertices, faces, settings.surface_count, rng))
     trunk = np.flatnonzero(template.weights[:, [JOINTS.index(name) for name in TRUNK_JOINTS]].sum(axis=1) > 0.5)
-    area = np.bincount(
-        template.faces.ravel(), np.repeat(face_areas(template.vertices, template.faces), 3), len(template.vertices)
-    )[trunk]
+    area = vertex_areas(template.vertices, template.faces)[trunk]
     subset = rng.choice(trunk, min(settings.search.fine_count, len(trunk)), replace=False, p=area / area.sum())
     shape_count = settings.search.stages[0][0].shape_count
     starts = [
@@ -150,21 +145,15 @@ def _limb_angles() -> np.ndarray:
     return angles
 
 
-def _find_starts(
-    template: Template, subset: np.ndarray, centre: np.ndarray, size: tuple[float, int]
-) -> list[FitState]:
+def _find_starts(template: Template, subset: np.ndarray, centre: np.ndarray, size: tuple[float, int]) -> list[FitState]:
     """Return upright bodies at every heading, of a stature [m] by so many coefficients, centred on the form."""
     stature, shape_count = size
-    top = template.vertices[:, 1].argmax()
-    slope = template.directions[:, top, 1]
-    shape = (slope * (stature - np.ptp(template.vertices[:, 1])) / (slope @ slope))[:shape_count]
-    rest, joints = template.shaped(shape)
+    shape = shape_of_stature(template, stature)[:shape_count]
     starts = []
-    for heading in range(START_HEADING_COUNT):
+    for heading in list_headings():
         angles = _limb_angles()
-        angles[0, 1] = 2.0 * pi * heading / START_HEADING_COUNT
+        angles[0, 1] = heading
         rotations = rotations_of(angles)
-        world, posed = articulate(rotations, joints, np.zeros(3))
-        placed = skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
+        placed = pose_points(template, shape, rotations, subset)
         starts.append(FitState(shape, rotations, centre - placed.mean(axis=0)))
     return starts

@@ -12,6 +12,9 @@ from ..geometry.connectivity import HalfEdges, find_components
 from .body import Body
 from .skinning import rest_body
 
+MIN_LIMB_GIRTH = 0.12
+"""Length of a loop below which no part of a body fits through it [m]: a child's wrist has 13 cm."""
+
 GIRTHS = ("chest", "waist", "hip", "thigh", "upper_arm")
 """Names of the girths: of the trunk below the arms, where it is narrowest, where it is widest between crotch and
 pelvis; of a thigh below the crotch; of an upper arm. The last two are means of both sides."""

@@ -97,14 +97,14 @@ def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray)
         vectors = np.zeros((24, 3))
         for joint, vector in angles.items():
             vectors[JOINTS.index(joint)] = vector
-        posed = _pose(template, np.zeros(4), rotations_of(vectors), subset)
+        posed = pose_points(template, np.zeros(4), rotations_of(vectors), subset)
         height = float(np.clip((high - low) / np.ptp(posed[:, 1]) * usual, 1.4, 2.0))
-        shape = _shape_of_stature(template, height)
-        for turn in _headings():
+        shape = shape_of_stature(template, height)
+        for turn in list_headings():
             turned = vectors.copy()
             turned[0] = (0.0, turn, 0.0)
             rotations = rotations_of(turned)
-            posed = _pose(template, shape, rotations, subset)
+            posed = pose_points(template, shape, rotations, subset)
             shift = centre - 0.5 * (posed.min(axis=0) + posed.max(axis=0))
             shift[[0, 2]] = (surface.points.mean(axis=0) - posed.mean(axis=0))[[0, 2]]
             starts.append(FitState(shape, rotations, shift))
@@ -129,7 +129,7 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
     spread = float(np.sqrt(((surface.points - mean) ** 2).sum(axis=1).mean()))
     tree = cKDTree(surface.points)
     usual = float(np.ptp(template.vertices[:, 1]))
-    headings = rotations_of(np.array([[0.0, turn, 0.0] for turn in _headings()]))
+    headings = rotations_of(np.array([[0.0, turn, 0.0] for turn in list_headings()]))
     posed = _pose_all(template, subset)
     radius = np.sqrt((posed**2).sum(axis=2).mean(axis=1))
     heights = np.clip(usual * spread / radius, *HEIGHT_RANGE)
@@ -144,14 +144,14 @@ def rank_poses(template: Template, surface: OrientedPoints, subset: np.ndarray) 
         h, height = turn[number], float(heights[number])
         rotations = rotations_of(load_poses()[0][number])
         rotations[0] = headings[h] @ rotations[0]
-        shape = _shape_of_stature(template, height)
-        starts.append(FitState(shape, rotations, mean - _pose(template, shape, rotations, subset).mean(axis=0)))
+        shape = shape_of_stature(template, height)
+        starts.append(FitState(shape, rotations, mean - pose_points(template, shape, rotations, subset).mean(axis=0)))
     return starts
 
 
 def _pose_all(template: Template, subset: np.ndarray) -> np.ndarray:
     """Return the mean body's points in each pose out of motions, about their mean [m], shape [pose_count, m, 3]."""
-    posed = np.stack([_pose(template, np.zeros(4), rotations_of(angles), subset) for angles in load_poses()[0]])
+    posed = np.stack([pose_points(template, np.zeros(4), rotations_of(angles), subset) for angles in load_poses()[0]])
     return np.asarray(posed - posed.mean(axis=1, keepdims=True))
 
 
@@ -166,19 +166,20 @@ def _clamp_distances(points: np.ndarray, bodies: np.ndarray) -> np.ndarray:
     return np.asarray(np.sqrt(squares.min(axis=2).clip(0.0, MAX_COARSE_DISTANCE**2)).mean(axis=1))
 
 
-def _headings() -> list[float]:
+def list_headings() -> list[float]:
     """Return the headings of every start pose [rad]."""
     return [2 * pi * h / START_HEADING_COUNT for h in range(START_HEADING_COUNT)]
 
 
-def _shape_of_stature(template: Template, stature: float) -> np.ndarray:
+def shape_of_stature(template: Template, stature: float) -> np.ndarray:
     """Return the first four shape coefficients of the most probable body of a stature [m], shape [4]."""
     slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
     usual = float(np.ptp(template.vertices[:, 1]))
     return np.asarray((slope * (stature - usual) / (slope @ slope))[:4])
 
 
-def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: np.ndarray) -> np.ndarray:
+def pose_points(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: np.ndarray) -> np.ndarray:
+    """Return some vertices of the body of a shape in a pose, its pelvis in the T-pose's place [m], shape [m, 3]."""
     rest, joints = template.shaped(shape)
     world, posed = articulate(rotations, joints, np.zeros(3))
     return skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))

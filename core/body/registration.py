@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi
 
 import numpy as np
 
@@ -12,8 +11,9 @@ from ..geometry.surface import TriangleSurface
 from ..run.errors import BadInput
 from ..run.hooks import SILENT_HOOKS, Hooks
 from .body import JOINTS, Body
-from .competing_starts import POSES, STAGE, START_HEADING_COUNT, SearchSettings, rank_starts, spread_subset
+from .competing_starts import POSES, STAGE, SearchSettings, rank_starts, spread_subset
 from .fit import FitStage, FitState, Fitter, OrientedPoints, axis_angles_of
+from .person_search import list_headings, pose_points, shape_of_stature
 from .skinning import skin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 from .weight_transfer import transfer_weights
@@ -143,20 +143,17 @@ def _starts(
     # The area gives the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
     factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
     height = float(np.clip(factor * np.ptp(template.vertices[:, 1]), 1.4, 2.0))
-    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
-    shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[:shape_count]
-    rest, joints = template.shaped(shape)
+    shape = shape_of_stature(template, height)[:shape_count]
     starts = []
     for angles in POSES.values():
         vectors = np.zeros((24, 3))
         for joint, vector in angles.items():
             vectors[JOINTS.index(joint)] = vector
-        for h in range(START_HEADING_COUNT):
+        for heading in list_headings():
             turned = vectors.copy()
-            turned[0] = (0.0, 2 * pi * h / START_HEADING_COUNT, 0.0)
+            turned[0] = (0.0, heading, 0.0)
             rotations = rotations_of(turned)
-            world, posed = articulate(rotations, joints, np.zeros(3))
-            placed = skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
+            placed = pose_points(template, shape, rotations, subset)
             starts.append(FitState(shape, rotations, centre - placed.mean(axis=0)))
     return starts
 

@@ -138,11 +138,12 @@ def find_openings(
         is_free = np.isfinite(trees[1].query(points - left, distance_upper_bound=MAX_FREE_EDGE_DISTANCE)[0])
         sides = _compare_sides(around, inner, other, is_free, float(np.median(points[:, 1]) - around.hips))
         beyond = Part(int(np.bincount(sides.next_part[sides.next_part >= 0], minlength=1).argmax()))
-        if is_covered(part, sides):
+        covered = is_covered(part, sides)
+        if covered:
             interval = HIDDEN_WAIST_INTERVAL if contour.name == "waist" else None
         else:
             interval = measure_interval(around, points, (part, beyond))
-        found.append(replace(_classify_opening(contour.name, part, sides), interval=interval))
+        found.append(replace(_classify_opening(contour.name, sides, covered), interval=interval))
     return tuple(found)
 
 
@@ -195,10 +196,10 @@ def is_covered(part: Part, sides: BorderSides) -> bool:
     return bool(covered or over.mean() > 0.5)
 
 
-def _classify_opening(name: str, part: Part, sides: BorderSides) -> FoundContour:
+def _classify_opening(name: str, sides: BorderSides, covered: bool) -> FoundContour:
     worn = np.isin(sides.next_part, GARMENTS)
     step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
-    shown = not is_covered(part, sides) and is_shown(step, sides.contrast)
+    shown = not covered and is_shown(step, sides.contrast)
     return FoundContour(name, contour_confidence(step, sides.contrast), not shown)
 
 

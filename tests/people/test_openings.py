@@ -32,7 +32,7 @@ def test_what_a_garment_stands_out_over_does_not_cover_it(beyond, step, is_infer
     """Breaks where a hem is hidden by its own inside, of another colour from below, or a neck is seen below hair."""
     count = 100
     sides = BorderSides(np.full(count, step), np.full(count, 27.0), np.full(count, int(beyond)), 0.17)
-    found = _classify_opening("hem", Part.UPPER, sides)
+    found = _classify_opening("hem", sides, is_covered(Part.UPPER, sides))
     assert found.is_inferred == is_inferred == is_covered(Part.UPPER, sides)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...body.body import Body
+from ...body.girths import MIN_LIMB_GIRTH
 from ...geometry.geometry import unit, vertex_normals
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
@@ -29,8 +30,6 @@ shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
 """Share of the way from the pelvis to the neck joint below which a skirt's or trousers' waist is: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
-MIN_CONTOUR_LENGTH = 0.12
-"""Length of a loop below which no part of a body fits through it [m]: a child's wrist has 13 cm."""
 MAX_BRIDGED_SHARE = 0.3
 """Largest share of a trusted contour that was bridged; above it the chords determine its shape more than the cloth."""
 
@@ -86,7 +85,7 @@ def name_contours(
     candidates = []
     for loop in find_loops(faces, vertices):
         length = smoothed_length(vertices[loop])
-        crossings = find_crossings(vertices[loop], body) if length >= MIN_CONTOUR_LENGTH else ()
+        crossings = find_crossings(vertices[loop], body) if length >= MIN_LIMB_GIRTH else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
@@ -170,7 +169,7 @@ def _cut_off(
     loop, rims = candidate.vertices[kept], [candidate.vertices[gap] for gap in gaps]
     mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
     length = smoothed_length(vertices[loop])
-    if length < MIN_CONTOUR_LENGTH:  # what is left encircles nothing
+    if length < MIN_LIMB_GIRTH:  # what is left encircles nothing
         return [replace(candidate, bridged=1.0)]
     parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
     return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]

@@ -9,13 +9,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...body.body import Body
+from ...body.girths import MIN_LIMB_GIRTH
 from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import face_areas, vertex_normals
 from ...run.errors import BadInput
 from ..scan import Scan
 from ..thin import thin_scan
 from .category import choose_category
-from .contours import MIN_CONTOUR_LENGTH, name_contours
+from .contours import name_contours
 from .loop import find_loops, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
@@ -125,7 +126,7 @@ def check_carried(hole_lengths: Sequence[float], name: str) -> None:
         PartMissing: where an arm or a leg would fit through one.
     """
     longest = max(hole_lengths, default=0.0)
-    if longest >= MIN_CONTOUR_LENGTH:
+    if longest >= MIN_LIMB_GIRTH:
         raise PartMissing(
             f"{name} has an opening of {100.0 * longest:.0f} cm that goes around nothing of the dress form, which has "
             "no arms and legs; give the body of a whole person that wears it."
