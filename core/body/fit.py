@@ -10,8 +10,15 @@ from scipy.spatial import cKDTree
 
 from ..geometry.geometry import vertex_normals
 from .body import JOINT_PARENTS, JOINTS
-from .fit_slopes import PairWeights, PointBones, PosedSkeleton, scale_slopes
 from .template import Template, articulate, cross_matrices, rotations_of
+
+_DESCENDANT_MASK = np.zeros((24, 24))
+"""Mask of descendants, shape [24, 24]: row j marks joint j and all joints below it."""
+for _k in range(24):
+    _j = _k
+    while _j >= 0:
+        _DESCENDANT_MASK[_j, _k] = 1.0
+        _j = JOINT_PARENTS[_j]
 
 
 def _pose_prior_stds() -> np.ndarray:
@@ -34,10 +41,6 @@ def _pose_prior_stds() -> np.ndarray:
 POSE_PRIOR_STDS = _pose_prior_stds()
 HINGES = (("left_knee", 0, 1.0), ("right_knee", 0, 1.0), ("left_elbow", 1, -1.0), ("right_elbow", 1, 1.0))
 """Joint, axis and sign of its only direction of bending: the shank bends back, the forearm forward."""
-MIN_AXIS_LENGTH = 1e-9
-"""Length of a rotation's antisymmetric part [1] below which half of it is the axis-angle: rounding is 1e-16."""
-MAX_AXIS_ANGLE = 3.0
-"""Angle [rad] beyond which the antisymmetric part is too short to give the axis."""
 HINGE_SLACK = 0.1
 """Overextension [rad] of a hinge that is not penalised, and standard deviation of the excess."""
 
@@ -49,13 +52,6 @@ def find_forearms(weights: np.ndarray) -> np.ndarray:
         columns = [JOINTS.index(f"{side}_{name}") for name in ("elbow", "wrist", "hand")]
         limb[weights[:, columns].sum(axis=1) > 0.5] = number
     return limb
-
-
-def find_bones(weights: np.ndarray) -> PointBones:
-    """Return the bones that move each point, from skinning weights, shape [n, 24]."""
-    count = int((weights > 0.0).sum(axis=1).max())
-    bone = np.ascontiguousarray(np.argsort(-weights, axis=1, kind="stable")[:, :count])
-    return PointBones(bone, np.take_along_axis(weights, bone, axis=1), np.array(JOINT_PARENTS, dtype=np.int64))
 
 
 @dataclass(frozen=True)
@@ -173,7 +169,6 @@ class Fitter:
         self.vertices = np.ascontiguousarray(template.vertices[subset].T)
         self.directions = np.ascontiguousarray(template.directions[:, subset].transpose(2, 0, 1))
         self.weights = np.ascontiguousarray(template.weights[subset].T)
-        self.bones = find_bones(template.weights[subset])
         self.limb = find_forearms(template.weights[subset])
         self.normals = np.ascontiguousarray(vertex_normals(template.vertices, template.faces)[subset].T)
         self.surface = surface
@@ -219,17 +214,46 @@ class Fitter:
         """Take one Gauss-Newton step. With J_i the derivative of template point i, its pairs add J_i^T M_i J_i to the
         normal equations and J_i^T h_i to the gradient, M_i = sum of w n n^T (without n n^T: all axes), h_i = M_i
         offset."""
-        points = placed.points
+        points, count = placed.points, len(placed.points)
         row, chosen = self._pairs(points, placed.normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
         weight = self._trust(offset, direction, (row, chosen), stage) * (stage.observations / len(row) / stage.scale**2)
-        pairs = PairWeights(row, weight, direction, offset, stage.plane)
-        scaled, gradient = self._scale_slopes(stage.shape_count, placed, pairs)
-        normal = scaled @ scaled.T
+        slopes = np.concatenate(
+            [
+                self._turn_slopes(placed),
+                np.broadcast_to(np.eye(3)[:, :, None], (3, 3, count)),
+                self._shape_slopes(stage.shape_count, placed),
+            ],
+            axis=1,
+        )
+        if stage.plane:
+            pull = (weight * np.einsum("ra,ra->r", direction, offset))[:, None] * direction
+            scaled = self._scale_rows(slopes, row, weight, direction)
+        else:
+            pull = weight[:, None] * offset
+            scaled = np.sqrt(np.bincount(row, weight, count)) * slopes
+        gradient = sum(slopes[a] @ np.bincount(row, pull[:, a], count) for a in range(3))
+        normal = sum(part @ part.T for part in scaled)
         self._add_priors(state, stage.shape_count, normal, gradient)
         step = cho_solve(cho_factor(normal + 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))), -gradient)
         return _apply_step(state, step, stage.shape_count)
+
+    def _scale_rows(self, slopes: np.ndarray, row: np.ndarray, weight: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Return L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
+        count = slopes.shape[2]
+        sums = np.zeros((count, 3, 3))
+        for a in range(3):
+            for b in range(a + 1):
+                sums[:, a, b] = sums[:, b, a] = np.bincount(row, weight * direction[:, a] * direction[:, b], count)
+        # A single pair has rank 1; a millionth of the weight makes the Cholesky factor exist without visible effect.
+        ease = 1e-6 * np.trace(sums, axis1=1, axis2=2) + 1e-300
+        lower = np.ascontiguousarray(np.linalg.cholesky(sums + ease[:, None, None] * np.eye(3)).transpose(1, 2, 0))
+        scaled = np.zeros_like(slopes)
+        for a in range(3):
+            for b in range(a + 1):
+                scaled[b] += lower[a, b] * slopes[a]
+        return scaled
 
     def _pairs(
         self, points: np.ndarray, normals: np.ndarray, stage: FitStage, tree: cKDTree
@@ -267,8 +291,24 @@ class Fitter:
                 weight = weight * (1.0 - cloth * ((self.limb[row] > 0) & (s.limb[chosen] != self.limb[row])))
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
-    def _scale_slopes(self, count: int, placed: _PosedPoints, pairs: PairWeights) -> tuple[np.ndarray, np.ndarray]:
-        """Return what `scale_slopes` does, by rotations, translation and the first shape coefficients."""
+    def _turn_slopes(self, placed: _PosedPoints) -> np.ndarray:
+        """Return the derivatives of the points by rotations in the parents' frames, shape [3, 72, m]. A small rotation
+        w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the sum of its
+        weighted copies below j and C the sum of those weights."""
+        world, posed = placed.world, placed.posed
+        copies = (world.reshape(72, 3) @ placed.rest + placed.shift.reshape(72, 1)).reshape(24, 3, -1)
+        copies *= self.weights[:, None]
+        arms = (_DESCENDANT_MASK @ copies.reshape(24, -1)).reshape(copies.shape)
+        arms -= (_DESCENDANT_MASK @ self.weights)[:, None] * posed[:, :, None]
+        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in JOINT_PARENTS])[:, :, :, None]
+        slopes = np.zeros((3, 24, 3, self.weights.shape[1]))
+        for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            np.multiply(frames[:, b], arms[:, None, c], out=slopes[a])
+            slopes[a] -= frames[:, c] * arms[:, None, b]
+        return slopes.reshape(3, 72, -1)
+
+    def _shape_slopes(self, count: int, placed: _PosedPoints) -> np.ndarray:
+        """Return the derivatives of the points by the first shape coefficients, shape [3, count, m]."""
         world = placed.world
         joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
@@ -276,13 +316,12 @@ class Fitter:
             posed_slopes[j] = (
                 joint_slopes[j] if p < 0 else posed_slopes[p] + world[p] @ (joint_slopes[j] - joint_slopes[p])
             )
-        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in JOINT_PARENTS])
-        shift_slopes = np.ascontiguousarray(posed_slopes - world @ joint_slopes)
-        skeleton = PosedSkeleton(world, placed.shift, placed.posed, frames, shift_slopes)
-        shapes = np.einsum("abm,bsm->mas", placed.blend, self.directions[:, :count])
-        rest, shapes = np.ascontiguousarray(placed.rest.T), np.ascontiguousarray(shapes)
-        found: tuple[np.ndarray, np.ndarray] = scale_slopes(self.bones, skeleton, rest, shapes, pairs)
-        return found
+        shift = posed_slopes - world @ joint_slopes
+        slopes: np.ndarray = (shift.reshape(24, -1).T @ self.weights).reshape(3, count, -1)
+        for a in range(3):
+            for b in range(3):
+                slopes[a] += placed.blend[a, b] * self.directions[b, :count]
+        return slopes
 
     def _add_priors(self, state: FitState, shape_count: int, normal: np.ndarray, gradient: np.ndarray) -> None:
         """Add the Gaussian priors of pose and shape and the hinges' one-sided limits to the normal equations."""
@@ -316,20 +355,11 @@ def _apply_step(state: FitState, step: np.ndarray, shape_count: int) -> FitState
 
 
 def axis_angles_of(rotations: np.ndarray) -> np.ndarray:
-    """Return the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3].
+    """Return the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3]."""
+    from scipy.spatial.transform import Rotation
 
-    The axis is that of the antisymmetric part, 2 sin(angle) long, which vanishes at half a turn: there scipy's is used.
-    """
-    twice = (rotations - rotations.transpose(0, 2, 1))[:, [2, 0, 1], [1, 2, 0]]
-    sine = np.linalg.norm(twice, axis=1)
-    angle = np.arctan2(sine, np.trace(rotations, axis1=1, axis2=2) - 1.0)
-    found = twice * np.where(sine > MIN_AXIS_LENGTH, angle / np.maximum(sine, MIN_AXIS_LENGTH), 0.5)[:, None]
-    turned = np.flatnonzero(angle > MAX_AXIS_ANGLE)
-    if len(turned):
-        from scipy.spatial.transform import Rotation
-
-        found[turned] = Rotation.from_matrix(rotations[turned]).as_rotvec()
-    return np.asarray(found)
+    found: np.ndarray = Rotation.from_matrix(rotations).as_rotvec()
+    return found
 
 
 def _left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:

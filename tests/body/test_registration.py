@@ -72,6 +72,29 @@ def test_a_moved_mesh_gives_the_same_joints_moved(registered: tuple) -> None:
     assert np.array_equal(moved.faces, faces)
 
 
+def test_derivatives_by_pose_and_shape_agree_with_differences() -> None:
+    """A wrong column in the Jacobian sends a limb or the shape astray in every fit."""
+    rng = np.random.default_rng(0)
+    subset = np.arange(0, len(TEMPLATE.vertices), 250)
+    fitter = Fitter(TEMPLATE, subset, OrientedPoints(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])))
+    state = FitState(rng.normal(0, 1, 6), rotations_of(rng.normal(0, 0.4, (24, 3))), rng.normal(0, 1, 3))
+    placed = fitter._place(state)
+    turn, shape = fitter._turn_slopes(placed), fitter._shape_slopes(6, placed)
+    h = 1e-6
+    for column in (1, 5, 17, 40, 71):
+        step = np.zeros(72)
+        step[column] = h
+        ends = [FitState(state.shape, rotations_of(s * step.reshape(24, 3)) @ state.rotations, state.translation)
+                for s in (1, -1)]  # fmt: skip
+        slope = (fitter._place(ends[0]).points - fitter._place(ends[1]).points) / (2 * h)
+        assert np.allclose(slope, turn[:, column].T, atol=1e-7)
+    for k in range(6):
+        step = np.eye(6)[k] * h
+        ends = [FitState(state.shape + s * step, state.rotations, state.translation) for s in (1, -1)]
+        slope = (fitter._place(ends[0]).points - fitter._place(ends[1]).points) / (2 * h)
+        assert np.allclose(slope, shape[:, k].T, atol=1e-7)
+
+
 def test_a_fit_from_the_true_state_stays_there() -> None:
     """Pairs or priors with a bias would walk away from a surface that the model matches."""
     body = builtin_body("builtin:female")
