@@ -9,8 +9,9 @@ import numpy as np
 
 from ...core.body.exposed import ExposedSurface, penetration_depth
 from ...core.cloth.fabric import Fabric
+from ...core.geometry.curves import Curve
 from ...core.geometry.surface import TriangleSurface
-from ...core.judge.contours import loop_rms
+from ...core.judge.contours import curve_rms
 from ...core.judge.fit import SURFACE_SAMPLES, Reference, measure_fit
 from ...core.judge.patterns import measure_seams
 from ...core.recover.recovery import Recovery
@@ -84,10 +85,16 @@ def transfer_contours(
     loops = find_loops(faces)
     carried = []
     for contour in contours:
-        curve = positions[contour.vertices]
-        if loops:
-            nearest = min(loops, key=lambda loop: loop_rms(curve, vertices[loop]))
+        curve = contour.curve(positions)
+        if loops and contour.is_closed:
+            nearest = min(loops, key=lambda loop: curve_rms(curve, Curve(vertices[loop])))
             carried.append(replace(contour, vertices=nearest))
+        elif loops:
+            nearest = min(loops, key=lambda loop: float(Curve(vertices[loop]).distance(curve.points).max()))
+            first, last = (
+                int(np.linalg.norm(vertices[nearest] - end, axis=1).argmin()) for end in curve.points[[0, -1]]
+            )
+            carried.append(replace(contour, vertices=np.roll(nearest, -first)[: (last - first) % len(nearest) + 1]))
     return tuple(carried)
 
 

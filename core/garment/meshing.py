@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import Delaunay, cKDTree
 
-from ..geometry.curves import ClosedCurve
+from ..geometry.curves import Curve
 from .curves import edge_length, edge_points, panel_area
 from .pattern import EdgeRef, Panel, Pattern
 
@@ -174,7 +174,7 @@ def _relax_points(boundary: np.ndarray, inside: np.ndarray, size: float, setting
     if not len(inside):
         return inside
     fixed = len(boundary)
-    local = ClosedCurve(boundary).lengths
+    local = Curve(boundary).lengths
     local = (local + np.roll(local, 1)) / 2.0
     points = np.concatenate([boundary, inside])
     targets = np.concatenate([local, np.full(len(inside), size)])

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..body.body import Body
 from ..geometry.connectivity import HalfEdges
-from ..geometry.curves import ClosedCurve, polyline_length
+from ..geometry.curves import Curve, polyline_length
 from ..geometry.geometry import angle_defects, rim_turns
 from ..scan.contours.neck import unroll_neck
 from ..scan.contours.target import Contour, Target
@@ -145,7 +145,7 @@ class _Rim:
         bridged. `length` is that from the middle to the side neck point [m]."""
         nearest = int(np.linalg.norm(self.points - middle, axis=1).argmin())
         points, turns, bridged = (np.roll(each, -nearest, axis=0) for each in (self.points, self.turns, self.bridged))
-        arc = ClosedCurve(points).arc
+        arc = Curve(points).arc
         at, whole = arc[:-1], arc[-1]
         if bridged[np.minimum(at, whole - at) < 2.0 * settings.turn_std].any():
             return None

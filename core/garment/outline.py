@@ -79,6 +79,22 @@ def unfold_closed(outline: Outline) -> Outline:
     return Outline(outline.start, (*outline.strokes, *mirror(outline).strokes))
 
 
+def halve(outline: Outline, seam: Stroke) -> Outline:
+    """Return the left half of an outline that is symmetric about x = 0, closed along the middle.
+
+    Args:
+        outline: From `unfold` or `unfold_closed`.
+        seam: Names the edge in the middle; its end is not used.
+    """
+    count = len(outline.strokes)
+    left = outline.strokes[: count // 2]
+    if count % 2 == 0:
+        return Outline(outline.start, (*left, replace(seam, end=outline.start)))
+    closing = cut_stroke(outline.strokes[-2].end, outline.strokes[-1], 0.5, ("", ""))[1]
+    middle = cut_stroke(outline.strokes[-2].end, outline.strokes[-1], 0.5, ("", ""))[0].end
+    return Outline(outline.start, (*left, replace(seam, end=(0.0, middle[1])), closing))
+
+
 def arc_handles(start: Point, end: Point, turn: float) -> tuple[Point, Point]:
     """Return the handles of the cubic nearest to a circular arc: 4/3 tan(turn / 4) radii from its ends.
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.curves import ClosedCurve
+from ..geometry.curves import Curve
 from ..run.errors import NotFound
 from ..scan.contours.target import Contour
 from .garment import Garment
@@ -142,15 +142,21 @@ def load_draped_template(name: str) -> Garment | None:
     garment = mesh_pattern(pattern, DRAPED_VERTICES)
     with np.load(path) as kept:
         nodes = kept["nodes"].astype(np.float64)
-        names = [key.removeprefix("loop.") for key in kept.files if key.startswith("loop.")]
-        loops = {contour: kept[f"loop.{contour}"].astype(np.int64) for contour in names}
+        lines = [(key, kept[key].astype(np.int64)) for key in kept.files if key != "nodes"]
     if len(nodes) != len(garment.nodes):
         return None
-    contours = tuple(Contour(contour, loop, ClosedCurve(nodes[loop]).length) for contour, loop in loops.items())
-    return garment.at(nodes, contours)
+    contours = []
+    for key, vertices in lines:
+        kind, _, contour = key.partition(".")
+        curve = Curve(nodes[vertices], kind == "loop")
+        contours.append(Contour(contour, vertices, curve.length, is_closed=curve.is_closed))
+    return garment.at(nodes, tuple(contours))
 
 
 def save_draped_template(garment: Garment, path: Path) -> None:
     """Write the nodes [m], to 32 bits, and the named contours of a drape for `load_draped_template`."""
-    arrays: dict[str, Any] = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
+    arrays: dict[str, Any] = {
+        f"{'loop' if contour.is_closed else 'arc'}.{contour.name}": contour.vertices.astype(np.int32)
+        for contour in garment.contours
+    }
     np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **arrays)

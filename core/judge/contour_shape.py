@@ -11,7 +11,7 @@ from ..garment.garment import Garment
 from ..garment.neckline_fit import NecklineFit, fit_necklines
 from ..garment.parts.cut import Neckline
 from ..garment.parts.necklines import corner_turn
-from ..geometry.curves import ClosedCurve, resample_polyline
+from ..geometry.curves import Curve, resample_polyline
 from ..geometry.geometry import rim_turns
 from ..run.units import MM_PER_M
 from ..scan.contours.edge_turn import EdgeTurn
@@ -57,20 +57,24 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
             scan's is that of the straight V of its width and depth where its line is nearest to a V, since worn cloth
             bows what was cut straight, and 0 where it is nearest to another neckline.
         `shape.neck_mm`: largest distance of the two unrolled neck lines. `shape.NAME_mm` of any other contour: the
-            largest distance along its limb or trunk.
+            largest distance along its limb or trunk; the two edges of an open front have none, since they are free to
+            hang closed or wide open.
         `shape.edge_corner_deg`: largest lack of turning of the pattern's edge within `CORNER_SEARCH_RADIUS` of a corner
             of the scan's other edges, in their cloth; 0 where these have no corners. Edges that also turn elsewhere, as
-            cut and noisy ones do, are not evaluated.
+            cut and noisy ones do, are not evaluated, nor are the parts of an open front's border, which end in corners.
         Contours that either lacks are left out.
     """
     found: dict[str, float | None] = {}
     missed: list[float] = []
-    loops = {contour.name: nodes[contour.vertices] for contour in garment.contours}
+    ours = {contour.name: contour for contour in garment.contours if not contour.name.startswith("front")}
     for contour in target.contours:
-        if not contour.trusted or contour.name not in loops:
+        if not contour.trusted or contour.name not in ours:
             continue
-        loop, true_loop = loops[contour.name], target.vertices[contour.vertices]
-        if contour.name == "neck":
+        loop, true_loop = nodes[ours[contour.name].vertices], target.vertices[contour.vertices]
+        if not (contour.is_closed and ours[contour.name].is_closed):
+            curves = ours[contour.name].curve(nodes), contour.curve(target.vertices)
+            found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_arcs(*curves, _axis(contour, body))
+        elif contour.name == "neck":
             found |= _compare_necks(loop, true_loop, body)
             found |= _compare_corners(garment, nodes, target, body)
         else:
@@ -127,7 +131,7 @@ def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
         middle: Index of the node in `loop`.
     """
     order = np.roll(loop, -middle)
-    arc = ClosedCurve(garment.nodes[order]).arc
+    arc = Curve(garment.nodes[order]).arc
     within = np.minimum(arc[:-1], arc[-1] - arc[:-1]) < CORNER_SPAN
     return abs(float(_flat_turns(garment, order)[within].sum()))
 
@@ -176,6 +180,15 @@ def _compare_edges(mesh_loop: np.ndarray, true_loop: np.ndarray, axis: np.ndarra
     seen = smooth_loop(true_loop)
     places = [_axial_positions(loop, axis, seen.mean(axis=0)) for loop in (smooth_loop(mesh_loop), seen)]
     return float(np.abs(places[0] - places[1]).max())
+
+
+def _compare_arcs(one: Curve, other: Curve, axis: np.ndarray) -> float:
+    """Return the largest distance along an axis of the points at equal shares of two edges' lengths [m], with folds
+    averaged over a sixth of them as on closed edges (`EDGE_AVERAGING_ANGLE`)."""
+    shares = np.linspace(0.0, 1.0, LIMB_DIRECTION_COUNT)
+    apart = (one.at_shares(shares) - other.at_shares(shares)) @ axis
+    weight = np.maximum(0.0, 1.0 - np.abs(shares[:, None] - shares) * 2.0 * np.pi / EDGE_AVERAGING_ANGLE)
+    return float(np.abs(weight @ apart / weight.sum(axis=1)).max())
 
 
 def _axial_positions(loop: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:

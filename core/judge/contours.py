@@ -6,16 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..geometry.curves import ClosedCurve
+from ..geometry.curves import Curve
 from ..scan.contours.target import Contour
 
 CONTOUR_SAMPLES = 500
 """Number of points along each loop: 2 mm apart on a wide hem, far less than the errors that matter."""
 
 
-def loop_rms(first: np.ndarray, second: np.ndarray) -> float:
-    """Measure the larger RMS distance [m] of two closed loops, from arc-length samples of each to the other."""
-    one, other = ClosedCurve(first), ClosedCurve(second)
+def curve_rms(one: Curve, other: Curve) -> float:
+    """Measure the larger RMS distance [m] of two curves, from arc-length samples of each to the other."""
     forward = other.distance(one.resample(CONTOUR_SAMPLES))
     backward = one.distance(other.resample(CONTOUR_SAMPLES))
     return float(max(np.sqrt(np.mean(forward**2)), np.sqrt(np.mean(backward**2))))
@@ -25,9 +24,9 @@ def contour_rms(
     nodes: np.ndarray, contours: Sequence[Contour], truth_vertices: np.ndarray, truth_contours: Sequence[Contour]
 ) -> dict[str, float]:
     """Measure the RMS distance [m] of every trusted contour of the truth that ours has too, by name."""
-    loops = {contour.name: nodes[contour.vertices] for contour in contours}
+    curves = {contour.name: contour.curve(nodes) for contour in contours}
     return {
-        contour.name: loop_rms(loops[contour.name], truth_vertices[contour.vertices])
+        contour.name: curve_rms(curves[contour.name], contour.curve(truth_vertices))
         for contour in truth_contours
-        if contour.trusted and contour.name in loops
+        if contour.trusted and contour.name in curves
     }

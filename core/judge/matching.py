@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 from ..garment.curves import panel_outline
 from ..garment.pattern import Panel, Pattern
 from ..garment.polygon import polygon_area
-from ..geometry.curves import ClosedCurve
+from ..geometry.curves import Curve
 from .true_pattern import TruePanel, TruePattern
 from .turning_distance import turning_distance
 
@@ -76,7 +76,7 @@ def _dissimilarity(panel: Panel, truth: TruePanel) -> float:
     if grown >= np.log(MAX_PANEL_AREA_RATIO):
         return np.inf
     outline, true_outline = (
-        ClosedCurve(outline).resample(MATCHING_POINT_COUNT),
-        ClosedCurve(true_outline).resample(MATCHING_POINT_COUNT),
+        Curve(outline).resample(MATCHING_POINT_COUNT),
+        Curve(true_outline).resample(MATCHING_POINT_COUNT),
     )
     return grown + min(turning_distance(either, true_outline) for either in (outline, mirror_outline(outline)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.curves import ClosedCurve
+from ..geometry.curves import Curve
 from ..geometry.rigid import RigidMotion, fit_rigid, plane_rotation
 
 
@@ -41,7 +41,7 @@ class OutlineFit:
 
 def fit_outline(outline: np.ndarray, truth: np.ndarray, settings: OutlineSettings = OutlineSettings()) -> OutlineFit:
     """Fit a closed outline [m], shape [n, 2], to another by a rigid motion."""
-    curve, true_curve = ClosedCurve(outline), ClosedCurve(truth)
+    curve, true_curve = Curve(outline), Curve(truth)
     rough, rough_target = curve.resample(settings.start_points), true_curve.resample(settings.start_points)
     starts = []
     for heading in np.arange(settings.starts) * 2.0 * np.pi / settings.starts:
@@ -56,7 +56,7 @@ def fit_outline(outline: np.ndarray, truth: np.ndarray, settings: OutlineSetting
 
 def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int, tolerance: float) -> np.ndarray:
     """Fit points to the closest points of a closed outline iteratively."""
-    outline = ClosedCurve(target)
+    outline = Curve(target)
     for _ in range(sweeps):
         before, moved = moved, fit_rigid(moved, outline.closest(moved).foot).apply(moved)
         if np.abs(moved - before).max() < tolerance:
@@ -65,5 +65,5 @@ def _iterate_closest_points(moved: np.ndarray, target: np.ndarray, sweeps: int, 
 
 
 def _symmetric_rms(first: np.ndarray, second: np.ndarray) -> float:
-    forward, backward = ClosedCurve(second).distance(first), ClosedCurve(first).distance(second)
+    forward, backward = Curve(second).distance(first), Curve(first).distance(second)
     return float(np.sqrt(0.5 * (np.mean(forward**2) + np.mean(backward**2))))

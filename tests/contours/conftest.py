@@ -1,5 +1,7 @@
 """Garments cut out of the built-in body's own skin, and tubes hung around it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from garmentq.core.body.body import JOINTS
@@ -35,6 +37,14 @@ def cut_skin(body, kind):
         keep &= body.rest_vertices[:, 1] > body.rest_joints[JOINTS.index("left_hip"), 1]
     lifted = body.vertices + 0.01 * vertex_normals(body.vertices, body.faces)
     return compact(lifted, body.faces[keep[body.faces].all(axis=1)])
+
+
+def open_skin(body, kind, width):
+    """Cut a garment out of the body's skin without a strip of some width [m] along its centre front."""
+    vertices, faces = cut_skin(body, kind)
+    rest, rest_faces = cut_skin(replace(body, vertices=body.rest_vertices), kind)
+    centres = rest[rest_faces].mean(axis=1) - body.rest_joints[JOINTS.index("spine2")]
+    return compact(vertices, faces[(np.abs(centres[:, 0]) > width / 2) | (centres[:, 2] < 0.0)])
 
 
 def hang_tube(body, top, bottom, around=48, rows=20, wave=0.0):
@@ -78,3 +88,9 @@ def skin():
 def hung():
     """Return the maker of tubes around the trunk."""
     return hang_tube
+
+
+@pytest.fixture(scope="session")
+def opened():
+    """Return the maker of garments cut out of a body's skin that are open in front."""
+    return open_skin

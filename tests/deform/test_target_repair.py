@@ -6,16 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.recover.deform.contour_match import sample_curve
 from garmentq.core.recover.deform.target_repair import flatten_spikes, match_contours, prepare_target
 
 
 def test_curve_samples_are_even():
     """Breaks if the last edge of a closed curve is lost, or samples bunch at its corners."""
-    samples = sample_curve(
-        ClosedCurve(np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.1, 0], [0, 0.1, 0]], dtype=float))
-    ).foot
+    samples = sample_curve(Curve(np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.1, 0], [0, 0.1, 0]], dtype=float))).foot
     gap = np.linalg.norm(np.roll(samples, -1, axis=0) - samples, axis=1)
     assert np.median(gap) == pytest.approx(0.8 / len(samples)) and gap.max() < 1.001 * 0.8 / len(samples)
 

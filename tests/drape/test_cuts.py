@@ -114,6 +114,11 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "tank+bodice=strapless",
         pytest.param("dress+bodice=strapless", marks=pytest.mark.nightly),
         "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two",
+        "long_sleeve_tshirt+front=open",
+        pytest.param("long_sleeve_tshirt+collar=stand,front=zip", marks=pytest.mark.nightly),
+        pytest.param("dress+front=open", marks=pytest.mark.nightly),
+        pytest.param("sleeved_dress+front=buttons,waist=seam", marks=pytest.mark.nightly),
+        pytest.param("tank+bodice=shift,front=open", marks=pytest.mark.nightly),
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

@@ -10,7 +10,7 @@ from garmentq.core.body.skinning import rest_body
 from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import load_template
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.drape.dress import waistband_height
 from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
@@ -40,7 +40,7 @@ def test_a_loop_that_hangs_unevenly_is_spread_as_it_is_cut() -> None:
     even = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
     angle = even + 0.3 * np.sin(even)
     loop = np.column_stack([0.15 * np.cos(angle), np.zeros(40), 0.15 * np.sin(angle)])
-    sides = ClosedCurve(tie_contour(loop, curve, np.full(40, 0.02))).lengths
+    sides = Curve(tie_contour(loop, curve, np.full(40, 0.02))).lengths
     assert sides.max() < 1.001 * sides.min()
 
 
@@ -52,7 +52,7 @@ def test_teeth_of_a_border_that_was_cut_along_triangles_draw_no_cloth() -> None:
     scan = Target(curve, np.zeros((0, 3), int), curve, (Contour("waist", np.arange(240), 1.0),), (), "skirt")
     even = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)
     loop = np.column_stack([0.15 * np.cos(even), np.zeros(60), 0.15 * np.sin(even)])
-    sides = ClosedCurve(place_waist(loop, scan, np.full(60, 0.016))).lengths
+    sides = Curve(place_waist(loop, scan, np.full(60, 0.016))).lengths
     assert sides.max() < 1.05 * sides.min()
 
 
@@ -63,9 +63,7 @@ def test_flat_lengths_follow_a_loop_in_its_order() -> None:
     garment = mesh_pattern(Pattern("sheet", (panel,), ()), edge_length=0.05)
     stretched = garment.at(garment.nodes * (2.0, 1.0, 1.0))
     (loop,) = find_loops(garment.faces)
-    assert flat_lengths(stretched, np.roll(loop, 3)) == pytest.approx(
-        np.roll(ClosedCurve(garment.nodes[loop]).lengths, 3)
-    )
+    assert flat_lengths(stretched, np.roll(loop, 3)) == pytest.approx(np.roll(Curve(garment.nodes[loop]).lengths, 3))
 
 
 def test_a_skirt_from_flat_pieces_is_spread_as_it_is_cut_and_keeps_a_spacing_that_a_scan_shows() -> None:
@@ -78,7 +76,7 @@ def test_a_skirt_from_flat_pieces_is_spread_as_it_is_cut_and_keeps_a_spacing_tha
     worn = drape_template(skirt, wearer, scan, settings=settings)
     waist = waist_loop(worn)
     assert waist is not None
-    stretches = [ClosedCurve(one.nodes[waist]).lengths / flat_lengths(one, waist) for one in (dressed, worn)]
+    stretches = [Curve(one.nodes[waist]).lengths / flat_lengths(one, waist) for one in (dressed, worn)]
     assert np.ptp(stretches[1]) < 0.1 < 0.2 < np.ptp(stretches[0])
     pins = pin_waist(dressed, scan)
     assert pins is not None

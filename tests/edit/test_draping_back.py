@@ -20,7 +20,7 @@ from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.garment.seams import seam_mismatch
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import load_template
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.recover.drape.stage import redrape
 from garmentq.core.reuse.edit.compare import compare_versions
 from garmentq.core.reuse.edit.redraping import EditedGarment, drape_edit, worn_length
@@ -106,7 +106,7 @@ def test_a_hem_is_as_long_as_on_the_fabrics_own_membrane(settled, widened):
         scene = Scene(topology, fabric, find_wearer(WOMAN).grid, self_contact=SelfContact.of(topology))
         stiff = equilibrium(scene, garment.nodes)
         hem = garment.contour("hem")
-        length = ClosedCurve(stiff.nodes[hem.vertices]).length
+        length = Curve(stiff.nodes[hem.vertices]).length
         assert stiff.converged and worn_length(garment, hem, fabric) == pytest.approx(length, abs=2e-3)
 
 

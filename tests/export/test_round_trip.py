@@ -14,7 +14,7 @@ from garmentq.core.garment.garmentcode import load_pattern
 from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.seams import equalise_seams
 from garmentq.core.garment.templates import load_template
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.judge.fit import measure_distance
 from garmentq.core.recover.drape.stage import DrapeSettings, drape_graded, drape_template, redrape, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
@@ -69,6 +69,6 @@ def test_a_pattern_is_dressed_anew_on_its_own_mesh(worn, wearer: WearerGeometry)
     away = measure_distance(nodes, garment.faces, garment.nodes, garment.faces, samples=2000)
     assert away["surface_rms_mm.s2t"] < 25.0  # a drape on another mesh: other folds, the same garment
     waist = next(contour for contour in garment.contours if contour.name == "waist")
-    line = ClosedCurve(target.vertices[target.waist.vertices]).resample(2000)
+    line = Curve(target.vertices[target.waist.vertices]).resample(2000)
     assert cKDTree(line).query(nodes[waist.vertices])[0].max() < 2e-3
     assert wearer.grid.distance(nodes).min() > -2e-3

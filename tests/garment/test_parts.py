@@ -15,6 +15,7 @@ from garmentq.core.garment.parts.cut import (
     Collar,
     Cuff,
     Cut,
+    Front,
     Gores,
     Legs,
     Neckline,
@@ -78,6 +79,16 @@ def many_cuts() -> dict[str, Cut]:
     for kind, head, collar in product(Neckline, SleeveHead, Collar):
         cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar)
         found[f"{kind} {head} {collar}"] = cut
+    for front, bodice, sleeve, (skirt, legs), waist in product(
+        tuple(Front)[1:], tuple(Bodice), (Sleeve.NONE, Sleeve.LONG), lower, Waist
+    ):
+        cut = Cut(bodice, sleeve=sleeve, skirt=skirt, legs=legs, waist=waist, front=front)
+        found[f"{bodice} {sleeve} {skirt} {legs} {waist} front {front}"] = cut
+    for front, kind, head, collar in product(tuple(Front)[1:], Neckline, SleeveHead, Collar):
+        cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar, front=front)
+        found[f"{kind} {head} {collar} front {front}"] = cut
+    for front, shaping, yoke in product(tuple(Front)[1:], Shaping, tuple(Yoke)[:-1]):
+        found[f"{shaping} {yoke} front {front}"] = Cut(Bodice.SHIFT, shaping=shaping, yoke=yoke, front=front)
     for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
         found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
     found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)

@@ -12,7 +12,7 @@ from garmentq.core.garment.curves import panel_outline
 from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.templates import load_template
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.judge.comparison import PairsBad, compare_files, compare_patterns
 from garmentq.service.matching import PairsUnreadable, read_pairs
 
@@ -110,7 +110,7 @@ def test_the_best_fit_is_told(skirt: Pattern) -> None:
     found = compare_patterns(shape, replace(shape, panels=(other,))).pairs[0]
     where = panel_outline(sleeve, 24) * ([-1.0, 1.0] if found.turned_over else [1.0, 1.0])
     turn = np.array([[np.cos(found.angle), -np.sin(found.angle)], [np.sin(found.angle), np.cos(found.angle)]])
-    away = ClosedCurve(panel_outline(other, 24)).distance(where @ turn.T + found.shift)
+    away = Curve(panel_outline(other, 24)).distance(where @ turn.T + found.shift)
     assert 1e3 * np.sqrt(np.mean(away**2)) <= 2.0 * found.outline_mm + 0.1
 
 

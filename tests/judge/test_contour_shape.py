@@ -14,7 +14,7 @@ from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import load_template
-from garmentq.core.geometry.curves import ClosedCurve
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.judge.contour_shape import measure_contour_shapes
 from garmentq.core.judge.gates import evaluate_gates
@@ -181,7 +181,7 @@ def test_a_circle_cut_for_gores_does_not_pass(cut: str, noise: float, expected: 
         circle = mesh_pattern(load_template("skirt+skirt=full-circle"), 1500)
         loop = hem_of(circle, circle.nodes)
         nodes = circle.nodes.copy()
-        nodes[loop] = ClosedCurve(places[hem.vertices]).at_shares(np.arange(len(loop)) / len(loop))
+        nodes[loop] = Curve(places[hem.vertices]).at_shares(np.arange(len(loop)) / len(loop))
         garment = circle.at(nodes, (Contour("hem", loop, 4.0),))
     found = measure_contour_shapes(garment, nodes, target, BODY)
     assert verdicts(found).get("edge_corners") == expected

@@ -10,10 +10,11 @@ import trimesh
 from garmentq.cli.bench.truth import transfer_contours
 from garmentq.core.body.exposed import ExposedSurface, penetration_depth
 from garmentq.core.garment.meshes import Meshes
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.geometry.geometry import corner_angles, deformation_gradients, principal_stretches, vertex_normals
 from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.judge.chamfer import MAX_QUERY_VERTEX_COUNT, VertexCloud, chamfer_and_normals, meshing_floor
-from garmentq.core.judge.contours import contour_rms, loop_rms
+from garmentq.core.judge.contours import contour_rms, curve_rms
 from garmentq.core.judge.fit import Reference, count_flipped, measure_distance, measure_fit
 from garmentq.core.judge.penetration import measure_penetration
 from garmentq.core.scan.contours.loop import find_loops
@@ -117,7 +118,7 @@ def test_concentric_loops_lie_their_difference_apart() -> None:
     )
     first = 0.100 * np.stack([np.cos(small), np.sin(small), 0 * small], axis=1)
     second = 0.104 * np.stack([np.cos(large), np.sin(large), 0 * large], axis=1)
-    assert loop_rms(first, second) == pytest.approx(0.004, rel=0.01)
+    assert curve_rms(Curve(first), Curve(second)) == pytest.approx(0.004, rel=0.01)
 
 
 def test_untrusted_and_missing_contours_are_left_out() -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from ..outline import Outline, Point, Stroke, labelled_length, place_panel, unfold_closed
 from ..pattern import Panel
 from .cut import Cut, Neckline, PartsConflict, SleeveHead
+from .fronts import cut_front
 
 COLLAR_STAND_WIDTH = 0.035
 """Width of a collar stand [m]: it fits below the jaw."""
@@ -28,10 +29,13 @@ def sew_collar(cut: Cut, face: str, neckline: tuple[Stroke, ...]) -> tuple[Strok
     return tuple(replace(stroke, label=f"collar.{face}.left", contour="") for stroke in neckline)
 
 
-def collar_stand(neck: Point, necklines: tuple[tuple[Stroke, ...], tuple[Stroke, ...]], height: float) -> list[Panel]:
+def collar_stand(
+    cut: Cut, neck: Point, necklines: tuple[tuple[Stroke, ...], tuple[Stroke, ...]], height: float
+) -> list[Panel]:
     """Draw front and back of a stand.
 
     Args:
+        cut: The garment's.
         neck: The side neck point [m].
         necklines: From there to the middle, in front and behind.
         height: Of the draft's origin [m].
@@ -45,5 +49,7 @@ def collar_stand(neck: Point, necklines: tuple[tuple[Stroke, ...], tuple[Stroke,
             Stroke((half, y + COLLAR_STAND_WIDTH), label="collarside.left"),
             Stroke((0.0, y + COLLAR_STAND_WIDTH), contour="neck"),
         )
-        panels.append(place_panel(f"collar_{face}", unfold_closed(Outline((0.0, y), strokes)), height, label="collar"))
+        outline, name = unfold_closed(Outline((0.0, y), strokes)), f"collar_{face}"
+        pieces = cut_front(cut, name, outline) if face == "front" else [(name, outline)]
+        panels += [place_panel(part, drawn, height, label="collar") for part, drawn in pieces]
     return panels

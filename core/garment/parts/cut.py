@@ -105,6 +105,16 @@ class Collar(StrEnum):
     STAND = "stand"
 
 
+class Front(StrEnum):
+    """Describe how the front of a bodice is cut at its centre: in one piece, closed over its whole length by a zip or
+    by buttons, or worn open."""
+
+    NONE = "none"
+    ZIP = "zip"
+    BUTTONS = "buttons"
+    OPEN = "open"
+
+
 class Skirt(StrEnum):
     """Describe a skirt by the shape of its panels."""
 
@@ -171,6 +181,7 @@ class Cut:
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
         yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
+        front: How the bodice's front is cut at its centre.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: the neckline's usual depth.
     """
 
@@ -193,6 +204,7 @@ class Cut:
     sleeve_pieces: SleevePieces = SleevePieces.ONE
     gores: Gores = Gores.SIX
     sweep: float | None = None
+    front: Front = Front.NONE
 
     @property
     def panels_around(self) -> int:
@@ -248,7 +260,7 @@ class Cut:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
         if part in ("neckline", "back_neckline"):
             return self.bodice not in (Bodice.NONE, Bodice.STRAPLESS)
-        if part in ("sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
+        if part in ("sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff", "front"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
@@ -290,6 +302,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "cuff": Cuff,
     "sleeve_pieces": SleevePieces,
     "gores": Gores,
+    "front": Front,
 }
 """The parts of a cut by name, each with its choices."""
 

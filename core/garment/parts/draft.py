@@ -25,6 +25,7 @@ from .cut import (
     Waistband,
     Yoke,
 )
+from .fronts import check_front
 from .legs import draw_legs, draw_suit, draw_suit_legs
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
@@ -73,6 +74,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
             raise PartsConflict("a yoke and a sleeve of two pieces would cut one armhole in three; leave one out.")
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
+    check_front(cut)
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:

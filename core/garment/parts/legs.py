@@ -153,7 +153,7 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     shoulder = draw_shoulder(cut, m)
     panels = _draw_halves(cut, m, shoulder)
     if cut.collar is Collar.STAND:
-        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
+        panels += collar_stand(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     return panels + shoulder.sleeves(cut, m.nape_height)
 
 

@@ -35,6 +35,7 @@ from .cut import (
     SleevePieces,
     Waist,
 )
+from .fronts import cut_front
 from .necklines import NecklineCut, draw_neckline, side_neck
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
@@ -219,13 +220,20 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
         else:
             outlines = [(name, _draw_single_panel(cut, name, line, side, upper, apex))]
+        if name == "front":
+            outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
     if cut.collar is Collar.STAND:
-        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
+        panels += collar_stand(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
+
+
+def _cut_centre(cut: Cut, part: str, outline: Outline) -> list[tuple[str, Outline]]:
+    """Return a front's panel, cut at the centre front where it lies across it."""
+    return cut_front(cut, part, outline) if part == "front" else [(part, outline)]
 
 
 def _draw_single_panel(

@@ -11,6 +11,7 @@ from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
 from ..pattern import EdgeRef, Panel, Pattern
 from ..validity import check_outline
+from .closure import find_closure
 from .piece import PanelPlace
 
 HALF_PANEL_WORDS = ("sleeve", "cuff", "band", "wb", "collar")
@@ -43,7 +44,7 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     top of a sleeve, not below it."""
     groups = {panel.name: _single_panel_group(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
-        if seam.gathered or not seam.reversed:
+        if seam.gathered or not seam.reversed or find_closure(pattern, seam.a) is not None:
             continue
         first, second = groups[seam.a.panel], groups[seam.b.panel]
         if first is second or not (_is_half(pattern, seam.a) and _is_half(pattern, seam.b)):

@@ -9,6 +9,7 @@ import numpy as np
 from ..meshing import points_in_polygon
 from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
+from .closure import find_closure
 from .darts import dart_lines, find_darts
 from .flatten import flatten_edge, flatten_outline
 from .folding import fold_piece
@@ -24,7 +25,7 @@ from .sewing_order import order_seams
 
 CONTOURS = {
     "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
-    "waist": EdgeUse.WAIST,
+    "waist": EdgeUse.WAIST, "front": EdgeUse.FRONT,
 }  # fmt: skip
 """Use of an open edge by its contour; others are open."""
 
@@ -154,6 +155,8 @@ def _describe_edge(
     seams = [seam for seam in pattern.seams if ref in (seam.a, seam.b)]
     if in_dart:
         use = EdgeUse.DART
+    elif seams and (closure := find_closure(pattern, ref)) is not None:
+        use = closure
     elif seams:
         use = EdgeUse.GATHERED if seams[0].gathered else EdgeUse.SEAM
     else:

@@ -19,6 +19,12 @@ def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
         lines.append("finish of the neck: rib, binding or facing")
     if EdgeUse.ARMHOLE in uses:
         lines.append("finish of the armholes: binding or facing")
+    if EdgeUse.FRONT in uses:
+        lines.append("facings of the front edges, and their interfacing")
+    if EdgeUse.ZIP in uses:
+        lines.append("zip at the centre front, as long as the seam there")
+    if EdgeUse.BUTTONS in uses:
+        lines.append("buttons and buttonholes at the centre front, facings and interfacing of the button stands")
     if EdgeUse.WAIST in uses and banded:
         lines.append("facing or inner half of the waistband, and its interfacing")
     if EdgeUse.WAIST in uses:

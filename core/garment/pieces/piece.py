@@ -22,12 +22,18 @@ class EdgeUse(StrEnum):
     HEM = "hem"
     LEG = "leg"
     WAIST = "waist"
+    FRONT = "front"
+    ZIP = "zip"
+    BUTTONS = "buttons"
     OPEN = "open"
     FOLD = "fold"
 
 
-SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED)
-"""Uses of edges that are sewn to another piece, or to another edge of their own."""
+CLOSURE_EDGE_USES = (EdgeUse.ZIP, EdgeUse.BUTTONS)
+"""Uses of edges at the centre front that are closed, and opened again, when the garment is put on."""
+
+SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED, *CLOSURE_EDGE_USES)
+"""Uses of edges that are joined to another piece, or to another edge of their own."""
 
 TURNED_UP_EDGE_USES = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
 """Uses of edges whose allowance is turned up along them and so has to cover the cloth below it."""

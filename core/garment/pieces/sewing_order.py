@@ -9,6 +9,7 @@ import numpy as np
 from ..curves import edge_length
 from ..orientation import place_points
 from ..pattern import EdgeRef, Pattern, Seam
+from .closure import find_closure
 from .piece import Piece, PieceSide, SeamWalk
 
 Key = frozenset[tuple[str, int]]
@@ -18,7 +19,8 @@ Sides = Mapping[EdgeRef, tuple[PieceSide, ...]]
 def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
     """Return the seams to be sewn, in order, without those inside a joined piece. Darts come first. Then, from the top
     of the garment down, seams that join pieces which are not connected yet: they are sewn flat. Then, from the top
-    down, those that close the connected pieces to tubes. Mirrored seams are one step.
+    down, those that close the connected pieces to tubes, and last those with a zip or buttons. Mirrored seams are one
+    step.
 
     Args:
         pattern: The pattern.
@@ -32,7 +34,8 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[Edg
             steps.setdefault(_key(seam, mirror), []).append(seam)
     waiting = sorted(steps, key=lambda key: (-_height(pattern, steps[key][0]), sorted(key)))
     ordered = [key for key in waiting if _is_dart(pattern, steps[key][0])]
-    waiting = [key for key in waiting if key not in ordered]
+    closures = [key for key in waiting if find_closure(pattern, steps[key][0].a) is not None]
+    waiting = [key for key in waiting if key not in ordered and key not in closures]
     cloth = {seam: _seam_pieces(pieces, homes, seam) for seams in steps.values() for seam in seams}
     sewn = {copy: copy for copies in cloth.values() for copy in copies}
     while waiting:
@@ -43,7 +46,7 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[Edg
         for seam in steps[chosen]:
             whole = {sewn[copy] for copy in cloth[seam]}
             sewn = {copy: min(whole) if now in whole else now for copy, now in sewn.items()}
-    walks = [(seam, step) for step, key in enumerate(ordered, 1) for seam in steps[key]]
+    walks = [(seam, step) for step, key in enumerate([*ordered, *closures], 1) for seam in steps[key]]
     return tuple(_walk(pattern, pieces, homes, *walk) for walk in walks)
 
 

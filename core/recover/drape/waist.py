@@ -8,15 +8,21 @@ from ...garment.garment import Garment
 from ...geometry.connectivity import HalfEdges
 from ...scan.contours.loop import find_loops
 
+MIN_FRONT_HEIGHT_SHARE = 0.5
+"""Share of a garment's height over which a border runs, from which it is that of an open front [1]: it goes from the
+hem to the neckline, a waist or a hem is level."""
+
 
 def waist_loop(garment: Garment) -> np.ndarray | None:
     """Find the loop of nodes by which a garment hangs from the waist, or None where it hangs from the shoulders.
 
     A garment with at most three open contours has no neck and no arms: its highest contour is a waist (a tube top and a
-    poncho are the exceptions; both then hang from where their highest contour is placed).
+    poncho are the exceptions; both then hang from where their highest contour is placed). The border of an open front
+    is two of them, neckline and hem.
     """
-    loops = find_loops(garment.faces)
-    if len(loops) > 3 or not loops:
+    loops, height = find_loops(garment.faces), MIN_FRONT_HEIGHT_SHARE * float(np.ptp(garment.nodes[:, 1]))
+    fronts = [loop for loop in loops if np.ptp(garment.nodes[loop, 1]) > height]
+    if len(loops) + len(fronts) > 3 or not loops:
         return None
     return max(loops, key=lambda loop: garment.nodes[loop, 1].mean())
 

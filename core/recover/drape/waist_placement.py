@@ -6,7 +6,7 @@ import numpy as np
 
 from ...cloth.pins import Pins
 from ...garment.garment import Garment
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from ...scan.contours.loop import smooth_ragged_loop
 from ...scan.contours.target import Target
 from .waist import waist_loop
@@ -30,10 +30,10 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None 
         curve: Points of the scan's contour in order [m], shape [curve_count, 3].
         lengths: Length from each point of the loop to the next [m], shape [loop_count]; if None, their distances.
     """
-    lengths = ClosedCurve(loop).lengths if lengths is None else lengths
+    lengths = Curve(loop).lengths if lengths is None else lengths
     starts = np.linspace(0.0, 1.0, LOOP_START_COUNT, endpoint=False)
     shares = (np.cumsum(lengths) - lengths) / lengths.sum() + starts[:, None]
-    places = np.concatenate([ClosedCurve(line).at_shares(shares) for line in (curve, curve[::-1])])
+    places = np.concatenate([Curve(line).at_shares(shares) for line in (curve, curve[::-1])])
     return np.asarray(places[((places - loop) ** 2).sum(axis=(1, 2)).argmin()])
 
 
@@ -53,7 +53,7 @@ def place_waist(points: np.ndarray, target: Target | None, lengths: np.ndarray |
         return points
     curve = target.vertices[waist.vertices]
     smooth = smooth_ragged_loop(curve)
-    is_toothed = ClosedCurve(smooth).length < MIN_SMOOTHED_WAIST_SHARE * ClosedCurve(curve).length
+    is_toothed = Curve(smooth).length < MIN_SMOOTHED_WAIST_SHARE * Curve(curve).length
     return tie_contour(points, smooth if is_toothed else curve, lengths)
 
 

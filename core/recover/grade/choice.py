@@ -12,7 +12,7 @@ import numpy as np
 from ...body.body import Body
 from ...garment.curves import flat_contours
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts.cut import Cut, Neckline, Skirt
+from ...garment.parts.cut import Cut, Front, Neckline, Skirt, Waist
 from ...garment.parts.draft import draft_cut, half_neck_width
 from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
@@ -150,6 +150,7 @@ def _rank_cuts(target: Target, body: Body, chosen: Mapping[str, str], gores: Hem
         cut = CUTS[template].choose(fixed)
         cut = cut if gores is None else gores.flare(cut)
         cut = sew_waist(cut, chosen) if curved else cut
+        cut = open_front(cut, target, chosen)
         ranked.append(
             _RankedCut(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit)
         )
@@ -160,6 +161,13 @@ def _rank_cuts(target: Target, body: Body, chosen: Mapping[str, str], gores: Hem
         return ranked
     rest = [one for one in ranked if one.missing > least]
     return [_RankedCut(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
+
+
+def open_front(cut: Cut, target: Target, fixed: Mapping[str, str]) -> Cut:
+    """Return a cut with an open front where the scan's garment is open in front and the user has not chosen another."""
+    if "front" in fixed or target.contour("front.left") is None:
+        return cut
+    return replace(cut, front=Front.OPEN, waist=cut.waist if "waist" in fixed else Waist.NONE)
 
 
 def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:

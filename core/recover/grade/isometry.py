@@ -13,7 +13,7 @@ from ...garment.control import update_flat_mesh
 from ...garment.garment import Garment
 from ...garment.pattern import Pattern
 from ...garment.seams import equalise_seams
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from ...geometry.geometry import gradient_operator, lump, shape_gradients
 from ...geometry.surface import TriangleSurface
 from ...scan.contours.contours import name_contours
@@ -155,7 +155,7 @@ class Isometry:
     goal: TriangleSurface
     hidden: np.ndarray
     loose: np.ndarray
-    borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
+    borders: tuple[tuple[np.ndarray, Curve], ...]
     seams: tuple[SeenSeam, ...]
     strain: np.ndarray
     free: PatternParameters
@@ -188,10 +188,10 @@ class Isometry:
         for contour in garment.contours or name_contours(garment.nodes, garment.faces, body)[0]:
             other = target.contour(contour.name)
             # Without a trusted contour the border stays where registration left it: free panels would shrink.
-            loop = garment.nodes[contour.vertices]
+            curve = contour.curve(garment.nodes)
             if other is not None and other.trusted:
-                loop = target.vertices[other.vertices]
-            borders.append((contour.vertices, ClosedCurve(loop)))
+                curve = other.curve(target.vertices)
+            borders.append((contour.vertices, curve))
         armpits = Armpits.of(garment, body)
         hidden, loose = armpits.hidden, np.zeros_like(armpits.hidden)
         if settings.start_cost_hidden > 0.0 and armpits.fixed.any():

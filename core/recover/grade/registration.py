@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from ...garment.garment import Garment
 from ...geometry.connectivity import HalfEdges, find_components
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from ...geometry.geometry import (
     bending_matrix,
     cotangent_laplacian,
@@ -166,7 +166,7 @@ def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettin
     for contour in garment.contours:
         other = target.contour(contour.name)
         if other is not None and contour.trusted and other.trusted:
-            place, share = match_loop(garment.nodes[contour.vertices], target.vertices[other.vertices])
+            place, share = match_curve(contour.curve(garment.nodes), other.curve(target.vertices))
             np.add.at(pins, contour.vertices, share / settings.contour_reach**3)
             pinned[contour.vertices] = place - garment.nodes[contour.vertices]
     return pins, pinned
@@ -190,22 +190,23 @@ def match_surface(
     return found, alike & ~surface.border_faces[found.face]
 
 
-def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tuple[np.ndarray, np.ndarray]:
-    """Match two closed curves by their share of length from the best common start.
+def match_curve(source: Curve, target: Curve, samples: int = 128) -> tuple[np.ndarray, np.ndarray]:
+    """Match two curves by their share of length, of closed ones from the best common start.
 
-    Both run with the garment on the left; only the start is free: of `samples` the one of least squared distance.
+    Both run with the garment on the left; only the start is free: of `samples` the one of least squared distance. Open
+    ones begin and end at the same corners.
 
     Returns:
         Points on the target [m], shape [source_count, 3], and the length [m] that each source point stands for.
     """
-    curve, target_curve = ClosedCurve(source), ClosedCurve(target)
-    grid = np.arange(samples) / samples
-    a, b = curve.at_shares(grid), target_curve.at_shares(grid)
-    a, b = a - a.mean(0), b - b.mean(0)
-    costs = [((a - np.roll(b, -shift, axis=0)) ** 2).sum() for shift in range(samples)]
-    start = int(np.argmin(costs)) / samples
-    place = target_curve.at_shares(curve.arc[:-1] / curve.arc[-1] + start)
-    return place, (curve.lengths + np.roll(curve.lengths, 1)) / 2
+    shares, start = source.arc[: len(source.points)] / source.length, 0.0
+    if source.is_closed:
+        grid = np.arange(samples) / samples
+        a, b = source.at_shares(grid), target.at_shares(grid)
+        a, b = a - a.mean(0), b - b.mean(0)
+        costs = [((a - np.roll(b, -shift, axis=0)) ** 2).sum() for shift in range(samples)]
+        start = int(np.argmin(costs)) / samples
+    return target.at_shares(shares + start), source.corner_lengths
 
 
 def dirichlet_operator(garment: Garment, chosen: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:

@@ -14,7 +14,6 @@ from ...garment.garment import Garment
 from ...garment.node_transfer import transfer_nodes
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
-from ...geometry.curves import ClosedCurve
 from ...judge.patterns import measure_seams
 from ...recover.drape.stage import DrapeSettings, drape_graded, redrape
 from ...recover.drape.waist import flat_length
@@ -154,7 +153,7 @@ def worn_length(garment: Garment, contour: Contour, fabric: Fabric) -> float:
 
     Notation: P the length of the contour's polygon, F of the same cloth laid flat, s the share.
     """
-    length = ClosedCurve(garment.nodes[contour.vertices]).length
+    length = contour.curve(garment.nodes).length
     stretch = length - flat_length(garment, contour.vertices)
     return length - (1.0 - reduce_membrane_stiffness(fabric).H00 / fabric.H00) * max(stretch, 0.0)
 

@@ -14,6 +14,7 @@ from ...geometry.geometry import unit, vertex_normals
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
 from .loop import CONTOUR_SMOOTHING_LENGTH, find_loops, smoothed_length
+from .open_front import divide_front
 from .rim_gaps import bridge_bays, bridge_bites
 from .target import Contour
 from .zigzag import find_cut_contours
@@ -42,6 +43,8 @@ class _Candidate:
     name: str | None
     bridged: float = 0.0
     """Share of the contour's length that was bridged."""
+    is_closed: bool = True
+    """Whether it is a whole loop, and no part of one."""
 
 
 def name_contours(
@@ -65,6 +68,9 @@ def name_contours(
     | bones of one arm, otherwise | | armhole.SIDE |
     | bones of one leg | towards the pelvis | leg.SIDE |
 
+    The border of an open front is neckline, front edges and hem in one loop (`divide_front`): its neckline and hem are
+    named by what they encircle when their ends are joined, its edges front.left and front.right.
+
     A hole that broke through a contour is bridged at its mouth. Holes are loops that encircle no bone, the shorter of
     two of one name, and names that no category has beside the others (a hem beside two legs, a waist beside a neck).
 
@@ -84,6 +90,10 @@ def name_contours(
     """
     candidates = []
     for loop in find_loops(faces, vertices):
+        front = _divide_front(loop, vertices, body)
+        if front:
+            candidates += front
+            continue
         length = smoothed_length(vertices[loop])
         crossings = find_crossings(vertices[loop], body) if length >= MIN_LIMB_GIRTH else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
@@ -103,6 +113,7 @@ def name_contours(
             tuple(crossing.bone for crossing in c.crossings),
             max(c.bridged, _share(c.vertices, hidden)) <= MAX_BRIDGED_SHARE and name not in cut,
             _share(c.vertices, hidden) > MAX_BRIDGED_SHARE,
+            c.is_closed,
         )
         for name, c in sorted(chosen.items())
     )
@@ -113,6 +124,30 @@ def name_contours(
 def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
     """Return the share of a loop's vertices that are marked."""
     return 0.0 if marked is None else float(marked[loop].mean())
+
+
+def _divide_front(loop: np.ndarray, vertices: np.ndarray, body: Body) -> list[_Candidate]:
+    """Return neckline, hem and front edges of a loop that is the border of an open front; none where it is not."""
+    parts = divide_front(vertices[loop], body)
+    if parts is None:
+        return []
+    found = []
+    for name, part in (("neck", parts.neck), ("hem", parts.hem)):
+        points = vertices[loop[part]]
+        if smoothed_length(points) < MIN_LIMB_GIRTH:
+            return []
+        crossings = find_crossings(points, body)
+        if name_crossings(crossings, body) != name:
+            return []
+        found.append(_Candidate(loop[part], _arc_length(points), crossings, name, is_closed=False))
+    for name, part in (("front.left", parts.left), ("front.right", parts.right)):
+        found.append(_Candidate(loop[part], _arc_length(vertices[loop[part]]), (), name, is_closed=False))
+    return found
+
+
+def _arc_length(points: np.ndarray) -> float:
+    """Return the length of an open line [m], shape [n, 3], smoothed as a contour's."""
+    return smoothed_length(points) - float(np.linalg.norm(points[-1] - points[0]))
 
 
 def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:
@@ -129,7 +164,7 @@ def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list
 
 def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray) -> list[_Candidate]:
     """Cut holes that broke through a contour off it; return it and them."""
-    if candidate.name is None:
+    if candidate.name is None or not candidate.is_closed:
         return [candidate]
     loop = candidate.vertices
     find_normals = partial(_wide_normals, vertices, faces, loop)
@@ -153,7 +188,7 @@ def _bridge_bays(
     candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, unseen: np.ndarray
 ) -> list[_Candidate]:
     """Cut bays beyond which the scanner saw nothing off a contour; return it and them."""
-    if candidate.name is None:
+    if candidate.name is None or not candidate.is_closed:
         return [candidate]
     loop = candidate.vertices
     bays = bridge_bays(vertices[loop], _wide_normals(vertices, faces, loop), unseen[loop])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from ...geometry.geometry import rim_turns
 from .target import Contour, Target
 
@@ -62,7 +62,7 @@ class EdgeTurn:
             line: Its vertices in order, closed [m], shape [n, 3].
             turns: At each [rad], shape [n].
         """
-        curve = ClosedCurve(line)
+        curve = Curve(line)
         arc, length = curve.arc[:-1], float(curve.arc[-1])
         places = np.arange(0.0, length, NARROW_WINDOW_STD / 4)
         offset = (places[:, None] - arc[None] + length / 2) % length - length / 2

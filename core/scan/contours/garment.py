@@ -30,7 +30,7 @@ class NoContour(BadInput):
 
 
 class PartMissing(BadInput):
-    """The garment's openings do not make a garment; give all of it, its front closed, as worn by the given body."""
+    """The garment's openings do not make a garment; give all of it, as worn by the given body."""
 
     code = "segment.part_missing"
 
@@ -93,9 +93,9 @@ def segment_garment(scan: Scan, body: Body) -> Target:
 def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = False) -> None:
     """Check that a garment has the openings of a worn one: one below, and one above or at both arms.
 
-    This refuses half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one
-    boundary). A whole garment may lack one contour (a neckline under a closed hood), so no more is required. Of one
-    below another garment one end is not seen: trousers below a long top are two tubes.
+    This refuses half a shirt and a garment upside down or beside its body. A whole garment may lack one contour (a
+    neckline under a closed hood), so no more is required. Of one below another garment one end is not seen: trousers
+    below a long top are two tubes.
 
     Args:
         contours: The named openings.
@@ -110,8 +110,7 @@ def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = Fal
         found = {contour.name for contour in contours}
         raise PartMissing(
             f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
-            f"none {' and none '.join(missing)}; give all of the garment, upright, its front closed, in its place on "
-            "the body."
+            f"none {' and none '.join(missing)}; give all of the garment, upright, in its place on the body."
         )
 
 

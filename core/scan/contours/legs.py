@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from .loop import smoothed_length
 
 MAX_PINCH_CHORD_RATIO = 0.15
@@ -37,7 +37,7 @@ def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     coarse = points[::stride]
     if len(coarse) < 8:
         return None
-    steps = ClosedCurve(coarse).lengths * (smoothed_length(points) / ClosedCurve(coarse).length)
+    steps = Curve(coarse).lengths * (smoothed_length(points) / Curve(coarse).length)
     place = np.concatenate([[0.0], np.cumsum(steps)[:-1]])
     length = float(steps.sum())
     arc = np.abs(place[:, None] - place)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.connectivity import HalfEdges
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 
 CONTOUR_SMOOTHING_LENGTH = 0.03
 """Width over which a contour is smoothed before it is measured [m]: wider than the teeth of a cut along a scan's
@@ -80,7 +80,7 @@ def smooth_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> 
     The window is applied to the Fourier series of the resampled curve: the harmonic of period p is multiplied by
     sinc(width / 2p) squared. A circle of radius R shrinks by (width / R)^2 / 48: 0.3 % for a cuff.
     """
-    polygon = ClosedCurve(points)
+    polygon = Curve(points)
     length = polygon.length
     if length == 0.0:
         return points
@@ -96,13 +96,13 @@ def smooth_ragged_loop(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENG
     If that removes a fifth of the length it is smoothed again: on a ragged curve's long arc the width was too small.
     """
     curve = smooth_loop(np.asarray(points, dtype=np.float64), width)
-    ragged = ClosedCurve(curve).length < MIN_SMOOTHED_LENGTH_SHARE * ClosedCurve(points).length
+    ragged = Curve(curve).length < MIN_SMOOTHED_LENGTH_SHARE * Curve(points).length
     return smooth_loop(curve, width) if ragged else curve
 
 
 def smoothed_length(points: np.ndarray, width: float = CONTOUR_SMOOTHING_LENGTH) -> float:
     """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m] (`smooth_ragged_loop`)."""
-    return ClosedCurve(smooth_ragged_loop(points, width)).length
+    return Curve(smooth_ragged_loop(points, width)).length
 
 
 def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple[np.ndarray, np.ndarray]:
@@ -116,7 +116,7 @@ def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple
         around: Number of points along the curve; 64 keep a 1.5 m hem within 2.5 cm steps.
         rings: Number of circles from the curve to the centre.
     """
-    series = np.fft.fft(ClosedCurve(points).resample(around), axis=0)
+    series = np.fft.fft(Curve(points).resample(around), axis=0)
     order = np.abs(np.fft.fftfreq(around, 1.0 / around))
     radii = np.arange(rings, 0, -1) / rings
     circles = [np.fft.ifft(series * (radius**order)[:, None], axis=0).real for radius in radii]

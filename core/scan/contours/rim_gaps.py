@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 
 MIN_BITE_RIM_RATIO = 2.5
 """Least ratio of a bite's rim to its mouth. Design has less: a half-round scallop 1.6, a pointed V-neck 2."""
@@ -84,7 +84,7 @@ def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray
     seen = np.flatnonzero(~unseen)
     if len(seen) < 3 or len(seen) == len(points):
         return []
-    step = ClosedCurve(points).lengths
+    step = Curve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([step, step]))])
     # Each gap between two seen points that are not neighbours; gaps with little seen between them are one.
     gaps = [[a, b if b > a else b + len(points)] for a, b in zip(seen, np.roll(seen, -1), strict=True)]
@@ -143,7 +143,7 @@ def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: b
 
 def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
     count = len(points)
-    steps = ClosedCurve(points).lengths
+    steps = Curve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
     start, span = np.meshgrid(np.arange(count), np.arange(2, count // 2), indexing="ij")
     length = arc[start + span] - arc[start]

@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...geometry.connectivity import HalfEdges, find_components
+from ...geometry.curves import Curve
 
 CONTOUR_NAMES = (
     "neck", "waist", "hem",
+    "front.left", "front.right",
     "cuff.left", "cuff.right",
     "armhole.left", "armhole.right",
     "leg.left", "leg.right",
 )  # fmt: skip
-"""All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z."""
+"""All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
+a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts."""
 
 CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
 """All categories of garments."""
@@ -29,11 +32,12 @@ class Contour:
 
     Attributes:
         name: One of `CONTOUR_NAMES`.
-        vertices: Vertex indices in order along the closed loop, garment on the left, int64, shape [loop_count].
-        length: Circumference of the closed curve after smoothing over 3 cm [m].
+        vertices: Vertex indices in order, garment on the left, int64, shape [loop_count].
+        length: Of the curve after smoothing over 3 cm [m].
         bones: Names of the bones (by child joint, SMPL-24) that cross the disk spanned by the loop.
         trusted: False where the loop may be damage (a cut-off hem, a hole's rim) rather than design.
         hidden: Whether the garment may go on beyond it, covered or since nothing shows its end; it is not trusted then.
+        is_closed: Whether its last vertex is joined to the first; not for a part of the border of an open front.
     """
 
     name: str
@@ -42,6 +46,11 @@ class Contour:
     bones: tuple[str, ...] = ()
     trusted: bool = True
     hidden: bool = False
+    is_closed: bool = True
+
+    def curve(self, positions: np.ndarray) -> Curve:
+        """Return the contour's curve at the positions of the surface's vertices [m], shape [vertex_count, 3]."""
+        return Curve(positions[self.vertices], self.is_closed)
 
     @property
     def is_limb_end(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...geometry.curves import ClosedCurve
+from ...geometry.curves import Curve
 from ...geometry.geometry import area_vectors, unit
 
 COARSE_ZIGZAG_LENGTH = 0.02
@@ -58,7 +58,7 @@ def find_cut_contours(loops: Mapping[str, np.ndarray], vertices: np.ndarray, fac
 
 def _measure_zigzag(points: np.ndarray, centres: cKDTree, vectors: np.ndarray) -> float:
     """Return the height of a contour's teeth over the limit, the larger one of both lengths."""
-    curve = ClosedCurve(points)
+    curve = Curve(points)
     found = _zigzag_height(points, centres, vectors) / MIN_FINE_ZIGZAG_RATIO
     count = round(curve.length / COARSE_ZIGZAG_LENGTH)
     if 8 <= count < len(points):

@@ -1,0 +1,73 @@
+"""The border of a garment that is open in front is divided into neckline, front edges and hem."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from garmentq.core.body.body import Body
+from garmentq.core.body.builtin import builtin_body
+from garmentq.core.geometry.curves import Curve
+from garmentq.core.scan.contours.category import choose_category
+from garmentq.core.scan.contours.contours import name_contours
+
+FRONT = {"front.left", "front.right", "hem", "neck"}
+
+
+@cache
+def wearer(pose: str) -> Body:
+    """Return a built-in body in a pose."""
+    return builtin_body(f"builtin:female,height=1.70,pose={pose}")
+
+
+@pytest.mark.parametrize("pose", ["T", "A", "arms-down", "stride", "seated"])
+@pytest.mark.parametrize("kind", ["tshirt", "long_sleeve_tshirt", "tank"])
+@pytest.mark.parametrize("width", [0.06, 0.16])
+def test_an_open_front_is_named(opened, kind: str, pose: str, width: float) -> None:
+    """Breaks where the border of an open front is one nameless hole, or its sides are exchanged."""
+    body = wearer(pose)
+    vertices, faces = opened(body, kind, width)
+    contours, holes = name_contours(vertices, faces, body)
+    named = {contour.name: contour for contour in contours}
+    assert set(named) >= FRONT
+    assert len(named) == len(FRONT) + 2  # arms
+    assert not any(len(hole) > 20 for hole in holes)
+    assert {name for name, contour in named.items() if not contour.is_closed} == FRONT
+    lateral = body.joint("left_shoulder") - body.joint("right_shoulder")
+    left, right = (vertices[named[f"front.{side}"].vertices].mean(axis=0) for side in ("left", "right"))
+    assert (left - right) @ lateral > 0.0
+    assert choose_category(contours, vertices, body) == kind
+
+
+def test_its_parts_follow_each_other(opened) -> None:
+    """Breaks where a part of the border is lost between two, or belongs to both."""
+    body = wearer("A")
+    vertices, faces = opened(body, "tshirt", 0.1)
+    contours, _ = name_contours(vertices, faces, body)
+    named = {contour.name: contour.vertices for contour in contours}
+    order = ("neck", "front.left", "hem", "front.right")
+    for name, following in zip(order, (*order[1:], order[0]), strict=True):
+        assert named[name][-1] == named[following][0]
+    inner = np.concatenate([named[name][1:] for name in order])
+    assert len(np.unique(inner)) == len(inner)
+
+
+def test_lengths_are_those_of_the_edges_alone(opened) -> None:
+    """Breaks where the opening is counted as a part of neckline or hem, so that it depends on how it hangs."""
+    body = wearer("A")
+    vertices, faces = opened(body, "tshirt", 0.16)
+    for contour in name_contours(vertices, faces, body)[0]:
+        along = contour.curve(vertices).length
+        assert 0.85 * along < contour.length <= along  # less the teeth of the cut
+    hem = next(one for one in name_contours(vertices, faces, body)[0] if one.name == "hem")
+    assert hem.length < Curve(vertices[hem.vertices]).length - 0.1
+
+
+@pytest.mark.parametrize("kind", ["tshirt", "long_sleeve_tshirt", "tank", "shorts", "trousers", "jumpsuit"])
+def test_a_closed_garment_has_no_front(skin, kind: str) -> None:
+    """Breaks where a waist, a neckline or a hem is divided as if it were the border of an open front."""
+    body = wearer("stride")
+    contours, _ = name_contours(*skin(body, kind), body)
+    assert contours
+    assert all(contour.is_closed for contour in contours)
