@@ -90,9 +90,8 @@ def halve(outline: Outline, seam: Stroke) -> Outline:
     left = outline.strokes[: count // 2]
     if count % 2 == 0:
         return Outline(outline.start, (*left, replace(seam, end=outline.start)))
-    closing = cut_stroke(outline.strokes[-2].end, outline.strokes[-1], 0.5, ("", ""))[1]
-    middle = cut_stroke(outline.strokes[-2].end, outline.strokes[-1], 0.5, ("", ""))[0].end
-    return Outline(outline.start, (*left, replace(seam, end=(0.0, middle[1])), closing))
+    before, after = cut_stroke(outline.strokes[-2].end, outline.strokes[-1], 0.5, ("", ""))
+    return Outline(outline.start, (*left, replace(seam, end=(0.0, before.end[1])), after))
 
 
 def arc_handles(start: Point, end: Point, turn: float) -> tuple[Point, Point]:

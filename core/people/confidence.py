@@ -140,9 +140,7 @@ def _find_problem(garment: FoundGarment, outfits: tuple[Outfit, ...], is_covered
     is_open = len(outfits) > 1 and outfits[0].score - outfits[1].score < MIN_OUTFIT_LOG_ODDS
     if garment.confidence < MIN_GARMENT_CONFIDENCE:
         reason = f"What was found of {word} is unsure."
-    elif garment.part is Part.OUTER:
-        reason = "An outer layer seems to be open in front, as no base pattern is."
-    elif is_covered and garment.part is not Part.LOWER:
+    elif is_covered and garment.part not in (Part.LOWER, Part.OUTER):
         reason = f"An outer layer hides most of {word}."
     elif not garment.category:
         reason = f"The openings of {word} could not be made out."

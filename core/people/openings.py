@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body.body import Body
+from ..geometry.curves import Curve
 from ..geometry.geometry import face_areas, lump, unit, vertex_normals
 from ..geometry.surface import TriangleSurface
 from ..scan.contours.target import Contour
@@ -142,12 +143,12 @@ def find_openings(
         if covered:
             interval = HIDDEN_WAIST_INTERVAL if contour.name == "waist" else None
         else:
-            interval = measure_interval(around, points, (part, beyond))
+            interval = measure_interval(around, contour.curve(garment.vertices), (part, beyond))
         found.append(replace(_classify_opening(contour.name, sides, covered), interval=interval))
     return tuple(found)
 
 
-def measure_interval(around: Surroundings, border: np.ndarray, parts: tuple[Part, Part]) -> float:
+def measure_interval(around: Surroundings, border: Curve, parts: tuple[Part, Part]) -> float:
     """Return half the width of the interval that a border lies in with a probability of 0.9 [m].
 
     A point at a distance x from where the border was found is labelled wrongly if the border lies beyond it, so that
@@ -156,18 +157,18 @@ def measure_interval(around: Surroundings, border: np.ndarray, parts: tuple[Part
 
     Args:
         around: The labelled scan.
-        border: Points along the closed border [m], shape [k, 3].
+        border: Its curve [m].
         parts: The garment and what is beyond the border; other labels are doubted for other borders.
     """
     close, far = BORDER_DOUBT_DISTANCES
-    distance = cKDTree(border).query(around.points, distance_upper_bound=far)[0]
+    distance = cKDTree(border.points).query(around.points, distance_upper_bound=far)[0]
     doubted = 0.0
     for part in parts:
         near, beside = ((around.label == part) & (distance < reach) for reach in (close, far))
         beside &= ~near & (around.area > 0.0)
         general = np.average(around.doubt[beside], weights=around.area[beside]) if beside.any() else 0.0
         doubted += max(float((around.area * (around.doubt - general))[near].sum()), 0.0)
-    return float(NORMAL_INTERVAL_RATIO * doubted / np.linalg.norm(np.roll(border, -1, axis=0) - border, axis=1).sum())
+    return float(NORMAL_INTERVAL_RATIO * doubted / border.length)
 
 
 def _compare_sides(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from garmentq.core.geometry.curves import Curve
 from garmentq.core.people.openings import (
     BorderSides,
     Surroundings,
@@ -71,6 +72,6 @@ def test_the_doubt_beside_a_border_is_its_interval():
     label = np.repeat(np.where(heights > 0.0, int(Part.UPPER), int(Part.SKIN)), 160)
     area = step * np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum() / 160
     around = Surroundings(points, label, None, np.zeros(len(points)), 1.0, np.full(len(points), area), 0.1 + wrong)
-    found = measure_interval(around, ring, (Part.UPPER, Part.SKIN))
+    found = measure_interval(around, Curve(ring), (Part.UPPER, Part.SKIN))
     assert found == pytest.approx(1.645 * deviation, rel=0.02)
-    assert measure_interval(around, ring, (Part.UPPER, Part.LOWER)) == pytest.approx(0.5 * found, rel=0.02)
+    assert measure_interval(around, Curve(ring), (Part.UPPER, Part.LOWER)) == pytest.approx(0.5 * found, rel=0.02)

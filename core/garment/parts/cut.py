@@ -106,10 +106,11 @@ class Collar(StrEnum):
 
 
 class Front(StrEnum):
-    """Describe how the front of a bodice is cut at its centre: in one piece, closed over its whole length by a zip or
-    by buttons, or worn open."""
+    """Describe how the front of a bodice is cut at its centre: in one piece, with a slit from the neck (a placket),
+    closed over its whole length by a zip or by buttons, or worn open."""
 
     NONE = "none"
+    PLACKET = "placket"
     ZIP = "zip"
     BUTTONS = "buttons"
     OPEN = "open"
