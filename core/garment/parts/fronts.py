@@ -1,7 +1,7 @@
 """Cut a bodice at the centre front, for a garment that is closed there or worn open (W. Aldrich, Metric Pattern Cutting
-for Women's Wear). A placket is a slit from the neck, sewn up below. The draft ends at the centre front line, where the edges of a zip meet. Of a buttoned front each side
-is cut wider by a button stand, which lies on the other one: it is added to the cut pieces, since both are one surface
-when it is closed."""
+for Women's Wear). A placket is a slit from the neck, sewn up below. The draft ends at the centre front line, where the
+edges of a zip meet. Of a buttoned front each side is cut wider by a button stand, which lies on the other one: it is
+added to the cut pieces, since both are one surface when it is closed."""
 
 from __future__ import annotations
 
