@@ -21,6 +21,7 @@ from garmentq.core.reuse.wear.worn import (
     save_worn,
 )
 from garmentq.core.run.checkpoints import fingerprint
+from garmentq.core.scan.contours.target import Contour
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +56,22 @@ def test_comes_back_bit_for_bit(worn, tmp_path):
         worn.fabric, worn.rotation, "skirt", "skirt",
     )  # fmt: skip
     assert [contour.name for contour in back.garment.contours] == [c.name for c in worn.garment.contours]
+
+
+def test_an_open_front_stays_open(worn, tmp_path):
+    """Broken where neckline and hem of an open front come back as closed curves, or a closed garment's as open ones."""
+    names = ("neck", "front.left", "hem", "front.right", "cuff.left")
+    loop = worn.garment.contours[0].vertices
+    contours = tuple(Contour(name, loop, 1.0, is_closed=name.startswith("cuff")) for name in names)
+    save_worn(replace(worn, garment=worn.garment.at(worn.garment.nodes, contours)), tmp_path)
+    assert [contour.is_closed for contour in load_worn(tmp_path).garment.contours] == [False] * 4 + [True]
+    save_worn(worn, tmp_path)
+    assert all(contour.is_closed for contour in load_worn(tmp_path).garment.contours)
+
+
+def test_the_stored_form_is_that_of_earlier_results():
+    """Broken where a field of what is stored is added or changed, so that results of 0.2.0 can no longer be worn."""
+    assert fingerprint(worn_file._StoredWorn).startswith("44d461ab6d94b411")
 
 
 def test_result_without_it_is_refused(worn, tmp_path):

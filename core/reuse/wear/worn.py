@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...recover.drape.waist import waist_loop
 from ...recover.recovery import Recovery
 from ...run.checkpoints import pack, unpack
 from ...run.errors import BadInput
-from ...scan.contours.target import Contour, Target
+from ...scan.contours.target import OPEN_FRONT_CONTOURS, Contour, Target
 
 WORN_FILE_NAME = "worn.npz"
 """Name of the file in the folder of a result."""
@@ -119,6 +119,28 @@ def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
 
 
 @dataclass(frozen=True)
+class _StoredContour:
+    """Describe a `Contour` for storage, without whether it is closed, which results of 0.2.0 do not have."""
+
+    name: str
+    vertices: np.ndarray
+    length: float
+    bones: tuple[str, ...]
+    trusted: bool
+    hidden: bool
+
+    @classmethod
+    def of(cls, contour: Contour) -> _StoredContour:
+        """Return a contour's stored form."""
+        return cls(**{field.name: getattr(contour, field.name) for field in fields(cls)})
+
+    def restore(self, is_open_in_front: bool) -> Contour:
+        """Return the contour, of a garment that is open in front or not."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Contour(**values, is_closed=not (is_open_in_front and self.name in OPEN_FRONT_CONTOURS))
+
+
+@dataclass(frozen=True)
 class _StoredGarment:
     """Describe a `Garment` for storage: its edges' uv vertices are in two lists, since names of arrays are texts."""
 
@@ -133,7 +155,7 @@ class _StoredGarment:
     panel_of_uv: np.ndarray
     edges: tuple[EdgeRef, ...]
     edge_uv: tuple[np.ndarray, ...]
-    contours: tuple[Contour, ...]
+    contours: tuple[_StoredContour, ...]
 
     @classmethod
     def of(cls, garment: Garment) -> _StoredGarment:
@@ -146,16 +168,18 @@ class _StoredGarment:
             panel_of_uv=garment.panel_of_uv,
             edges=tuple(garment.edge_uv),
             edge_uv=tuple(garment.edge_uv.values()),
-            contours=garment.contours,
+            contours=tuple(map(_StoredContour.of, garment.contours)),
             **{name: getattr(garment, name) for name in arrays},
         )
 
     def restore(self) -> Garment:
         """Return the garment."""
-        arrays = ("nodes", "faces", "uv", "uv_faces", "uv_node", "panel_of_face", "panel_of_uv", "contours")
+        arrays = ("nodes", "faces", "uv", "uv_faces", "uv_node", "panel_of_face", "panel_of_uv")
+        is_open = any(contour.name.startswith("front.") for contour in self.contours)
         return Garment(
             pattern=replace(self.pattern, extra=json.loads(self.extra)),
             edge_uv=dict(zip(self.edges, self.edge_uv, strict=True)),
+            contours=tuple(contour.restore(is_open) for contour in self.contours),
             **{name: getattr(self, name) for name in arrays},
         )
 

@@ -19,6 +19,9 @@ CONTOUR_NAMES = (
 """All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
 a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts."""
 
+OPEN_FRONT_CONTOURS = ("neck", "front.left", "hem", "front.right")
+"""Contours that are parts of one border where a garment is open in front, in its order."""
+
 CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
 """All categories of garments."""
 
