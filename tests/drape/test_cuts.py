@@ -119,6 +119,13 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         pytest.param("dress+front=open", marks=pytest.mark.nightly),
         pytest.param("sleeved_dress+front=buttons,waist=seam", marks=pytest.mark.nightly),
         pytest.param("tank+bodice=shift,front=open", marks=pytest.mark.nightly),
+        "long_sleeve_tshirt+sleeve_head=dropped,hem_band=rib,cuff=rib,collar=rib",
+        pytest.param("tshirt+bodice=shift,shaping=princess,hem_band=rib,cuff=rib", marks=pytest.mark.nightly),
+        "tshirt+collar=turtleneck",
+        "skirt+waistband=elastic",
+        pytest.param("skirt+skirt=full-circle,waistband=elastic", marks=pytest.mark.nightly),
+        pytest.param("trousers+waistband=elastic", marks=pytest.mark.nightly),
+        "trousers+legs=leggings",
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

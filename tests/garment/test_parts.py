@@ -17,6 +17,7 @@ from garmentq.core.garment.parts.cut import (
     Cut,
     Front,
     Gores,
+    HemBand,
     Legs,
     Neckline,
     PartsConflict,
@@ -32,11 +33,15 @@ from garmentq.core.garment.parts.cut import (
     parse_parts,
 )
 from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.legs import LEGGINGS_GIRTH_RATIO
 from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
 from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
+from garmentq.core.garment.parts.ribs import HEM_RIB_WIDTH, RIB_RATIO
 from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.parts.skirts import ELASTIC_GATHER_RATIO
 from garmentq.core.garment.parts.sleeves import CAP_EASE, CUFF_FULLNESS
 from garmentq.core.garment.pattern import EdgeRef, Pattern
+from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import measure_pieces
 from garmentq.core.garment.seams import seam_lengths
 from garmentq.core.garment.sewing import mesh_pattern
@@ -87,15 +92,25 @@ def many_cuts() -> dict[str, Cut]:
     for front, kind, head, collar in product(tuple(Front)[1:], Neckline, SleeveHead, Collar):
         cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar, front=front)
         found[f"{kind} {head} {collar} front {front}"] = cut
+    for front, band, cuff in product(tuple(Front)[1:], HemBand, Cuff):
+        cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, hem_band=band, cuff=cuff, front=front, collar=Collar.RIB)
+        found[f"{band} {cuff} rib front {front}"] = cut
     for front, shaping, yoke in product(tuple(Front)[1:], Shaping, tuple(Yoke)[:-1]):
         found[f"{shaping} {yoke} front {front}"] = Cut(Bodice.SHIFT, shaping=shaping, yoke=yoke, front=front)
     for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
         found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
-    found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
+    for collar in Collar:
+        found[f"suit {collar}"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=collar)
     for bodice, legs, sleeve in product(tuple(Bodice)[1:], tuple(Legs)[1:], (Sleeve.NONE, Sleeve.SHORT)):
         found[f"{bodice} {legs} {sleeve} suit seam"] = Cut(bodice, legs=legs, sleeve=sleeve, waist=Waist.SEAM)
-    for sleeve, head in product(Sleeve, SleeveHead):
-        found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
+    for bodice, sleeve, head, cuff in product((Bodice.BOXY, Bodice.SHIFT), Sleeve, SleeveHead, tuple(Cuff)[1:]):
+        found[f"{bodice} {sleeve} {head} {cuff}"] = Cut(bodice, sleeve=sleeve, sleeve_head=head, cuff=cuff)
+    for bodice, sleeve, shaping, yoke in product(Bodice, (Sleeve.NONE, Sleeve.LONG), Shaping, tuple(Yoke)[:-1]):
+        cut = Cut(bodice, sleeve=sleeve, shaping=shaping, yoke=yoke, hem_band=HemBand.RIB)
+        found[f"{bodice} {sleeve} {shaping} {yoke} hem band"] = cut
+    for (skirt, legs), waist, head in product(lower, Waist, SleeveHead):
+        cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, skirt=skirt, legs=legs, waist=waist, sleeve_head=head)
+        found |= {f"{skirt} {legs} {waist} {head} {band}": replace(cut, hem_band=band) for band in HemBand}
     for sleeve, head, yoke in product(Sleeve, SleeveHead, tuple(Yoke)[:-1]):
         cut = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, yoke=yoke, sleeve_pieces=SleevePieces.TWO)
         found[f"{sleeve} {head} {yoke} two pieces"] = cut
@@ -123,16 +138,20 @@ def test_every_combination_drafts_or_says_why_not(share):
         assert np.abs(lengths[even, 0] - lengths[even, 1]).max() < 1e-6, name
         fullness = np.exp(np.abs(np.log(lengths[~even, 0] / lengths[~even, 1])))
         gathered, eased = np.isclose(fullness, 1.5), np.isclose(fullness, 1.0 + CAP_EASE)
-        cuffed = np.isclose(fullness, CUFF_FULLNESS)
-        assert (gathered | eased | cuffed).all() and cuffed.any() == (cut.cuff is Cuff.BAND), name
+        cuffed, ribbed = np.isclose(fullness, CUFF_FULLNESS), np.isclose(fullness, 1.0 / RIB_RATIO)
+        elastic = np.isclose(fullness, ELASTIC_GATHER_RATIO)
+        assert (gathered | eased | cuffed | ribbed | elastic).all() and cuffed.any() == (cut.cuff is Cuff.BAND), name
+        ribs = (cut.cuff is Cuff.RIB, cut.hem_band is HemBand.RIB, cut.collar in (Collar.RIB, Collar.TURTLENECK))
+        assert ribbed.any() == any(ribs), name
         assert gathered.any() == (cut.skirt in (Skirt.GATHERED, Skirt.TIERED)), name
+        assert elastic.any() == (cut.waistband is Waistband.ELASTIC and not gathered.any()), name
         assert eased.any() == (cut.sleeve_head is SleeveHead.SET_IN), name
         assert lengths.min() > 0.015, name
         sewn = [ref for seam in pattern.seams for ref in (seam.a, seam.b)]
         assert len(sewn) == len(set(sewn)), name
         for panel in pattern.panels:
             check_outline(panel)
-            assert panel_area(panel) > 0.003, (name, panel.name)
+            assert panel_area(panel) > 0.002, (name, panel.name)
             for i, edge in enumerate(panel.edges):
                 assert (edge.contour == "") == (EdgeRef(panel.name, i) in sewn), (name, panel.name, i)
                 assert edge.contour in ("", *CONTOUR_NAMES)
@@ -234,6 +253,8 @@ def test_names_of_cuts_are_read_as_they_are_written():
             named = find_cut(name_cut(stem, cut))
             assert (named.neckline, named.back_neckline, named.sleeve) == (cut.neckline, cut.back_neckline, cut.sleeve)
     assert name_cut("tshirt", CUTS["tshirt"]) == "tshirt"
+    for name in ("skirt+waistband=elastic", "trousers+legs=leggings", "tshirt+collar=rib,cuff=rib,hem_band=rib"):
+        assert find_cut(name_cut(name.partition("+")[0], find_cut(name))) == find_cut(name)
     assert load_template("tshirt+neckline=v").name == "tshirt+neckline=v"
 
 
@@ -252,6 +273,14 @@ def test_parts_that_are_none_are_refused(text):
         Cut(),
         Cut(Bodice.SHIFT, skirt=Skirt.FULL_CIRCLE),
         Cut(Bodice.BOXY, waistband=Waistband.BAND),
+        Cut(Bodice.BOXY, waistband=Waistband.ELASTIC),
+        Cut(Bodice.BOXY, skirt=Skirt.A_LINE, hem_band=HemBand.RIB),
+        Cut(skirt=Skirt.A_LINE, hem_band=HemBand.RIB),
+        Cut(Bodice.SHIFT, sleeve=Sleeve.LONG, sleeve_head=SleeveHead.DROPPED),
+        Cut(Bodice.BOXY, Neckline.V, collar=Collar.TURTLENECK),
+        Cut(skirt=Skirt.FULL_CIRCLE, yoke=Yoke.HIP, waistband=Waistband.ELASTIC),
+        Cut(legs=Legs.LEGGINGS, waistband=Waistband.ELASTIC),
+        Cut(Bodice.SHIFT, legs=Legs.LEGGINGS),
         Cut(skirt=Skirt.A_LINE, panels=3),
         Cut(skirt=Skirt.A_LINE, gores=Gores.EIGHT),
         Cut(Bodice.SHIFT, skirt=Skirt.GORED, gores=Gores.EIGHT, waist=Waist.SEAM, shaping=Shaping.DARTS),
@@ -318,3 +347,67 @@ def test_a_yoke_divides_a_face_and_changes_no_line_of_it(kind, face):
         return sum(edge_length(panel, i) for panel, i in edges)
 
     assert rim(divided) == pytest.approx(rim(plain), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "pieces"),
+    [
+        ("long_sleeve_tshirt+hem_band=rib,cuff=rib,collar=rib", ["COLLAR_RIB", "CUFF_RIB", "HEM_RIB"]),
+        ("tshirt+bodice=shift,shaping=princess,hem_band=rib", ["HEM_RIB"]),
+        ("tank+neckline=crew,back_neckline=crew,collar=turtleneck", ["TURTLENECK"]),
+        ("skirt+waistband=elastic", ["BAND"]),
+        ("trousers+waistband=elastic", ["BAND"]),
+    ],
+)
+def test_a_band_is_cut_as_one_strip(name, pieces):
+    """Breaks where the halves of a band are not joined, or a rib is not listed as doubled though drawn as worn."""
+    found = make_pieces(load_template(name))
+    bands = [piece.name for piece in found.pieces if piece.name.split("_")[0] not in ("FRONT", "BACK", "SLEEVE")]
+    assert sorted(bands) == pieces
+    doubled = any("inner layer of ribs" in line for line in found.missing)
+    assert doubled == (pieces != ["BAND"])
+    assert any("elastic" in line for line in found.missing) == (pieces == ["BAND"])
+
+
+@pytest.mark.parametrize("bodice", ["boxy", "shift", "skimming", "halter", "strapless"])
+def test_a_hem_rib_leaves_a_top_its_length(bodice):
+    """Breaks where a rib is added below a hem that stays where it was, or is not as much shorter than the hem."""
+    parts = {"bodice": bodice, "hem_band": "rib"}
+    plain, ribbed = (draft_cut(CUTS["tank"].choose(chosen), CURVY) for chosen in ({"bodice": bodice}, parts))
+    for face in ("front", "back"):
+        rib, panel = ribbed.panel(f"hem_rib_{face}"), ribbed.panel(face)
+        low = plain.panel(face).points[:, 1].min()
+        assert rib.points[:, 1].min() == pytest.approx(low)
+        assert panel.points[:, 1].min() == pytest.approx(low + HEM_RIB_WIDTH)
+        hem = next(edge_length(panel, i) for i, edge in enumerate(panel.edges) if edge.label.startswith("hemrib"))
+        assert np.ptp(rib.points[:, 0]) == pytest.approx(RIB_RATIO * hem)
+
+
+def test_a_dropped_shoulder_leaves_the_sleeve_its_end():
+    """Breaks where the shoulder grows over the arm and the sleeve does not become shorter by as much."""
+    flat, dropped = (
+        draft_cut(CUTS["long_sleeve_tshirt"].choose({"sleeve_head": head}), CURVY) for head in ("flat", "dropped")
+    )
+    ends = [max(panel.points[:, 0].max() for panel in pattern.panels) for pattern in (flat, dropped)]
+    assert ends[1] == pytest.approx(ends[0])
+    lengths = [
+        sum(edge_length(panel, i) for i, edge in enumerate(panel.edges) if edge.label == "oversleeve.left")
+        for panel in (flat.panel("sleeve_front_left"), dropped.panel("sleeve_front_left"))
+    ]
+    assert lengths[0] - lengths[1] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("measures", [BodyMeasures(), CURVY])
+def test_leggings_are_smaller_than_their_wearer(measures):
+    """Breaks where leggings get the ease of trousers, or a girth of theirs grows towards the ankle."""
+    pattern = draft_cut(Cut(legs=Legs.LEGGINGS, waistband=Waistband.BAND), measures)
+    band = [panel for panel in pattern.panels if panel.name.startswith("band")]
+    waist = sum(np.ptp(panel.points[:, 0]) for panel in band)
+    assert waist == pytest.approx(LEGGINGS_GIRTH_RATIO * measures.waist, rel=0.01)
+    hems = [
+        edge_length(panel, i)
+        for panel in pattern.panels
+        for i, edge in enumerate(panel.edges)
+        if edge.contour == "leg.left"
+    ]
+    assert sum(hems) == pytest.approx(LEGGINGS_GIRTH_RATIO * 0.23 * measures.hip)

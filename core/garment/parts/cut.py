@@ -59,6 +59,7 @@ class SleeveHead(StrEnum):
     FLAT = "flat"
     SET_IN = "set-in"
     RAGLAN = "raglan"
+    DROPPED = "dropped"
 
 
 class SleevePieces(StrEnum):
@@ -73,6 +74,14 @@ class Cuff(StrEnum):
 
     NONE = "none"
     BAND = "band"
+    RIB = "rib"
+
+
+class HemBand(StrEnum):
+    """Describe the finish of a top's hem."""
+
+    NONE = "none"
+    RIB = "rib"
 
 
 class Shaping(StrEnum):
@@ -103,6 +112,8 @@ class Collar(StrEnum):
 
     NONE = "none"
     STAND = "stand"
+    RIB = "rib"
+    TURTLENECK = "turtleneck"
 
 
 class Front(StrEnum):
@@ -150,6 +161,7 @@ class Legs(StrEnum):
     FLARED = "flared"
     WIDE = "wide"
     SHORT = "short"
+    LEGGINGS = "leggings"
 
 
 class Waist(StrEnum):
@@ -164,6 +176,7 @@ class Waistband(StrEnum):
 
     NONE = "none"
     BAND = "band"
+    ELASTIC = "elastic"
 
 
 @dataclass(frozen=True)
@@ -178,6 +191,7 @@ class Cut:
         sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: the usual one.
         legs: Below the waist instead of a skirt.
         waistband: Of a skirt or legs without a bodice.
+        hem_band: Of a bodice without skirt and legs.
         waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
@@ -206,6 +220,7 @@ class Cut:
     gores: Gores = Gores.SIX
     sweep: float | None = None
     front: Front = Front.NONE
+    hem_band: HemBand = HemBand.NONE
 
     @property
     def panels_around(self) -> int:
@@ -267,6 +282,8 @@ class Cut:
             return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
         if part == "waistband":
             return self.bodice is Bodice.NONE
+        if part == "hem_band":
+            return self.bodice is not Bodice.NONE and self.skirt is Skirt.NONE and self.legs is Legs.NONE
         if part == "shaping":
             return self.legs is Legs.NONE
         if part == "gores":
@@ -304,6 +321,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "sleeve_pieces": SleevePieces,
     "gores": Gores,
     "front": Front,
+    "hem_band": HemBand,
 }
 """The parts of a cut by name, each with its choices."""
 

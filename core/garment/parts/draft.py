@@ -13,6 +13,7 @@ from .cut import (
     Collar,
     Cuff,
     Cut,
+    HemBand,
     Legs,
     Neckline,
     PartsConflict,
@@ -27,6 +28,7 @@ from .cut import (
 )
 from .fronts import check_front
 from .legs import draw_legs, draw_suit, draw_suit_legs
+from .ribs import sew_hem_rib
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
 
@@ -43,8 +45,10 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         PartsConflict: where two parts cannot be sewn to each other; the message names them.
     """
     m, category = measures or BodyMeasures(), cut.category
-    if cut.waistband is Waistband.BAND and cut.bodice is not Bodice.NONE:
+    if cut.waistband is not Waistband.NONE and cut.bodice is not Bodice.NONE:
         raise PartsConflict("a band finishes the waist of a skirt or legs; choose waistband=none.")
+    if cut.hem_band is not HemBand.NONE and not cut.has_place_for("hem_band"):
+        raise PartsConflict("a hem's band finishes a top; choose a bodice without skirt and legs, or hem_band=none.")
     if cut.legs is not Legs.NONE and (cut.shaping is not Shaping.NONE or cut.yoke is not Yoke.NONE):
         raise PartsConflict("legs are drafted without darts and yokes; choose shaping=none and yoke=none.")
     if cut.yoke is Yoke.HIP and (
@@ -85,6 +89,8 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     if cut.waist is Waist.SEAM:
         kind, draw = ("skirt", draw_skirt) if cut.legs is Legs.NONE else ("leg", draw_suit_legs)
         panels += [_rename_lower_part(panel, kind) for panel in draw(cut, m)]
+    if cut.hem_band is HemBand.RIB:
+        panels = sew_hem_rib(cut, panels, m.nape_height)
     pattern = sew_by_label(name or category, category, panels)
     return _divide(pattern, cut) if category == "skirt" else pattern
 
@@ -106,7 +112,7 @@ def half_neck_width(cut: Cut, measures: BodyMeasures | None = None) -> float:
 def _divide(pattern: Pattern, cut: Cut) -> Pattern:
     """Return a pattern with more control points on waist and hem of a skirt without a band, so that grading can open it
     to a circle."""
-    if cut.waistband is Waistband.BAND or cut.skirt in CIRCLE_SKIRT_ANGLES or cut.has_equal_gores:
+    if cut.waistband is not Waistband.NONE or cut.skirt in CIRCLE_SKIRT_ANGLES or cut.has_equal_gores:
         return pattern
     if cut.panels == 4:
         return divide_edges(pattern, {"hem"}, 2)

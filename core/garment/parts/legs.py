@@ -5,7 +5,7 @@ whose fork is dropped until the inseams are equal."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,9 +13,9 @@ from ..curves import edge_length
 from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, draw_monotone_spline, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
-from .collars import collar_stand
-from .cut import Collar, Cut, Legs, PartsConflict, Waistband
-from .skirts import draw_band, half_waist
+from .collars import STRIP_COLLARS, strip_collar
+from .cut import Cut, Legs, PartsConflict, Waistband
+from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
 
 CREASE_FROM_MIDDLE = 0.12
@@ -38,39 +38,84 @@ LEG_GIRTHS = {
 }
 """Girths of a long leg at knee and hem [m]: a hem of 33 cm still passes the heel."""
 
+LEGGINGS_GIRTH_RATIO = 0.90
+"""Ratio of the girths of leggings to the wearer's: a knit that stretches by 25 % (moderate by the stretch gauge of H.
+Joseph-Armstrong, Patternmaking for Fashion Design) is then stretched across by 11 %."""
+
+LEG_GIRTH_SHARES = ((0.47 / 0.79, 0.373), (0.38 / 0.79, 0.360), (0.11 / 0.79, 0.230))
+"""Height of knee, calf and ankle above the feet as a share of the crotch's height, and girth there as a share of the
+hip's: those of the built-in female body of 1.70 m, 37, 36 and 23 cm."""
+
 LegEnd = tuple[float, float]
 """Height above the feet of a cut across the leg, and half the mean of front and back width there [m]."""
 
 
+@dataclass(frozen=True)
+class LegCut:
+    """Describe the cut of legs above and below the crotch; heights are above the natural waist [m].
+
+    Attributes:
+        hip, waist: Girths [m].
+        crotch, top: Heights of the crotch and of the upper edge.
+        forks: Lengths of the front and the back fork [m].
+        ends: Cuts across the leg from the knee down.
+    """
+
+    hip: float
+    waist: float
+    crotch: float
+    top: float
+    forks: tuple[float, float]
+    ends: tuple[LegEnd, ...]
+
+    @classmethod
+    def of(cls, cut: Cut, m: BodyMeasures) -> LegCut:
+        """Return the cut of trousers, shorts or leggings.
+
+        Raises:
+            PartsConflict: where leggings, which have no fullness, are to be gathered.
+        """
+        banded = -WAISTBAND_WIDTH if cut.waistband is not Waistband.NONE else 0.0
+        if cut.legs is Legs.LEGGINGS:
+            if cut.waistband is Waistband.ELASTIC:
+                raise PartsConflict("leggings hold by their own stretch; choose waistband=band or waistband=none.")
+            hip, waist = LEGGINGS_GIRTH_RATIO * m.hip, LEGGINGS_GIRTH_RATIO * m.waist
+            ends = tuple((height * m.crotch_height, share * hip / 4) for height, share in LEG_GIRTH_SHARES)
+            return cls(hip, waist, m.crotch_height - m.waist_height, banded, (hip / 24, hip / 12), ends)
+        if cut.legs is Legs.SHORT:
+            ends = ((m.crotch_height - 0.205, 0.1475),)
+        else:
+            knee, hem = LEG_GIRTHS[cut.legs]
+            ends = ((KNEE_HEIGHT_SHARE * m.crotch_height, knee / 4), (LEG_HEM_HEIGHT, hem / 4))
+        forks, crotch = (m.hip / 16 - 0.01, m.hip / 8 - 0.02), m.crotch_height - 0.015 - m.waist_height
+        if cut.waistband is Waistband.ELASTIC:
+            return cls(m.hip + 0.06, ELASTIC_GATHER_RATIO * m.waist, crotch, banded, forks, ends)
+        return cls(m.hip + 0.06, m.waist + 0.06, crotch, -0.06, forks, ends)
+
+
 def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw front and back of each leg of trousers or shorts.
+    """Draw front and back of each leg of trousers, shorts or leggings.
 
     Allowances: the waist is 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
     1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
     below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee and hem of
-    `LEG_GIRTHS`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. The back fork is lowered and
-    the back's side corners moved until inseams and outseams are equal.
+    `LEG_GIRTHS`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. In an elastic band the waist
+    is at the natural one, `ELASTIC_GATHER_RATIO` of its girth. Leggings: from the natural waist to the ankle, with
+    `LEGGINGS_GIRTH_RATIO` of the body's girths, the crotch at the body's, and forks of a 24th and a 12th of their hip,
+    for the knit stretches over the seat. The back fork is lowered and the back's side corners moved until inseams and
+    outseams are equal.
+
+    Raises:
+        PartsConflict: where the legs cannot have their waistband.
     """
     from scipy.optimize import root  # a slow import, not needed to read templates
 
-    ends: tuple[LegEnd, ...]
-    if cut.legs is Legs.SHORT:
-        ends = ((m.crotch_height - 0.205, 0.1475),)
-    else:
-        knee, hem = LEG_GIRTHS[cut.legs]
-        ends = ((KNEE_HEIGHT_SHARE * m.crotch_height, knee / 4), (LEG_HEM_HEIGHT, hem / 4))
-    base = m.waist_height
-    crotch = m.crotch_height - 0.015 - base
-    top = -0.06
-    hip = crotch + (top - crotch) / 3
-    level = (crotch, hip, top)
-    fork = m.hip / 16 - 0.01
-    front = _leg(m, level, ends, side_shift=-0.01, fork=fork, rise=0.0, fork_drop=0.0, lift=(0.0, 0.0))
+    legs, base = LegCut.of(cut, m), m.waist_height
+    front = _leg(legs, base, side_shift=-0.01, fork=legs.forks[0], rise=0.0, fork_drop=0.0, lift=(0.0, 0.0))
 
     def back(drop: float, hip_lift: float, side_lift: float) -> Outline:
-        fork = m.hip / 8 - 0.02
         lift = (hip_lift, side_lift)
-        return _leg(m, level, ends, side_shift=0.01, fork=fork, rise=0.02, fork_drop=drop, lift=lift)
+        return _leg(legs, base, side_shift=0.01, fork=legs.forks[1], rise=0.02, fork_drop=drop, lift=lift)
 
     def excess(moves: np.ndarray) -> np.ndarray:
         drawn = back(*moves)
@@ -83,7 +128,7 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
             sum(
                 p.end[0]
                 for p in outline.strokes
-                if p.label == f"inseam.{len(ends) - 1}.left" or p.contour == "leg.left"
+                if p.label == f"inseam.{len(legs.ends) - 1}.left" or p.contour == "leg.left"
             )
             / 2
         )
@@ -91,12 +136,14 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
         for leg, drawn in (("left", named), ("right", mirror(named))):
             across = CREASE_FROM_MIDDLE - crease if leg == "left" else crease - CREASE_FROM_MIDDLE
             panels.append(place_panel(f"{side}_{leg}", drawn, base, label="leg", across=across))
-    if cut.waistband is Waistband.BAND:
+    if cut.waistband is not Waistband.NONE:
+        fullness = ELASTIC_GATHER_RATIO if cut.waistband is Waistband.ELASTIC else 1.0
         panels = [_sew_to_waistband(panel) for panel in panels]
         for side in FACES:
             waist = next(panel for panel in panels if panel.name == f"{side}_left")
             waist_edge = next(i for i, edge in enumerate(waist.edges) if edge.label.startswith("band"))
-            panels.append(draw_band(side, edge_length(waist, waist_edge), base + top))
+            half = edge_length(waist, waist_edge) / fullness
+            panels.append(draw_band(side, half, base + legs.top, kind=cut.waistband))
     return panels
 
 
@@ -111,9 +158,8 @@ def _sew_to_waistband(panel: Panel) -> Panel:
 
 
 def _leg(
-    m: BodyMeasures,
-    level: tuple[float, float, float],
-    ends: tuple[LegEnd, ...],
+    legs: LegCut,
+    base: float,
     *,
     side_shift: float,
     fork: float,
@@ -121,14 +167,15 @@ def _leg(
     fork_drop: float,
     lift: tuple[float, float],
 ) -> Outline:
-    """Draw one left leg panel around its crease line, which halves the distance from fork to side. `level` are the
-    heights of crotch, hip line and waist from the natural waist [m]."""
-    crotch, hip, top = level
-    side = (m.hip + 0.06) / 4 + side_shift
-    waist = (m.waist + 0.06) / 4 + side_shift / 2
+    """Draw one left leg panel around its crease line, which halves the distance from fork to side. `base` is the height
+    of the natural waist [m]."""
+    crotch, top = legs.crotch, legs.top
+    hip = crotch + (top - crotch) / 3
+    side = legs.hip / 4 + side_shift
+    waist = legs.waist / 4 + side_shift / 2
     crease = (side - fork) / 2
     slant = 1.4 * rise + 0.01
-    cuts = [(height - m.waist_height, half + side_shift / 2) for height, half in ends]
+    cuts = [(height - base, half + side_shift / 2) for height, half in legs.ends]
     tip = (-fork, crotch - fork_drop)
     centre = (slant, top + rise)
     seat = (0.0, hip)
@@ -140,7 +187,8 @@ def _leg(
     ]
     strokes += [Stroke((crease - half, y), label=f"inseam.{i}.left") for i, (y, half) in enumerate(cuts[1:], start=1)]
     strokes.append(Stroke((crease + cuts[-1][1], cuts[-1][0]), contour="leg.left"))
-    strokes += [Stroke((crease + half, y), label="outseam.0.left") for y, half in cuts[-2::-1]]
+    lower = ["outseam.0.left", "outseam.0.calf.left"][: len(cuts) - 1]
+    strokes += [Stroke((crease + half, y), label=label) for (y, half), label in zip(cuts[-2::-1], lower, strict=True)]
     thigh = [(crease + cuts[0][1], cuts[0][0]), (side, hip + lift[0]), (slant + waist, top + lift[1])]
     strokes += draw_monotone_spline(thigh, ["outseam.1.left", "outseam.2.left"])
     strokes.append(Stroke(centre, contour="waist"))
@@ -152,8 +200,8 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     Allowances: waist + 16 cm (it is put on through the neck), below it those of `_draw_halves`."""
     shoulder = draw_shoulder(cut, m)
     panels = _draw_halves(cut, m, shoulder)
-    if cut.collar is Collar.STAND:
-        panels += collar_stand(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.collar in STRIP_COLLARS:
+        panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     return panels + shoulder.sleeves(cut, m.nape_height)
 
 
@@ -169,8 +217,8 @@ def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Pan
     is lowered until the inseams are equal."""
     from scipy.optimize import brentq
 
-    if cut.legs is Legs.SHORT:
-        raise PartsConflict("short legs are not cut with a bodice; choose straight, tapered, flared or wide.")
+    if cut.legs not in LEG_GIRTHS:
+        raise PartsConflict(f"legs={cut.legs} are not cut with a bodice; choose straight, tapered, flared or wide.")
     knee, hem = (girth - usual for girth, usual in zip(LEG_GIRTHS[cut.legs], LEG_GIRTHS[Legs.STRAIGHT], strict=True))
     wider = (knee / 8, hem / 8)
     front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, above, wider)

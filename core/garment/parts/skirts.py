@@ -34,6 +34,10 @@ from .upper_edge import UpperEdge
 WAISTBAND_WIDTH = 0.04
 """Width of a waistband [m]: as stiff as two layers of cloth, it still follows the waist."""
 
+ELASTIC_GATHER_RATIO = 1.4
+"""Ratio of a waist's length to that of the elastic band it is gathered into, 1.3 to 1.5: that of hips to
+waist, so that the cloth passes the hips (H. Joseph-Armstrong, Patternmaking for Fashion Design, pull-on waists)."""
+
 CIRCLE_SKIRT_ANGLES = {Skirt.HALF_CIRCLE: math.pi, Skirt.FULL_CIRCLE: 2 * math.pi}
 """Whole angle of a circle skirt [rad]."""
 
@@ -69,11 +73,13 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """
     _check(cut)
     waist = half_waist(cut, m) / 2
-    name = "band" if cut.waistband is Waistband.BAND else "waist" if cut.bodice is not Bodice.NONE else ""
+    name = "band" if cut.waistband is not Waistband.NONE else "waist" if cut.bodice is not Bodice.NONE else ""
     edge = UpperEdge(name, waist, m.waist_height, share_waist(cut))
     panels = []
-    if cut.waistband is Waistband.BAND:
-        panels = [draw_band(face, waist, edge.height, edge.shares) for face in ("front", "back")]
+    if cut.waistband is not Waistband.NONE:
+        panels = [draw_band(face, waist, edge.height, edge.shares, cut.waistband) for face in ("front", "back")]
+    if cut.waistband is Waistband.ELASTIC and cut.skirt not in (Skirt.GATHERED, Skirt.TIERED):
+        edge = replace(edge, quarter=ELASTIC_GATHER_RATIO * waist)
     if cut.yoke is Yoke.HIP:
         low = waist + YOKE_REACH * ((m.hip + 0.04) / 4 - waist)
         panels = [_hip_yoke(face, edge, low, cut.skirt) for face in ("front", "back")] + panels
@@ -93,7 +99,7 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 def _check(cut: Cut) -> None:
     """Check that a skirt's parts have what they are sewn to."""
-    sewn = cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
+    sewn = cut.waistband is not Waistband.NONE or cut.bodice is not Bodice.NONE
     if cut.skirt is not Skirt.GORED and cut.gores is not Gores.SIX:
         raise PartsConflict("gores are a gored skirt's; choose skirt=gored.")
     if cut.panels not in (2, 4):
@@ -104,6 +110,8 @@ def _check(cut: Cut) -> None:
         raise PartsConflict(
             f"a {cut.skirt} skirt needs something to be gathered into; add waistband=band, waist=seam or yoke=hip."
         )
+    if cut.waistband is Waistband.ELASTIC and (cut.yoke is Yoke.HIP or cut.shaping is not Shaping.NONE):
+        raise PartsConflict("an elastic waist has neither yoke nor darts; choose waistband=band, or leave these out.")
     if cut.skirt is Skirt.PLEATED and cut.yoke is not Yoke.HIP:
         raise PartsConflict("a pleated skirt is drafted on a yoke; add yoke=hip.")
     if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED_SKIRTS, Skirt.GORED):
@@ -124,9 +132,11 @@ def _check(cut: Cut) -> None:
 
 
 def half_waist(cut: Cut, m: BodyMeasures) -> float:
-    """Return half of the waist's girth [m]: body + 2 cm where the skirt hangs from it. Below a bodice + 10 cm, and + 6
-    cm where that is shaped to the waist."""
+    """Return half of the waist's girth [m]: body + 2 cm where the skirt hangs from it, and the body's own in an elastic
+    band. Below a bodice + 10 cm, and + 6 cm where that is shaped to the waist."""
     ease = 0.02 if cut.bodice is Bodice.NONE else 0.10 if cut.shaping is Shaping.NONE else 0.06
+    if cut.waistband is Waistband.ELASTIC:
+        ease = 0.0
     return (m.waist + ease) / 2
 
 
@@ -324,8 +334,15 @@ def _cubic_arc(angle: float) -> float:
     return labelled_length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
-def draw_band(face: str, half: float, height: float, shares: tuple[float, ...] = (1.0,)) -> Panel:
-    """Draw half a waistband, `half` to each side of the middle [m], divided at the centre, darts and gores."""
+def draw_band(
+    face: str,
+    half: float,
+    height: float,
+    shares: tuple[float, ...] = (1.0,),
+    kind: Waistband = Waistband.BAND,
+) -> Panel:
+    """Draw half a waistband, `half` to each side of the middle [m], divided at the centre, darts and gores. The casing
+    of an elastic band has the elastic's length as worn."""
     edge = UpperEdge("band", half, height, shares)
     down = edge.strokes(face, (half, 0.0), Stroke((0.0, 0.0)))
     out = Outline((0.0, 0.0), reverse_strokes(Outline((half, 0.0), tuple(down))))
@@ -336,4 +353,5 @@ def draw_band(face: str, half: float, height: float, shares: tuple[float, ...] =
         Stroke((-half, WAISTBAND_WIDTH), contour="waist"),
         Stroke((-half, 0.0), label="bandside.right"),
     )
-    return place_panel(f"band_{face}", Outline((-half, 0.0), strokes), height, label="band")
+    label = "elastic band" if kind is Waistband.ELASTIC else "band"
+    return place_panel(f"band_{face}", Outline((-half, 0.0), strokes), height, label=label)

@@ -1,7 +1,8 @@
 """Draft sleeves in halves in the plane of front and back; both are cut as one piece, folded along the arm.
 
 A flat sleeve is the front or back of a T-shirt's laid beside the bodice, its cap the armhole's own curve (the flat
-block of W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments). A set-in sleeve has
+block of W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments); below a dropped
+shoulder it is shorter by what the shoulder reaches over the arm. A set-in sleeve has
 a cap of its own, a third of the armhole high and eased into it (her one-piece sleeve block). A raglan sleeve reaches
 the neck: the bodice ends at a line from the neckline to the underarm, and the part above belongs to the sleeve. A
 sleeve of two pieces (her two-piece sleeve block) has a top and an under sleeve, with a forearm and a hindarm seam.
@@ -15,7 +16,8 @@ import numpy as np
 
 from ..outline import Outline, Point, Stroke, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
-from .cut import PartsConflict, Sleeve
+from .cut import Cuff, PartsConflict, Sleeve
+from .ribs import RIB_RATIO
 
 CAP_HEIGHT = 1.0 / 3.0
 """Height of a set-in cap as a share of the length of its armhole."""
@@ -43,24 +45,26 @@ FULL_CAP = 0.6
 @dataclass(frozen=True)
 class SleeveCut:
     """Describe the cut of a sleeve: the angle of its upper edge below the horizontal in the draft [rad], its length
-    along that edge from the shoulder's tip [m], and half the cuff's circumference [m]."""
+    along that edge from the shoulder's tip [m], half the cuff's circumference [m], and the width of a rib at its end
+    [m]."""
 
     droop: float
     length: float
     cuff_half: float
+    rib_width: float = 0.025
 
 
 SLEEVES = {
     Sleeve.CAP: SleeveCut(np.deg2rad(8.0), 0.115, 0.17),
     Sleeve.SHORT: SleeveCut(np.deg2rad(12.0), 0.19, 0.175),
     Sleeve.ELBOW: SleeveCut(np.deg2rad(10.0), 0.25, 0.155),
-    Sleeve.LONG: SleeveCut(np.deg2rad(4.0), 0.46, 0.11),
+    Sleeve.LONG: SleeveCut(np.deg2rad(4.0), 0.46, 0.11, 0.06),
 }
 """Cut of each sleeve. A cap covers the shoulder's end and closes just below the arm. A short one is a T-shirt's: 19 cm
 along the top and a cuff of 35 cm, 8 cm of ease; 12 degrees are between an arm stretched out (0) and one hanging (about
 60), nearer to the T-pose. To the elbow: a dress's, whose cuff of 31 cm still passes the bent elbow. Long: to the wrist
 bone; with more droop it would start its drape beside the stretched-out arm instead of around it; its cuff of 22 cm
-passes the hand."""
+passes the hand. A rib is 6 cm wide at the wrist, as a sweatshirt's, and 2.5 cm above the elbow, as a polo shirt's."""
 
 
 @dataclass(frozen=True)
@@ -71,13 +75,31 @@ class SleeveEnd:
     Attributes:
         top: Position of the cap's top [m].
         side: `front` or `back`.
-        banded: Whether the sleeve ends in a cuff of its own.
+        cuff: The cuff of its own that the sleeve ends in, if any.
     """
 
     top: Point
     cut: SleeveCut
     side: str = ""
-    banded: bool = False
+    cuff: Cuff = Cuff.NONE
+
+    @property
+    def banded(self) -> bool:
+        """Return whether the sleeve ends in a cuff of its own."""
+        return self.cuff is not Cuff.NONE
+
+    @property
+    def cuff_width(self) -> float:
+        """Return the width of the sleeve's own cuff [m]; 0 where it has none."""
+        widths = {Cuff.BAND: SLEEVE_CUFF_WIDTH, Cuff.RIB: self.cut.rib_width}
+        return widths.get(self.cuff, 0.0)
+
+    @property
+    def half_widths(self) -> tuple[float, float]:
+        """Return half the girth of the sleeve at the seam of its cuff, and of the cuff [m]: a band has the girth of a
+        sleeve without a cuff, and the sleeve is wider; a rib is narrower than such a sleeve."""
+        own = self.cut.cuff_half
+        return (own, RIB_RATIO * own) if self.cuff is Cuff.RIB else (CUFF_FULLNESS * own, own)
 
     def at(self, along: float, across: float) -> Point:
         """Return the point `along` the arm from the cap's top and `across` it downwards [m]."""
@@ -89,15 +111,15 @@ class SleeveEnd:
         if not self.banded:
             low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
             return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
-        end = self.cut.length - SLEEVE_CUFF_WIDTH
-        low, top = self.at(end, CUFF_FULLNESS * self.cut.cuff_half), self.at(end, 0.0)
+        end = self.cut.length - self.cuff_width
+        low, top = self.at(end, self.half_widths[0]), self.at(end, 0.0)
         return Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
 
     def place(self, outline: Outline, height: float, name: str = "sleeve") -> list[Panel]:
         """Place the left half sleeve, its mirror image, and the halves of both cuffs."""
         panels = self._place(name, outline, height)
         if self.banded:
-            end, wide = self.cut.length - SLEEVE_CUFF_WIDTH, self.cut.cuff_half
+            end, wide = self.cut.length - self.cuff_width, self.half_widths[1]
             start = self.at(end, 0.0)
             strokes = (
                 Stroke(self.at(end, wide), label=f"cuffseam.{self.side}.left"),
@@ -105,7 +127,7 @@ class SleeveEnd:
                 Stroke(self.at(self.cut.length, 0.0), contour="cuff.left"),
                 Stroke(start, label="cuffover.left"),
             )
-            panels += self._place("cuff", Outline(start, strokes), height)
+            panels += self._place("cuff_rib" if self.cuff is Cuff.RIB else "cuff", Outline(start, strokes), height)
         return panels
 
     def _place(self, name: str, outline: Outline, height: float) -> list[Panel]:
@@ -195,7 +217,7 @@ def set_in_caps(end: SleeveEnd, armholes: tuple[float, float]) -> tuple[Stroke, 
     from scipy.optimize import brentq  # a slow import, not needed to read templates
 
     high = CAP_HEIGHT * sum(armholes)
-    if end.cut.length - (SLEEVE_CUFF_WIDTH if end.banded else 0.0) < high + 0.02:
+    if end.cut.length - end.cuff_width < high + 0.02:
         raise PartsConflict("this sleeve ends above the underarm, within a set-in cap; choose sleeve_head=flat.")
 
     def cap(wide: float, bow: float) -> Stroke:

@@ -20,12 +20,11 @@ from ..outline import (
     unfold_closed,
 )
 from ..pattern import Panel
-from .collars import collar_stand, sew_collar
+from .collars import STRIP_COLLARS, sew_collar, strip_collar
 from .cut import (
     Bodice,
-    Collar,
-    Cuff,
     Cut,
+    HemBand,
     Legs,
     PartsConflict,
     Shaping,
@@ -37,6 +36,7 @@ from .cut import (
 )
 from .fronts import cut_front
 from .necklines import NecklineCut, draw_neckline, side_neck
+from .ribs import HEM_RIB_WIDTH
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
@@ -56,6 +56,9 @@ STRAPLESS_DROP = 0.03
 
 HALTER_STRAP = 0.033
 """Width of a halter at its shoulder seam [m]: its armholes are cut in to beside the neck, in front and behind."""
+
+DROPPED_SHOULDER_REACH = 0.05
+"""Length by which a dropped shoulder reaches over the arm [m]."""
 
 UNDER_SHARE = 0.35
 """Share of each armhole that the under sleeve of a sleeve of two pieces is sewn to: its seams then begin at the front
@@ -98,7 +101,10 @@ class Shoulder:
         if cut.sleeve is Sleeve.NONE:
             return []
         panels = []
-        ends = [SleeveEnd(self.tip, SLEEVES[cut.sleeve], side, cut.cuff is Cuff.BAND) for side in FACES]
+        drawn = SLEEVES[cut.sleeve]
+        if self.head is SleeveHead.DROPPED:
+            drawn = replace(drawn, length=drawn.length - DROPPED_SHOULDER_REACH)
+        ends = [SleeveEnd(self.tip, drawn, side, cut.cuff) for side in FACES]
         caps: list[tuple[Stroke, ...]] = [reverse_strokes(Outline(self.underarm, armhole)) for armhole in self.armholes]
         if self.head is SleeveHead.SET_IN:
             front, back = (labelled_length(Outline(self.underarm, armhole), "scye") for armhole in self.armholes)
@@ -141,7 +147,8 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     and the armhole 3.5 cm below the armpit. Without: bust + 4 cm (skimming, as ribbed tanks are close), + 5 cm, or + 6
     cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice has straps
     of 5.5 cm, a halter, as close, of `HALTER_STRAP` beside the neck (H. Joseph-Armstrong, halter). The front's armhole
-    is hollowed 8 mm more than the back's.
+    is hollowed 8 mm more than the back's. Dropped (W. Aldrich, easy-fitting blocks): bust + 16 cm, the shoulder 5 cm
+    longer and as steep as the sleeve below it, the armhole 10 cm below the armpit, half as hollow and nearly straight.
 
     Raises:
         PartsConflict: where a sleeve's head, a yoke or a collar lacks what it is sewn to.
@@ -149,12 +156,21 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     sleeved, set_in = cut.sleeve is not Sleeve.NONE, cut.sleeve_head is SleeveHead.SET_IN
     if not sleeved and cut.sleeve_head is not SleeveHead.FLAT:
         raise PartsConflict("a sleeve's head needs a sleeve; choose one, or sleeve_head=flat.")
+    dropped = cut.sleeve_head is SleeveHead.DROPPED
+    if dropped and (cut.bodice is not Bodice.BOXY or cut.sleeve is Sleeve.CAP):
+        raise PartsConflict(
+            "a dropped shoulder is a boxy bodice's, and covers what a cap sleeve does; choose bodice=boxy and "
+            "sleeve=short, elbow or long."
+        )
     if sleeved:
         neck, tip = (m.neck_half_width + 0.02, 0.0), (m.shoulder_half_width + 0.01, -0.04)
         ease, drop = (0.10, 0.07) if cut.bodice is Bodice.BOXY else (0.08, 0.06)
         hollows, rise = (0.050, 0.042), (0.012, 0.08)
         if set_in:
             tip, drop, hollows = (m.shoulder_half_width, -0.037), 0.035, (0.060, 0.052)
+        if dropped:
+            tip = SleeveEnd(tip, SLEEVES[cut.sleeve]).at(DROPPED_SHOULDER_REACH, 0.0)
+            ease, drop, hollows, rise = 0.16, 0.10, (0.025, 0.021), (0.006, 0.08)
     else:
         neck = (m.neck_half_width + 0.025, -0.005)
         tips = {Bodice.SKIMMING: (neck[0] + 0.052, -0.023), Bodice.HALTER: (neck[0] + HALTER_STRAP, -0.017)}
@@ -186,7 +202,7 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     for face in cut.yoke.faces:
         divided = FACES.index(face)
         armholes[divided] = divide_armhole(cut, face, under, armholes[divided][0], necklines[divided])
-    if cut.collar is Collar.STAND:
+    if cut.collar in STRIP_COLLARS:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
@@ -223,8 +239,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         if name == "front":
             outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
-    if cut.collar is Collar.STAND:
-        panels += collar_stand(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.collar in STRIP_COLLARS:
+        panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
@@ -280,13 +296,13 @@ def _side_seam(cut: Cut, m: BodyMeasures, underarm: Point, line: Waistline) -> l
     cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm, no darts). A dress without a
     zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and reaches the knee; an A-line one is flared
     to 1.36 m for a free step. With a waist seam it ends at the natural waist. Princess seams take in the waist and
-    widen the hem; the side seam is moved out by as much."""
-    sleeved = cut.sleeve is not Sleeve.NONE
+    widen the hem; the side seam is moved out by as much. A top with a rib around its hem is as long with it."""
+    sleeved, rib = cut.sleeve is not Sleeve.NONE, HEM_RIB_WIDTH if cut.hem_band is HemBand.RIB else 0.0
     if cut.waist is Waist.SEAM:
         corner = (line.half, m.waist_height - m.nape_height)
         return [Stroke(corner), Stroke(underarm, label="side.left", notch=0.5)]
     if cut.bodice is Bodice.BOXY and cut.skirt is Skirt.NONE:
-        hem = (underarm[0], m.hip_height - 0.02 - m.nape_height)
+        hem = (underarm[0], m.hip_height - 0.02 + rib - m.nape_height)
         return [Stroke(hem), Stroke(underarm, label="side.left", notch=0.5)]
     ease = (0.12, 0.10) if sleeved else (0.10, 0.08)
     hip, waist = (m.hip + ease[1]) / 4, (m.waist + ease[0]) / 4
@@ -295,9 +311,9 @@ def _side_seam(cut: Cut, m: BodyMeasures, underarm: Point, line: Waistline) -> l
     knee = m.crotch_height - 0.29
     widths = {Skirt.A_LINE: 0.34, Skirt.STRAIGHT: hip, Skirt.PENCIL: hip - 0.015}
     if cut.skirt is Skirt.NONE and cut.bodice in (Bodice.SKIMMING, Bodice.HALTER, Bodice.STRAPLESS):
-        sides = [((m.hip + 0.02) / 4, m.hip_height + 0.05), ((m.waist + 0.12) / 4, m.waist_height)]
+        sides = [((m.hip + 0.02) / 4, m.hip_height + 0.05 + rib), ((m.waist + 0.12) / 4, m.waist_height)]
     elif cut.skirt is Skirt.NONE:
-        sides = [(hip, m.hip_height), (waist, m.waist_height)]
+        sides = [(hip, m.hip_height + rib), (waist, m.waist_height)]
     elif cut.skirt in widths:
         sides = [(widths[cut.skirt], knee), (hip, m.hip_height), (waist, m.waist_height)]
     else:

@@ -70,20 +70,14 @@ def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: 
     pieces = tuple(
         _make_piece(pattern, one, name, settings, marks) for one, name in zip(drawn, name_pieces(members), strict=True)
     )
-    uses = {edge.use for piece in pieces for edge in piece.edges}
-    banded = any(_uses(piece) >= {EdgeUse.WAIST, EdgeUse.SEAM} and "band" in piece.net.label for piece in pieces)
     return PieceSet(
         style.name or pattern.name,
         style.size,
         style.fabric,
         pieces,
         order_seams(pattern, pieces, find_twins(pattern)),
-        list_missing(uses, banded),
+        list_missing(pieces),
     )
-
-
-def _uses(piece: Piece) -> set[EdgeUse]:
-    return {edge.use for edge in piece.edges}
 
 
 def _group(drawn: Group | MirroredGroup) -> Group:

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from .piece import EdgeUse
+from .piece import EdgeUse, Piece
+
+DOUBLED_PANEL_WORDS = ("rib", "turtleneck")
+"""Words of the names of panels that are drawn as worn, and worn folded at their free edge."""
 
 
-def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
-    """Return what is missing for a wearable garment, one line each.
+def is_doubled(piece: Piece) -> bool:
+    """Check whether a piece is worn folded in two, and drawn once."""
+    words = {word for place in piece.places for word in place.panel.split("_")}
+    return any(word in words for word in DOUBLED_PANEL_WORDS)
 
-    Args:
-        uses: Uses of the garment's edges.
-        banded: True where it has a waistband of its own.
-    """
+
+def list_missing(pieces: Collection[Piece]) -> tuple[str, ...]:
+    """Return what is missing for a wearable garment of some pieces, one line each. The free edge of a doubled piece is
+    folded."""
+    uses = {edge.use for piece in pieces if not is_doubled(piece) for edge in piece.edges}
+    bands = [piece.net.label for piece in pieces if _is_sewn_to_a_waist(piece)]
+    banded = any("band" in label for label in bands)
+    elastic = any("elastic" in label for label in bands)
     lines = []
     if EdgeUse.NECK in uses:
         lines.append("finish of the neck: rib, binding or facing")
@@ -26,10 +35,19 @@ def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
     if EdgeUse.BUTTONS in uses:
         lines.append("buttons and buttonholes at the centre front, facings and interfacing of the button stands")
     if EdgeUse.WAIST in uses and banded:
-        lines.append("facing or inner half of the waistband, and its interfacing")
-    if EdgeUse.WAIST in uses:
+        inner = "elastic" if elastic else "interfacing"
+        lines.append(f"facing or inner half of the waistband, and its {inner}")
+    if EdgeUse.WAIST in uses and not elastic:
         lines.append("closure at the waist: zip and button, or elastic")
     if EdgeUse.OPEN in uses:
         lines.append("finish of unnamed open edges: hem, binding or facing")
+    if any(map(is_doubled, pieces)):
+        lines.append("inner layer of ribs: each is drawn as worn; cut it twice as wide, and fold it at its free edge")
     lines += ["closures elsewhere, pockets, linings, labels", "true size name: the size is given by girths"]
     return tuple(lines)
+
+
+def _is_sewn_to_a_waist(piece: Piece) -> bool:
+    """Check whether a piece has a waist's free edge and seams, gathered ones too."""
+    uses = {edge.use for edge in piece.edges}
+    return EdgeUse.WAIST in uses and bool(uses & {EdgeUse.SEAM, EdgeUse.GATHERED})

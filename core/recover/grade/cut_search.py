@@ -183,17 +183,18 @@ def other_cuts(cut: Cut, fixed: set[str]) -> Iterator[Cut]:
 
 
 def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
-    """Return the choices of each part that shows in girths; a bodice's only without skirt or legs."""
+    """Return the choices of each part that shows in girths; a bodice's only without skirt or legs. Pleats, leggings and
+    elastic waists are left to the user: the girths of cloth that stretches or folds are not those of its pattern."""
     found: dict[str, list[str]] = {}
     if cut.skirt is not Skirt.NONE:
         found["skirt"] = [word for word in PARTS["skirt"] if word not in ("none", "pleated")]
     if cut.legs not in (Legs.NONE, Legs.SHORT):
-        found["legs"] = [word for word in PARTS["legs"] if word not in ("none", "short")]
+        found["legs"] = [word for word in PARTS["legs"] if word not in ("none", "short", "leggings")]
     if cut.bodice is not Bodice.NONE and cut.skirt is Skirt.NONE and cut.legs is Legs.NONE:
         found["bodice"] = [word for word in PARTS["bodice"] if word not in ("none", "strapless")]
     for part in ("waist", "waistband"):
         if cut.has_place_for(part):
-            found[part] = list(PARTS[part])
+            found[part] = [word for word in PARTS[part] if word != "elastic"]
     return found
 
 
