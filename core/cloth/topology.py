@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..garment.creases import crease_angles
 from ..garment.garment import Garment
 from ..geometry.connectivity import HalfEdges
 from ..geometry.geometry import lump, shape_gradients, signed_areas
@@ -133,12 +134,13 @@ class Topology:
 
     @classmethod
     def from_garment(cls, garment: Garment) -> Topology:
-        """Build the topology of a garment; each panel's grainline turns its warp to the second rest axis."""
+        """Build the topology of a garment; each panel's grainline turns its warp to the second rest axis, and creases
+        are turned at rest."""
         angles = np.array([panel.grainline for panel in garment.pattern.panels])[garment.panel_of_face]
         cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
         u, v = garment.rest[..., 0], garment.rest[..., 1]
         rest = np.stack([cos * u + sin * v, -sin * u + cos * v], axis=-1)
-        return cls.from_mesh(garment.faces, rest, len(garment.nodes))
+        return cls.from_mesh(garment.faces, rest, len(garment.nodes), crease_angles(garment))
 
     @classmethod
     def from_mesh(

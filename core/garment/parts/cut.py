@@ -114,6 +114,11 @@ class Collar(StrEnum):
     STAND = "stand"
     RIB = "rib"
     TURTLENECK = "turtleneck"
+    SHIRT = "shirt"
+    CONVERTIBLE = "convertible"
+    POLO = "polo"
+    NOTCHED = "notched"
+    SHAWL = "shawl"
 
 
 class Front(StrEnum):

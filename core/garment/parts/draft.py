@@ -31,6 +31,7 @@ from .legs import draw_legs, draw_suit, draw_suit_legs
 from .ribs import sew_hem_rib
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
+from .turned_collars import check_turned_collar
 
 
 def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None = None) -> Pattern:
@@ -79,6 +80,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     check_front(cut)
+    check_turned_collar(cut)
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:

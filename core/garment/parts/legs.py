@@ -17,6 +17,7 @@ from .collars import STRIP_COLLARS, strip_collar
 from .cut import Cut, Legs, PartsConflict, Waistband
 from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
+from .turned_collars import COLLARS, turned_collar
 
 CREASE_FROM_MIDDLE = 0.12
 """Initial distance of a leg's crease line from the middle [m]: outside the ankles, so that panels stay on one side."""
@@ -202,6 +203,8 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     panels = _draw_halves(cut, m, shoulder)
     if cut.collar in STRIP_COLLARS:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.collar in COLLARS:
+        panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     return panels + shoulder.sleeves(cut, m.nape_height)
 
 

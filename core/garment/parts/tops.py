@@ -40,6 +40,7 @@ from .ribs import HEM_RIB_WIDTH
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
+from .turned_collars import COLLARS, LAPELLED, sew_lapel, turned_collar
 from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")
@@ -202,8 +203,10 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     for face in cut.yoke.faces:
         divided = FACES.index(face)
         armholes[divided] = divide_armhole(cut, face, under, armholes[divided][0], necklines[divided])
-    if cut.collar in STRIP_COLLARS:
+    if cut.collar is not Collar.NONE:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
+    if cut.collar in LAPELLED:
+        necklines[0] = sew_lapel(neck, necklines[0])
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
 
@@ -241,6 +244,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
     if cut.collar in STRIP_COLLARS:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.collar in COLLARS:
+        panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels

@@ -12,6 +12,7 @@ from ...body.girths import TapeMeasure, armpit_height
 from ...body.signed_distance import SignedDistance
 from ...body.skinning import rest_body
 from ...cloth.settings import STANDARD_GRAVITY
+from ...garment.creases import find_turned_panels, select_panels
 from ...garment.garment import Garment
 from ...garment.parts.tops import STRAPLESS_DROP
 from ...geometry.connectivity import HalfEdges
@@ -22,6 +23,7 @@ from .layer_contact import LayerContact
 from .leg_alignment import align_legs
 from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .sleeves import turn_sleeves
+from .turning import turn_over
 from .unfolding import unfold_crossings
 from .waist import flat_length, waist_loop
 
@@ -41,6 +43,7 @@ class DressSettings:
         frames: Number of frames in which it is inflated; 40 move its surface by about 3 mm a frame.
         relax: Number of steps that relax the welded panels' edges in their planes; 60 suffice from 5 times too long.
         settle: Number of steps under gravity at the end.
+        turn: Number of steps in which what is turned over along creases falls.
         outline: Keep the seams between front and back outside the body's outline in the middle plane.
         unfold: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it
             crotches came out with half as many crossing faces again.
@@ -52,6 +55,7 @@ class DressSettings:
     frames: int = 40
     relax: int = 60
     settle: int = 60
+    turn: int = 60
     outline: bool = True
     unfold: bool = True
     follow: PbdSettings = field(default_factory=PbdSettings)
@@ -328,7 +332,8 @@ def dress(
     The panels are flattened to both sides of the body's middle plane and welded. Their edges relax around a body
     squashed in depth. The body is inflated to its full size while the cloth follows without weight, its seams between
     front and back in the middle plane, so that no shoulder slips off the thin body's edge. Crossing cloth is smoothed;
-    then gravity acts. The waist of skirts and trousers is fixed in height, as by a waistband's friction.
+    then gravity acts. The waist of skirts and trousers is fixed in height, as by a waistband's friction. What is turned
+    over along creases is put on afterwards: it is turned towards the cloth below, and falls on it.
 
     Args:
         garment: The sewn garment, nodes where its file places them.
@@ -340,6 +345,22 @@ def dress(
         threads: The constraints of `garment`, or None to compute them.
     """
     threads = build_distance_constraints(garment, settings.follow.bending) if threads is None else threads
+    weight, layers = -STANDARD_GRAVITY[1], LayerContact()
+    turned = find_turned_panels(garment.pattern)
+    if turned:
+        worn, numbers = select_panels(garment, frozenset(panel.name for panel in garment.pattern.panels) - turned)
+        nodes = dress(worn, body, distance, waist_height=waist_height, settings=settings, hooks=hooks)
+        start = PbdState.at_rest(turn_over(garment, nodes, worn, numbers))
+        return simulate_pbd(
+            threads,
+            start,
+            distance,
+            settings.turn,
+            settings=settings.follow,
+            gravity=weight,
+            pins=waist_loop(garment),
+            layers=layers,
+        ).nodes
     nodes = place_panels(garment, body, waist_height=waist_height, flatten=settings.flatten)
     middle = _middle_plane(body)
     waist = waist_loop(garment)
@@ -358,7 +379,7 @@ def dress(
         hooks.check()
     if settings.unfold:
         nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, pins=waist)
-    start, weight, layers = PbdState.at_rest(nodes), -STANDARD_GRAVITY[1], LayerContact()
+    start = PbdState.at_rest(nodes)
     return simulate_pbd(
         threads, start, distance, settings.settle, settings=settings.follow, gravity=weight, pins=waist, layers=layers
     ).nodes

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...body.signed_distance import SignedDistance
+from ...garment.creases import CREASE_ANGLE, crease_edges, mark_edges
 from ...garment.garment import Garment
 from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import lump, signed_areas
@@ -29,7 +30,8 @@ class DistanceConstraints:
     Attributes:
         ends: Node pairs, edges of the mesh first, then the pairs across hinges, shape [pair_count, 2].
         lengths: Flat rest lengths [m]; on a seam the mean of its two sides, shape [pair_count].
-        stiffness: Share of an error that one sweep removes, 1 for edges, less across hinges, shape [pair_count].
+        stiffness: Share of an error that one sweep removes, 1 for edges, less across hinges, shape [pair_count]. A
+            pair across a crease has the negative share: it is only drawn together, other hinges are only held apart.
         inverse_mass: 1 / mass up to a common factor, shape [node_count].
         faces: The mesh, shape [face_count, 3].
         edges: Its edges, each once, shape [edge_count, 2].
@@ -79,26 +81,35 @@ def build_distance_constraints(garment: Garment, bending: float = 0.1) -> Distan
     """Return the distance constraints of a garment: mesh edges, and the opposite corners of every hinge.
 
     Lengths are those of the flat panels, never of the placed mesh. A pair that two panels share (a seam) takes the mean
-    of its two lengths; opposite corners across a seam take the sum of the heights, as if it were pressed flat.
+    of its two lengths; opposite corners across a seam take the sum of the heights, as if it were pressed flat. Across a
+    crease their length is that of the crease at rest.
     """
     faces, rest = garment.faces, garment.rest
     edges = HalfEdges.of(faces, len(garment.nodes))
     sides = np.linalg.norm(rest - np.roll(rest, -1, axis=1), axis=2).reshape(-1)
     lengths = np.bincount(edges.edge, weights=sides) / edges.face_counts
-    cross, cross_lengths = _hinge_pairs(edges, rest)
+    is_creased = mark_edges(_pair_edges(edges), crease_edges(garment))
+    cross, cross_lengths = _hinge_pairs(edges, rest, np.where(is_creased, CREASE_ANGLE, 0.0))
     mass = lump(np.abs(signed_areas(rest)), faces, len(garment.nodes))
     return DistanceConstraints(
         ends=np.concatenate([edges.edges, cross]).astype(np.int64),
         lengths=np.concatenate([lengths, cross_lengths]),
-        stiffness=np.concatenate([np.ones(len(edges.edges)), np.full(len(cross), bending)]),
+        stiffness=np.concatenate([np.ones(len(edges.edges)), np.where(is_creased, -bending, bending)]),
         inverse_mass=mass.mean() / np.maximum(mass, 1e-3 * mass.mean()),
         faces=faces,
         edges=edges.edges,
     )
 
 
-def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the opposite corners of every interior edge and their distance when the hinge is flat [m]."""
+def _pair_edges(edges: HalfEdges) -> np.ndarray:
+    """Return the edge of every pair of faces as two nodes, shape [pair_count, 2]."""
+    found: np.ndarray = edges.edges[edges.edge[edges.pairs[:, 0]]]
+    return found
+
+
+def _hinge_pairs(edges: HalfEdges, rest: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the opposite corners of every interior edge and their distance [m] when the hinge is turned by an angle
+    [rad]."""
     face, side = edges.pairs // 3, edges.pairs % 3
     a = np.take_along_axis(rest[face], side[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
     b = np.take_along_axis(rest[face], ((side + 1) % 3)[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
@@ -110,7 +121,9 @@ def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.nda
     height = np.abs((c - a)[..., 0] * axis[..., 1] - (c - a)[..., 1] * axis[..., 0])
     # The two faces run along their common edge in opposite directions.
     offset = along[:, 0] - (span[:, 1, 0] - along[:, 1])
-    return edges.opposite[edges.pairs], np.hypot(offset, height.sum(1))
+    flat = np.hypot(offset, height.sum(1))
+    turned = np.sqrt(np.maximum(flat**2 - 2.0 * height.prod(1) * (1.0 - np.cos(angles)), 0.0))
+    return edges.opposite[edges.pairs], np.where(angles > 0.0, turned, flat)
 
 
 class ConstraintArrays(NamedTuple):
@@ -188,9 +201,9 @@ def _sweep(
             if length < 1e-12:
                 continue
             error = length - lengths[e]
-            if stiffness[e] < 1.0 and error > 0.0:
-                continue  # a hinge resists folding only: flat is its greatest length
-            scale = stiffness[e] * error / (length * total)
+            if stiffness[e] < 1.0 and (error > 0.0) == (stiffness[e] > 0.0):
+                continue  # a hinge resists folding only: flat is its greatest length; a crease resists opening only
+            scale = abs(stiffness[e]) * error / (length * total)
             nodes[i, 0] += weight[i] * scale * dx
             nodes[i, 1] += weight[i] * scale * dy
             nodes[i, 2] += weight[i] * scale * dz

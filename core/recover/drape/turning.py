@@ -1,0 +1,109 @@
+"""Turn the parts of a garment beyond its creases, such as falls and lapels, over what is worn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...garment.creases import CREASE_ANGLE, find_turned_panels, is_crease
+from ...garment.garment import Garment
+from ...geometry.geometry import unit, vertex_normals
+from ...geometry.intersections import self_intersections, undo_crossings
+
+TURN_STEP = np.deg2rad(5.0)
+"""Angle by which the turned parts turn at once [rad]: the edge of a lapel 10 cm wide moves by less than 1 cm."""
+
+
+@dataclass(frozen=True)
+class TurnedPart:
+    """Describe what is turned over in coordinates about the creases.
+
+    Attributes:
+        nodes: Its nodes that are not worn, shape [n].
+        crease: The nearest point of the creases to each [m], shape [n, 3].
+        height: Its distance from there on the flat panel [m], shape [n, 1].
+        outward: Normal of the worn part there, shape [n, 3].
+        down: Direction there along the worn part, away from the crease, shape [n, 3].
+    """
+
+    nodes: np.ndarray
+    crease: np.ndarray
+    height: np.ndarray
+    outward: np.ndarray
+    down: np.ndarray
+
+    def at(self, angle: float) -> np.ndarray:
+        """Return positions [m] where the part makes an angle [rad] with the worn part at the crease, shape [n, 3]."""
+        return self.crease + self.height * (np.sin(angle) * self.outward + np.cos(angle) * self.down)
+
+
+def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.ndarray) -> np.ndarray:
+    """Turn panels over along the creases, and return the nodes of the whole garment [m], shape [node_count, 3].
+
+    At first they stand out from the worn part at a right angle, as a ruff does: where the worn part is convex along the
+    crease, nothing crosses then. They turn towards the worn part to the angle of the crease at rest; a node that would
+    cross other cloth stops. On the way along the crease they may be stretched.
+
+    Args:
+        garment: The whole garment.
+        nodes: Positions of the worn part's nodes [m], shape [worn_count, 3].
+        worn: The worn part.
+        numbers: The number in the garment of each of its nodes.
+    """
+    placed = np.zeros((len(garment.nodes), 3))
+    placed[numbers] = nodes
+    part = _find_part(garment, placed, worn, numbers)
+    placed[part.nodes] = part.at(np.pi / 2)
+    crossed = self_intersections(placed, garment.faces)
+    angles = np.arange(np.pi / 2, np.pi - CREASE_ANGLE, -TURN_STEP)[1:]
+    for before, angle in zip(np.append(np.pi / 2, angles), angles, strict=False):
+        start = placed.copy()
+        placed[part.nodes] += part.at(angle) - part.at(before)
+        crossed = undo_crossings(placed, start, garment.faces, crossed)
+    return placed
+
+
+def _find_part(garment: Garment, placed: np.ndarray, worn: Garment, numbers: np.ndarray) -> TurnedPart:
+    """Return the turned part of a garment whose worn nodes are placed [m], shape [node_count, 3]."""
+    count = len(garment.nodes)
+    normals, tangents = np.zeros((count, 3)), np.zeros((count, 3))
+    normals[numbers] = vertex_normals(placed[numbers], worn.faces)
+    turned = find_turned_panels(garment.pattern)
+    lines = {
+        i: [
+            line for ref, line in garment.edge_uv.items() if ref.panel == panel.name and is_crease(garment.pattern, ref)
+        ]
+        for i, panel in enumerate(garment.pattern.panels)
+        if panel.name in turned
+    }
+    lines = {i: found for i, found in lines.items() if found}
+    for line in (garment.uv_node[line] for found in lines.values() for line in found):
+        along = unit(placed[line[1:]] - placed[line[:-1]])
+        np.add.at(tangents, line[:-1], along)
+        np.add.at(tangents, line[1:], along)
+    downs = unit(np.cross(tangents, normals))
+    total, parts = np.zeros((count, 10)), np.zeros(count)
+    for i, found in lines.items():
+        starts, ends = (np.concatenate([line[cut] for line in found]) for cut in (slice(0, -1), slice(1, None)))
+        own = np.flatnonzero(garment.panel_of_uv == i)
+        segment, share, height = _project(garment.uv[own], garment.uv[starts], garment.uv[ends])
+        first, last = garment.uv_node[starts[segment]], garment.uv_node[ends[segment]]
+        frame = [(1.0 - share) * field[first] + share * field[last] for field in (placed, normals, downs)]
+        np.add.at(total, garment.uv_node[own], np.hstack([*frame, height]))
+        np.add.at(parts, garment.uv_node[own], 1.0)
+    parts[numbers] = 0.0
+    free = np.flatnonzero(parts)
+    crease, outward, down, height = np.split(total[free] / parts[free, None], [3, 6, 9], axis=1)
+    return TurnedPart(free, crease, height, unit(outward), unit(down))
+
+
+def _project(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Find the nearest of some segments to each point in the plane [m]: its number, shape [n], the share of its length
+    at the nearest point, and the distance from there [m], shape [n, 1]."""
+    along, offset = ends - starts, points[:, None] - starts
+    share = np.clip((offset * along).sum(2) / (along**2).sum(1), 0.0, 1.0)
+    distance = np.linalg.norm(offset - share[..., None] * along, axis=2)
+    nearest = distance.argmin(axis=1)
+    row = np.arange(len(points))
+    return nearest, share[row, nearest, None], distance[row, nearest, None]
