@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from ...garment.creases import CREASE_ANGLE, find_turned_panels, is_crease
 from ...garment.garment import Garment
-from ...geometry.geometry import unit, vertex_normals
+from ...geometry.geometry import face_normals, unit, vertex_normals
 from ...geometry.intersections import self_intersections, undo_crossings
 
 TURN_STEP = np.deg2rad(5.0)
 """Angle by which the turned parts turn at once [rad]: the edge of a lapel 10 cm wide moves by less than 1 cm."""
+
+GROWTH_STEP_COUNT = 10
+"""Number of steps in which the turned parts grow out of the creases to their width, by less than 1 cm each."""
+
+MIN_OUTWARD_COSINE = 0.3
+"""Cosine between the direction in which a turned part stands out and the normal of a face beside the crease, from which
+the part is clear of the face: 17 degrees from its plane."""
+
+MAX_OUTWARD_ITERATIONS = 50
+"""Largest number of iterations that find a direction in front of all faces around a node."""
+
+OUTWARD_STEP = 0.2
+"""Share of a face's normal that each of them adds [1]."""
 
 
 @dataclass(frozen=True)
@@ -33,17 +47,18 @@ class TurnedPart:
     outward: np.ndarray
     down: np.ndarray
 
-    def at(self, angle: float) -> np.ndarray:
-        """Return positions [m] where the part makes an angle [rad] with the worn part at the crease, shape [n, 3]."""
-        return self.crease + self.height * (np.sin(angle) * self.outward + np.cos(angle) * self.down)
+    def at(self, angle: float, share: float = 1.0) -> np.ndarray:
+        """Return positions [m], shape [n, 3], where the part makes an angle [rad] with the worn part at the crease, and
+        has a share of its width."""
+        return self.crease + share * self.height * (np.sin(angle) * self.outward + np.cos(angle) * self.down)
 
 
 def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.ndarray) -> np.ndarray:
     """Turn panels over along the creases, and return the nodes of the whole garment [m], shape [node_count, 3].
 
-    At first they stand out from the worn part at a right angle, as a ruff does: where the worn part is convex along the
-    crease, nothing crosses then. They turn towards the worn part to the angle of the crease at rest; a node that would
-    cross other cloth stops. On the way along the crease they may be stretched.
+    At first they grow out of the creases at a right angle to the worn part, so that they stand out as a ruff does. Then
+    they turn towards the worn part to the angle of the crease at rest. A node that would cross other cloth stops. The
+    lengths along the crease are not kept.
 
     Args:
         garment: The whole garment.
@@ -54,12 +69,14 @@ def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.nd
     placed = np.zeros((len(garment.nodes), 3))
     placed[numbers] = nodes
     part = _find_part(garment, placed, worn, numbers)
-    placed[part.nodes] = part.at(np.pi / 2)
-    crossed = self_intersections(placed, garment.faces)
+    shares = np.arange(1, GROWTH_STEP_COUNT + 1) / GROWTH_STEP_COUNT
     angles = np.arange(np.pi / 2, np.pi - CREASE_ANGLE, -TURN_STEP)[1:]
-    for before, angle in zip(np.append(np.pi / 2, angles), angles, strict=False):
+    path = [part.at(np.pi / 2, share) for share in shares] + [part.at(angle) for angle in angles]
+    placed[part.nodes] = path[0]
+    crossed = self_intersections(placed, garment.faces)
+    for before, after in pairwise(path):
         start = placed.copy()
-        placed[part.nodes] += part.at(angle) - part.at(before)
+        placed[part.nodes] += after - before
         crossed = undo_crossings(placed, start, garment.faces, crossed)
     return placed
 
@@ -68,7 +85,7 @@ def _find_part(garment: Garment, placed: np.ndarray, worn: Garment, numbers: np.
     """Return the turned part of a garment whose worn nodes are placed [m], shape [node_count, 3]."""
     count = len(garment.nodes)
     normals, tangents = np.zeros((count, 3)), np.zeros((count, 3))
-    normals[numbers] = vertex_normals(placed[numbers], worn.faces)
+    normals[numbers] = _outward_vectors(placed[numbers], worn.faces)
     turned = find_turned_panels(garment.pattern)
     lines = {
         i: [
@@ -96,6 +113,25 @@ def _find_part(garment: Garment, placed: np.ndarray, worn: Garment, numbers: np.
     free = np.flatnonzero(parts)
     crease, outward, down, height = np.split(total[free] / parts[free, None], [3, 6, 9], axis=1)
     return TurnedPart(free, crease, height, unit(outward), unit(down))
+
+
+def _outward_vectors(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return a unit vector at each node, shape [n, 3], that is in front of all faces around it if one is found.
+
+    The mean normal may be behind a face where coarse cloth is buckled. The normal of the face that it is furthest
+    behind is then added to it, again and again: the perceptron's search for a vector in front of several planes.
+    """
+    found, normals = vertex_normals(nodes, faces), face_normals(nodes, faces)[0]
+    corner, face = faces.ravel(), np.repeat(np.arange(len(faces)), 3)
+    for _ in range(MAX_OUTWARD_ITERATIONS):
+        ahead = (found[corner] * normals[face]).sum(axis=1)
+        order = np.lexsort((ahead, corner))
+        first = order[np.unique(corner[order], return_index=True)[1]]  # the lowest of each node
+        worst = first[ahead[first] < MIN_OUTWARD_COSINE]
+        if not len(worst):
+            break
+        found[corner[worst]] = unit(found[corner[worst]] + OUTWARD_STEP * normals[face[worst]])
+    return found
 
 
 def _project(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
