@@ -49,6 +49,11 @@ class DistanceConstraints:
         """Return the mean length of the edges [m]."""
         return float(np.mean(self.lengths[: len(self.edges)]))
 
+    @property
+    def is_creased(self) -> bool:
+        """Return whether the garment has creases."""
+        return bool((self.stiffness < 0.0).any())
+
 
 @dataclass(frozen=True)
 class PbdSettings:

@@ -29,6 +29,7 @@ from ...scan.contours.contours import name_contours
 from ...scan.contours.loop import find_loops, smoothed_length
 from ...scan.contours.target import Target
 from .dress import DressSettings, dress, place_panels
+from .layer_contact import LayerContact
 from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .pose_path import pose_cloth
 from .waist import flat_lengths, waist_loop
@@ -231,6 +232,8 @@ def drape_graded(
 ) -> tuple[Garment, Drape]:
     """Drape a graded pattern at full resolution, to equilibrium, outside the wearer's exact mesh.
 
+    A garment with creases keeps apart from itself whatever the settings: a fall would sink into its stand.
+
     Args:
         garment: The graded pattern's mesh, nodes near the target, from which the search starts.
         wearer: The wearer's geometry.
@@ -251,14 +254,16 @@ def drape_graded(
     threads = build_distance_constraints(garment, settings.follow.bending)
     fixed = None if pins is None else pins.nodes
     start, steps = PbdState.at_rest(nodes), settings.settle_steps
-    nodes = simulate_pbd(threads, start, wearer.grid, steps, settings=settings.follow, pins=fixed).nodes
+    layers = LayerContact() if threads.is_creased else None
+    nodes = simulate_pbd(threads, start, wearer.grid, steps, settings=settings.follow, pins=fixed, layers=layers).nodes
     hooks.progress("drape", 0.3, "equilibrium")
     topology = Topology.from_garment(garment)
-    contact = SelfContact.of(topology) if settings.self_contact else None
+    keeps_apart = settings.self_contact or threads.is_creased
+    contact = SelfContact.of(topology) if keeps_apart else None
     scene = Scene(topology, reduce_membrane_stiffness(fabric), wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
-    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.self_contact else nodes
+    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if keeps_apart else nodes
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape
 
