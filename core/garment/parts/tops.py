@@ -23,6 +23,7 @@ from ..pattern import Panel
 from .collars import STRIP_COLLARS, sew_collar, strip_collar
 from .cut import (
     Bodice,
+    Collar,
     Cut,
     HemBand,
     Legs,

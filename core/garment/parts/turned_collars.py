@@ -1,5 +1,5 @@
-"""Draft collars that turn over: a stand, sewn to a crew neck, and a fall, sewn to the stand along the crease about which
-it turns (W. Aldrich, Metric Pattern Cutting for Women's Wear; H. Joseph-Armstrong, Patternmaking for Fashion Design).
+"""Draft collars that turn over: a stand, sewn to a crew neck, and a fall, sewn to it along the crease about which it
+turns (W. Aldrich, Metric Pattern Cutting for Women's Wear; H. Joseph-Armstrong, Patternmaking for Fashion Design).
 The fall is one panel from one front edge over the centre back to the other. Where the crease is a straight line on both
 panels, stand and fall are cut in one piece, which is folded there; where it is not, it is a seam. The lapels of a
 jacket are panels of their own beyond a straight roll line, and are cut in one piece with the fronts."""
