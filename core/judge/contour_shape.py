@@ -7,17 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from ..body.body import JOINT_PARENTS, JOINTS, Body
+from ..garment.creases import find_turned_panels
+from ..garment.curves import panel_area
 from ..garment.garment import Garment
 from ..garment.neckline_fit import NecklineFit, fit_necklines
 from ..garment.parts.cut import Neckline
 from ..garment.parts.necklines import corner_turn
 from ..geometry.curves import Curve, resample_polyline
-from ..geometry.geometry import rim_turns
+from ..geometry.geometry import face_areas, rim_turns
 from ..run.units import MM_PER_M
 from ..scan.contours.edge_turn import EdgeTurn
 from ..scan.contours.loop import smooth_loop
 from ..scan.contours.neck import unroll_neck
 from ..scan.contours.target import Contour, Target
+from ..scan.contours.turned import find_turned_faces
 
 CORNER_SPAN = 0.012
 """Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a
@@ -62,9 +65,13 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         `shape.edge_corner_deg`: largest lack of turning of the pattern's edge within `CORNER_SEARCH_RADIUS` of a corner
             of the scan's other edges, in their cloth; 0 where these have no corners. Edges that also turn elsewhere, as
             cut and noisy ones do, are not evaluated, nor are the parts of an open front's border, which end in corners.
+        `shape.collar_cm2`: area that is turned over at the scan's neck beyond that of the pattern's collar, which its
+            edge is then compared with as with a hem.
         Contours that either lacks are left out.
     """
     found: dict[str, float | None] = {}
+    names = find_turned_panels(garment.pattern)
+    turned = sum(panel_area(panel) for panel in garment.pattern.panels if panel.name in names)
     missed: list[float] = []
     ours = {contour.name: contour for contour in garment.contours if not contour.name.startswith("front")}
     for contour in target.contours:
@@ -74,12 +81,16 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         if not (contour.is_closed and ours[contour.name].is_closed):
             curves = ours[contour.name].curve(nodes), contour.curve(target.vertices)
             found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_arcs(*curves, _axis(contour, body))
-        elif contour.name == "neck":
+        elif contour.name == "neck" and not names:
             found |= _compare_necks(loop, true_loop, body)
             found |= _compare_corners(garment, nodes, target, body)
         else:
             found[f"shape.{contour.name}_mm"] = MM_PER_M * _compare_edges(loop, true_loop, _axis(contour, body))
             missed += _missed_corners(garment, nodes, target, contour)
+    neck = target.contour("neck")
+    if neck is not None and neck.trusted:
+        faces = target.faces[find_turned_faces(target.vertices, target.faces, neck, body)]
+        found["shape.collar_cm2"] = 1e4 * max(0.0, float(face_areas(target.vertices, faces).sum()) - turned)
     if missed:
         found["shape.edge_corner_deg"] = float(np.degrees(max(missed)))
     return found

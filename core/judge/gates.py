@@ -194,6 +194,13 @@ GATE_RULES = (
         Product.PATTERN,
     ),
     GateRule(
+        "collar", _read_metric("shape.collar_cm2"), 100.0, 200.0,
+        "The scan has {value:.0f} cm2 more cloth turned over at its neck than the pattern's collar",
+        "choose its collar with --part collar=shirt, or convertible, polo, notched, shawl.",
+        "Right collars differ by a quarter of their area, 60 cm2; a shirt's fall that is missing has 250.",
+        Product.PATTERN,
+    ),
+    GateRule(
         "contour_shape", _read_largest("shape.", "_mm"), 40.0, 100.0,
         "An open edge of the drape runs up to {value:.0f} mm away from the scan's",
         "look at neck, hem and cuffs in the report: a part is of another kind, or hangs another way; try --part.",

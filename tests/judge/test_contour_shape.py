@@ -51,7 +51,9 @@ def scan_of(points: np.ndarray, name: str, trusted: bool = True, bones: tuple[st
 
 def compare(ours: np.ndarray, theirs: Target) -> dict[str, float | None]:
     """Compare a closed line, as a contour of a drape, with a scan's of the same name."""
-    garment = SimpleNamespace(contours=(Contour(theirs.contours[0].name, np.arange(len(ours)), 0.6),))
+    garment = SimpleNamespace(
+        pattern=Pattern("none", (), ()), contours=(Contour(theirs.contours[0].name, np.arange(len(ours)), 0.6),)
+    )
     return measure_contour_shapes(garment, ours, theirs, BODY)
 
 

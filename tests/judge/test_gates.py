@@ -34,6 +34,7 @@ GOOD = {
     "pattern.pointed_corner_deg": 20.0,
     "pattern.beyond_human": 0.8,
     "shape.neck_corner_deg": 12.0,
+    "shape.collar_cm2": 40.0,
     "shape.edge_corner_deg": 8.0,
     "shape.neck_mm": 9.0,
     "shape.hem_mm": 11.0,
@@ -60,6 +61,7 @@ def test_a_good_result_passes_every_gate() -> None:
 LIMITS = (
     ("surface_fit_s2t", "surface_rms_mm.s2t", 2.5, 10.0),
     ("surface_fit_t2s", "surface_rms_mm.t2s", 4.0, 15.0),
+    ("collar", "shape.collar_cm2", 100.0, 200.0),
     ("hidden", "hidden_percent", 10.0, 50.0),
     ("ends", "inferred_ends", 0.5, 4.0),
     ("sides", "wear.sides_mm", 40.0, 150.0),

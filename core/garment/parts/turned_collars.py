@@ -29,7 +29,7 @@ from ..pattern import Panel
 from .cut import Collar, Cut, Front, PartsConflict
 from .fronts import cut_front
 
-NECKLINE_SEGMENT_COUNT = 256
+ROLL_LINE_SEGMENT_COUNT = 256
 """Number of segments of a neckline on which the roll line is intersected: half a millimetre each."""
 
 BREAK_DEPTH = 0.30
@@ -109,11 +109,11 @@ def sew_lapel(neck: Point, neckline: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
         neckline: From there to the middle; one stroke.
     """
     low, high = (0.0, neck[1] - BREAK_DEPTH), (neck[0] - ROLL_INWARD, neck[1])
-    line = stroke_points(neck, neckline[0], NECKLINE_SEGMENT_COUNT)
+    line = stroke_points(neck, neckline[0], ROLL_LINE_SEGMENT_COUNT)
     along = np.array(high) - low
     beside = along[0] * (line[:, 1] - low[1]) - along[1] * (line[:, 0] - low[0])
     crossing = int(np.argmax(beside > 0.0))
-    share = (crossing - beside[crossing] / (beside[crossing] - beside[crossing - 1])) / NECKLINE_SEGMENT_COUNT
+    share = (crossing - beside[crossing] / (beside[crossing] - beside[crossing - 1])) / ROLL_LINE_SEGMENT_COUNT
     sewn, _ = cut_stroke(neck, neckline[0], share, (neckline[0].label, ""))
     return (sewn, Stroke(low, label=f"{CREASE_LABEL}lapel.left"))
 

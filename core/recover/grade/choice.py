@@ -12,7 +12,7 @@ import numpy as np
 from ...body.body import Body
 from ...garment.curves import flat_contours
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts.cut import Cut, Front, Neckline, Skirt, Waist
+from ...garment.parts.cut import Collar, Cut, Front, Neckline, Skirt, Waist
 from ...garment.parts.draft import draft_cut, half_neck_width
 from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
@@ -21,8 +21,9 @@ from ...run.errors import BadInput
 from ...run.finding import Finding, FindingKind
 from ...scan.contours.target import Target
 from ..drape.sizing import oversize_measures
-from .cut_search import search_cuts
+from .cut_search import GirthSettings, search_cuts
 from .hem_gores import HemGores, find_gores
+from .neck_finish import NeckFinish, NeckShape, rank_finishes
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
@@ -41,19 +42,22 @@ class Candidate:
 
     Attributes:
         template: Name by which it is drafted.
-        misfit: Root sum of squares of `girths` (if None, that of contour lengths) and `neckline`, both relative.
+        misfit: Root sum of squares of `girths` (if None, that of contour lengths), `neckline` and `collar`.
         girths: Deviation of its girths along the garment; None where the scan does not show its girths.
         neckline: Distance between its necklines and the scan's; None where it has none to compare.
+        collar: Misfit of its collar and front, a standard deviation counted as the girths' of the right cut; None where
+            the scan does not show its neck.
     """
 
     template: str
     misfit: float
     girths: float | None = None
     neckline: float | None = None
+    collar: float | None = None
 
     def describe(self) -> Finding:
         """Return the cut as a finding, with the parts of its misfit."""
-        parts = {"misfit": self.misfit, "girths": self.girths, "neckline": self.neckline}
+        parts = {"misfit": self.misfit, "girths": self.girths, "neckline": self.neckline, "collar": self.collar}
         known = {name: float(np.round(value, 4)) for name, value in parts.items() if value is not None}
         return Finding(FindingKind.CUT, value=self.misfit, evidence={"template": self.template} | known)
 
@@ -84,7 +88,8 @@ class TemplateMissing(BadInput):
 def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = None) -> Choice:
     """Choose template and parts for a target by its contours.
 
-    The template is that of `rank_templates`, with the sleeves and the girths that the scan shows. A garment with a neck
+    The template is that of `rank_templates`, with the collar and front (`rank_finishes`), the sleeves and the girths
+    that the scan shows; the next likely collars on it are candidates. A garment with a neck and without a collar
     then gets the necklines, in front and behind, nearest to the scan's (`fit_necklines`): the shipped ones where they
     agree or differ in depth only, else ones drafted with the scan's ratio of depth to width. Grading corrects depths
     but makes no corner, so a V has to be drafted. A wearer too large for the library's size gets a draft.
@@ -100,11 +105,17 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         PartUnknown, PartsConflict: where the user's parts do not exist, or cannot be sewn to each other.
     """
     choices, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
-    found: dict[str, tuple[int, Candidate, Cut]] = {}
-    for one in _rank_cuts(target, body, choices, gores):
-        for named, line in _with_necklines(one.cut, fits, choices):
-            name = name_cut(one.template, named)
-            candidate = Candidate(name, math.hypot(one.misfit, line or 0.0), one.girths, line)
+    templates, found = rank_templates(target, list(CUTS)), dict[str, tuple[int, Candidate, Cut]]()
+    shape = NeckShape.of(target, body)
+    finishes = () if shape is None else rank_finishes(shape, CUTS[templates[0][0]], choices)
+    ranked = _rank_cuts(target, body, choices, templates, gores, finishes[:1])
+    pairs = [*product(ranked, finishes[:1] or (None,)), *product(ranked[:1], finishes[1:MAX_NAMED_CUT_COUNT])]
+    for one, finish in pairs:
+        for named, line in _with_necklines(_finish(one.cut, finish), fits, choices):
+            name, unlike = name_cut(one.template, named), None
+            if finish is not None:
+                unlike = finish.misfit * GirthSettings.misfit_floor
+            candidate = Candidate(name, math.hypot(one.misfit, line or 0.0, unlike or 0.0), one.girths, line, unlike)
             found.setdefault(name, (one.missing, candidate, named))
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))
@@ -135,22 +146,36 @@ class _RankedCut:
     girths: float | None = None
 
 
-def _rank_cuts(target: Target, body: Body, chosen: Mapping[str, str], gores: HemGores | None) -> list[_RankedCut]:
-    """Rank the cuts without their necklines, the chosen one first.
+def _finish(cut: Cut, finish: NeckFinish | None) -> Cut:
+    """Return a cut with a collar and a front, where it has a place for them."""
+    return finish.apply(cut) if finish is not None and cut.has_place_for("collar") else cut
+
+
+def _rank_cuts(
+    target: Target,
+    body: Body,
+    chosen: Mapping[str, str],
+    templates: Sequence[tuple[str, int, float]],
+    gores: HemGores | None,
+    finishes: Sequence[NeckFinish],
+) -> list[_RankedCut]:
+    """Rank the cuts without their necklines, with the first of some finishes if any; the chosen one first.
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`);
     among those with the fewest unmatched contours every cut by its girths (`search_cuts`), where the scan shows them. A
     dress or jumpsuit whose cloth is curved across the waist has a seam there (`has_curved_waist`), which girths do not
     show. Gores that the user chose flare as the scan's hem shows.
     """
-    ranked, templates = [], rank_templates(target, list(CUTS))
+    ranked = []
     curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
     for template, missing, misfit in templates:
         fixed = {part: word for part, word in chosen.items() if CUTS[template].has_place_for(part)}
         cut = CUTS[template].choose(fixed)
         cut = cut if gores is None else gores.flare(cut)
         cut = sew_waist(cut, chosen) if curved else cut
-        cut = open_front(cut, target, chosen)
+        cut = _finish(cut, finishes[0] if finishes else None)
+        if cut.front is Front.OPEN and "waist" not in fixed:
+            cut = replace(cut, waist=Waist.NONE)
         ranked.append(
             _RankedCut(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit)
         )
@@ -161,13 +186,6 @@ def _rank_cuts(target: Target, body: Body, chosen: Mapping[str, str], gores: Hem
         return ranked
     rest = [one for one in ranked if one.missing > least]
     return [_RankedCut(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
-
-
-def open_front(cut: Cut, target: Target, fixed: Mapping[str, str]) -> Cut:
-    """Return a cut with an open front where the scan's garment is open in front and the user has not chosen another."""
-    if "front" in fixed or target.contour("front.left") is None:
-        return cut
-    return replace(cut, front=Front.OPEN, waist=cut.waist if "waist" in fixed else Waist.NONE)
 
 
 def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:
@@ -206,12 +224,13 @@ def _with_necklines(
 ) -> Iterator[tuple[Cut, float | None]]:
     """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
 
-    The user's choices stay; without a misfit where the scan cannot have them. A crew neck and a scoop are one line in
+    The user's choices stay; without a misfit where the scan cannot have them. Of a garment with a collar the neck
+    contour is the collar's edge, and its neckline is round. A crew neck and a scoop are one line in
     two depths; the cut's own stays for both. The pattern differs from the scan in size, so a neckline takes the scan's
     ratio of depth to half width. A V is cut straight: the apparent bow of its line is that of the shoulder, which no
     cylinder unrolls.
     """
-    if fits is None or not cut.has_place_for("neckline"):
+    if fits is None or not cut.has_place_for("neckline") or cut.collar is not Collar.NONE:
         yield cut, None
         return
     fronts, backs = (

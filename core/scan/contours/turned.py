@@ -1,0 +1,38 @@
+"""Find the part of a garment that is turned over at its neck: a collar's fall, lapels. Its outside faces the body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...body.body import Body
+from ...geometry.connectivity import find_components
+from ...geometry.geometry import face_normals
+from ...geometry.surface import TriangleSurface
+from .target import Contour
+
+MAX_TURNED_DISTANCE = 0.08
+"""Largest distance of a turned part from the body [m]: a collar lies on the shoulders or stands off them by its own
+width; what is farther away hangs free, and may face any way."""
+
+
+def find_turned_faces(vertices: np.ndarray, faces: np.ndarray, neck: Contour, body: Body) -> np.ndarray:
+    """Find the faces that are turned over at a garment's neck, bool, shape [face_count].
+
+    They face the body, and others that do so join them to the neck's edge.
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Outward faces.
+        neck: The edge.
+        body: The wearer.
+    """
+    skin = TriangleSurface(body.vertices, body.faces)
+    found = skin.closest(vertices[faces].mean(axis=1))
+    inward = (face_normals(vertices, faces)[0] * skin.face_normals[found.face]).sum(axis=1) < 0.0
+    inward &= found.distance < MAX_TURNED_DISTANCE
+    chosen = faces[inward]
+    _, piece = find_components(len(vertices), chosen[:, :2].ravel(), chosen[:, 1:].ravel())
+    on_edge = np.isin(piece[chosen[:, 0]], piece[np.intersect1d(neck.vertices, chosen)])
+    turned = np.zeros(len(faces), dtype=bool)
+    turned[np.flatnonzero(inward)[on_edge]] = True
+    return turned
