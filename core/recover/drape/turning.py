@@ -50,7 +50,8 @@ class TurnedPart:
     def at(self, angle: float, share: float = 1.0) -> np.ndarray:
         """Return positions [m], shape [n, 3], where the part makes an angle [rad] with the worn part at the crease, and
         has a share of its width."""
-        return self.crease + share * self.height * (np.sin(angle) * self.outward + np.cos(angle) * self.down)
+        leaning = np.sin(angle) * self.outward + np.cos(angle) * self.down
+        return np.asarray(self.crease + share * self.height * leaning)
 
 
 def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.ndarray) -> np.ndarray:

@@ -173,10 +173,10 @@ class NeckFinish:
 
     def apply(self, cut: Cut) -> Cut:
         """Return a cut with them; a collar is sewn to a crew neck."""
-        necks: dict[str, Neckline] = {}
-        if self.collar is not Collar.NONE:
-            necks = {"neckline": Neckline.CREW, "back_neckline": Neckline.CREW}
-        return replace(cut, collar=self.collar, front=self.front, **necks)
+        cut = replace(cut, collar=self.collar, front=self.front)
+        if self.collar is Collar.NONE:
+            return cut
+        return replace(cut, neckline=Neckline.CREW, back_neckline=Neckline.CREW)
 
 
 def rank_finishes(shape: NeckShape, cut: Cut, fixed: Mapping[str, str]) -> tuple[NeckFinish, ...]:
@@ -193,7 +193,8 @@ def rank_finishes(shape: NeckShape, cut: Cut, fixed: Mapping[str, str]) -> tuple
         cut: That they are drafted on.
         fixed: Choices of the user, by part.
     """
-    found, collars = [], [collar for collar in Collar if collar is not Collar.RIB]
+    found, collars = [], list(Collar)
+    collars.remove(Collar.RIB)
     if "collar" in fixed:
         collars = [Collar(fixed["collar"])]
     elif {fixed.get(part, "crew") for part in ("neckline", "back_neckline")} != {"crew"}:
