@@ -18,6 +18,8 @@ from garmentq.core.garment.parts.cut import (
     Front,
     Gores,
     HemBand,
+    Hood,
+    HoodWorn,
     Legs,
     Neckline,
     PartsConflict,
@@ -97,6 +99,16 @@ def many_cuts() -> dict[str, Cut]:
         found[f"{band} {cuff} rib front {front}"] = cut
     for front, shaping, yoke in product(tuple(Front)[1:], Shaping, tuple(Yoke)[:-1]):
         found[f"{shaping} {yoke} front {front}"] = Cut(Bodice.SHIFT, shaping=shaping, yoke=yoke, front=front)
+    for hood, bodice, sleeve, (skirt, legs), worn in product(
+        tuple(Hood)[1:], tuple(Bodice), (Sleeve.NONE, Sleeve.LONG), lower, HoodWorn
+    ):
+        cut = Cut(bodice, sleeve=sleeve, skirt=skirt, legs=legs, hood=hood, hood_worn=worn)
+        found[f"{bodice} {sleeve} {skirt} {legs} hood {hood} {worn}"] = cut
+    for hood, front, head, yoke in product(tuple(Hood)[1:], Front, SleeveHead, tuple(Yoke)[:-1]):
+        cut = Cut(Bodice.BOXY, sleeve=Sleeve.SHORT, sleeve_head=head, yoke=yoke, front=front, hood=hood)
+        found[f"{head} {yoke} front {front} hood {hood}"] = cut
+    for hood, kind, collar in product(tuple(Hood)[1:], Neckline, Collar):
+        found[f"{kind} {collar} hood {hood}"] = Cut(Bodice.BOXY, kind, collar=collar, hood=hood)
     for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
         found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
     for collar in Collar:

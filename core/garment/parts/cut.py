@@ -121,6 +121,21 @@ class Collar(StrEnum):
     SHAWL = "shawl"
 
 
+class Hood(StrEnum):
+    """Describe a hood by its number of pieces: two sides, or two sides and a strip between them."""
+
+    NONE = "none"
+    TWO = "two"
+    THREE = "three"
+
+
+class HoodWorn(StrEnum):
+    """Describe how a hood is worn: on the head, or down on the back, as on most scans."""
+
+    DOWN = "down"
+    UP = "up"
+
+
 class Front(StrEnum):
     """Describe how the front of a bodice is cut at its centre: in one piece, with a slit from the neck (a placket),
     closed over its whole length by a zip or by buttons, or worn open."""
@@ -202,6 +217,8 @@ class Cut:
         shaping: Of bodice and skirt at the waist.
         yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
         front: How the bodice's front is cut at its centre.
+        hood: On a crew neck.
+        hood_worn: Where the hood's pieces are placed before the first drape; it does not change the pieces.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: the neckline's usual depth.
     """
 
@@ -226,6 +243,8 @@ class Cut:
     sweep: float | None = None
     front: Front = Front.NONE
     hem_band: HemBand = HemBand.NONE
+    hood: Hood = Hood.NONE
+    hood_worn: HoodWorn = HoodWorn.DOWN
 
     @property
     def panels_around(self) -> int:
@@ -281,8 +300,10 @@ class Cut:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
         if part in ("neckline", "back_neckline"):
             return self.bodice not in (Bodice.NONE, Bodice.STRAPLESS)
-        if part in ("sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff", "front"):
+        if part in ("sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff", "front", "hood"):
             return self.bodice is not Bodice.NONE
+        if part == "hood_worn":
+            return self.hood is not Hood.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
         if part == "waistband":
@@ -327,6 +348,8 @@ PARTS: dict[str, type[StrEnum]] = {
     "gores": Gores,
     "front": Front,
     "hem_band": HemBand,
+    "hood": Hood,
+    "hood_worn": HoodWorn,
 }
 """The parts of a cut by name, each with its choices."""
 

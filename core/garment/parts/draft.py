@@ -27,6 +27,7 @@ from .cut import (
     Yoke,
 )
 from .fronts import check_front
+from .hoods import check_hood
 from .legs import draw_legs, draw_suit, draw_suit_legs
 from .ribs import sew_hem_rib
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
@@ -81,6 +82,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     check_front(cut)
     check_turned_collar(cut)
+    check_hood(cut)
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:

@@ -14,7 +14,8 @@ from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, draw_monotone_spline, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
 from .collars import STRIP_COLLARS, strip_collar
-from .cut import Cut, Legs, PartsConflict, Waistband
+from .cut import Cut, Hood, Legs, PartsConflict, Waistband
+from .hoods import draw_hood
 from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
 from .turned_collars import COLLARS, turned_collar
@@ -205,6 +206,8 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     if cut.collar in COLLARS:
         panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.hood is not Hood.NONE:
+        panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)
     return panels + shoulder.sleeves(cut, m.nape_height)
 
 

@@ -26,6 +26,7 @@ from .cut import (
     Collar,
     Cut,
     HemBand,
+    Hood,
     Legs,
     PartsConflict,
     Shaping,
@@ -36,6 +37,7 @@ from .cut import (
     Waist,
 )
 from .fronts import cut_front
+from .hoods import draw_hood, sew_hood
 from .necklines import NecklineCut, draw_neckline, side_neck
 from .ribs import HEM_RIB_WIDTH
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
@@ -208,6 +210,8 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
     if cut.collar in LAPELLED:
         necklines[0] = sew_lapel(neck, necklines[0])
+    if cut.hood is not Hood.NONE:
+        necklines = [sew_hood(cut, face, neck, line) for face, line in zip(FACES, necklines, strict=True)]
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
 
@@ -247,6 +251,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     if cut.collar in COLLARS:
         panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
+    if cut.hood is not Hood.NONE:
+        panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
