@@ -33,20 +33,35 @@ def find_crossings(points: np.ndarray, body: Body) -> tuple[Crossing, ...]:
     """Find the bones that a closed contour encircles.
 
     The contour is smoothed and spanned by a harmonic disk whose normal points into the garment (on the contour's left).
-    A bone is encircled where its signed passages do not cancel, which depends on the contour and not on the disk.
+    A bone is encircled where its signed passages do not cancel, which depends on the contour and not on the disk. A
+    contour that encircles no bone may still be that of a hood on the head, around the face: it is passed by the head's
+    forward direction, and counts as one around the head.
 
     Args:
         points: Positions along the contour [m], garment on the left, shape [n, 3].
         body: The wearer, in the same place and pose.
     """
     vertices, faces = span_disk(smooth_loop(points))
+    crossings = _cross(bone_segments(body), vertices[faces])
+    return crossings or _cross([_face_segment(body)], vertices[faces])
+
+
+def _cross(segments: list[tuple[str, np.ndarray, np.ndarray, float]], triangles: np.ndarray) -> tuple[Crossing, ...]:
+    """Return the crossings of segments with a disk of triangles [m], shape [n, 3, 3], one per bone."""
     found = []
-    for name, start, end, offset in bone_segments(body):
-        signs, places = _pass_triangles(start, end, vertices[faces])
+    for name, start, end, offset in segments:
+        signs, places = _pass_triangles(start, end, triangles)
         net = int(signs.sum())
         if net:
             found.append(Crossing(name, net > 0, float(np.mean(places[signs == np.sign(net)])) + offset))
     return _merge(found)
+
+
+def _face_segment(body: Body) -> tuple[str, np.ndarray, np.ndarray, float]:
+    """Return the head's extension in the direction of the face, as `bone_segments`."""
+    index = JOINTS.index("head")
+    start = body.joints[index]
+    return "head", start, start + LEAF_LENGTHS["head"] * body.transforms[index, :3, 2], 1.0
 
 
 def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]:
