@@ -15,10 +15,10 @@ from ...cloth.settings import STANDARD_GRAVITY
 from ...garment.creases import find_turned_panels, select_panels
 from ...garment.garment import Garment
 from ...garment.parts.tops import STRAPLESS_DROP
-from ...geometry.connectivity import HalfEdges
-from ...geometry.linear import factor_symmetric
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .gores import fan_out, find_sides
+from .harmonic import extend_harmonically
+from .hoods import HoodSettings, take_off_hood, wear_hood
 from .layer_contact import LayerContact
 from .leg_alignment import align_legs
 from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
@@ -47,6 +47,7 @@ class DressSettings:
         outline: Keep the seams between front and back outside the body's outline in the middle plane.
         unfold: Smooth cloth that crosses itself. Off before a graded drape, which has no layer contact: with it
             crotches came out with half as many crossing faces again.
+        hood: How a hood is put on.
         follow: The position-based steps.
     """
 
@@ -58,6 +59,7 @@ class DressSettings:
     turn: int = 60
     outline: bool = True
     unfold: bool = True
+    hood: HoodSettings = field(default_factory=HoodSettings)
     follow: PbdSettings = field(default_factory=PbdSettings)
 
 
@@ -67,7 +69,8 @@ def place_panels(
     """Flatten the placed panels to both sides of the body's middle plane and shift them to where they are worn.
 
     Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is computed: a waist is placed at
-    `waist_height`, any other garment with its shoulder line on the body's. Legs are aligned with the body's.
+    `waist_height`, any other garment with its shoulder line on the body's. Legs are aligned with the body's. A hood is
+    placed on the neckline.
 
     Args:
         garment: The sewn garment, nodes where its file places them.
@@ -78,6 +81,10 @@ def place_panels(
     Returns:
         Nodes [m], shape [node_count, 3].
     """
+    hooded = take_off_hood(garment)
+    if hooded is not None:
+        below = place_panels(hooded.below, body, waist_height=waist_height, flatten=flatten)
+        return hooded.put_on(below, body)
     nodes = _weld_flat(garment, body)
     pelvis = body.joint("pelvis")
     nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
@@ -145,23 +152,11 @@ def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     rows = (gap @ member).toarray()
     normal = rows.T @ rows + 1e-3 * np.eye(len(panels))
     flat += np.linalg.solve(normal, -rows.T @ (gap @ flat[shared]))[garment.panel_of_uv]
-    flat = flat + _extend_harmonically(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
+    flat = flat + extend_harmonically(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
     nodes = np.zeros((len(count), 3))
     np.add.at(nodes[:, :2], garment.uv_node, flat)
     nodes[:, :2] /= count[:, None]
     return nodes
-
-
-def _extend_harmonically(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Extend values at fixed vertices harmonically over a flat mesh (uniform Laplacian), shape [count, 2]."""
-    adjacency = HalfEdges.of(faces, count).adjacency
-    laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency) + 1e-9 * sparse.identity(count))
-    free = np.setdiff1d(np.arange(count), fixed)
-    result = np.zeros((count, 2))
-    result[fixed] = values
-    right = -(laplacian[free][:, fixed] @ values)
-    result[free] = factor_symmetric(laplacian[free][:, free]).solve(right)
-    return result
 
 
 def _middle_plane(body: Body) -> float:
@@ -333,7 +328,8 @@ def dress(
     squashed in depth. The body is inflated to its full size while the cloth follows without weight, its seams between
     front and back in the middle plane, so that no shoulder slips off the thin body's edge. Crossing cloth is smoothed;
     then gravity acts. The waist of skirts and trousers is fixed in height, as by a waistband's friction. What is turned
-    over along creases is put on afterwards: it is turned towards the cloth below, and falls on it.
+    over along creases is put on afterwards: it is turned towards the cloth below, and falls on it. A hood is put on
+    last (`wear_hood`).
 
     Args:
         garment: The sewn garment, nodes where its file places them.
@@ -345,22 +341,17 @@ def dress(
         threads: The constraints of `garment`, or None to compute them.
     """
     threads = build_distance_constraints(garment, settings.follow.bending) if threads is None else threads
-    weight, layers = -STANDARD_GRAVITY[1], LayerContact()
     turned = find_turned_panels(garment.pattern)
     if turned:
         worn, numbers = select_panels(garment, frozenset(panel.name for panel in garment.pattern.panels) - turned)
         nodes = dress(worn, body, distance, waist_height=waist_height, settings=settings, hooks=hooks)
-        start = PbdState.at_rest(turn_over(garment, nodes, worn, numbers))
-        return simulate_pbd(
-            threads,
-            start,
-            distance,
-            settings.turn,
-            settings=settings.follow,
-            gravity=weight,
-            pins=waist_loop(garment),
-            layers=layers,
-        ).nodes
+        start, pins = PbdState.at_rest(turn_over(garment, nodes, worn, numbers)), waist_loop(garment)
+        return _settle(threads, start, distance, settings.turn, settings, pins)
+    hooded = take_off_hood(garment)
+    if hooded is not None:
+        below = dress(hooded.below, body, distance, waist_height=waist_height, settings=settings, hooks=hooks)
+        start = wear_hood(hooded, below, body, distance, threads, follow=settings.follow, settings=settings.hood)
+        return _settle(threads, start, distance, settings.settle, settings, None)
     nodes = place_panels(garment, body, waist_height=waist_height, flatten=settings.flatten)
     middle = _middle_plane(body)
     waist = waist_loop(garment)
@@ -379,7 +370,19 @@ def dress(
         hooks.check()
     if settings.unfold:
         nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, pins=waist)
-    start = PbdState.at_rest(nodes)
+    return _settle(threads, PbdState.at_rest(nodes), distance, settings.settle, settings, waist)
+
+
+def _settle(
+    threads: DistanceConstraints,
+    start: PbdState,
+    distance: SignedDistance,
+    steps: int,
+    settings: DressSettings,
+    pins: np.ndarray | None,
+) -> np.ndarray:
+    """Settle cloth under gravity with its layers kept apart; return the nodes [m], shape [node_count, 3]."""
+    weight, layers = -STANDARD_GRAVITY[1], LayerContact()
     return simulate_pbd(
-        threads, start, distance, settings.settle, settings=settings.follow, gravity=weight, pins=waist, layers=layers
+        threads, start, distance, steps, settings=settings.follow, gravity=weight, pins=pins, layers=layers
     ).nodes
