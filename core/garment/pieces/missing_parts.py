@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from ..parts.hoods import HOOD_LABEL
 from .piece import EdgeUse, Piece
 
 DOUBLED_PANEL_WORDS = ("rib", "turtleneck")
@@ -24,7 +25,9 @@ def list_missing(pieces: Collection[Piece]) -> tuple[str, ...]:
     banded = any("band" in label for label in bands)
     elastic = any("elastic" in label for label in bands)
     lines = []
-    if EdgeUse.NECK in uses:
+    if EdgeUse.NECK in uses and any(piece.net.label == HOOD_LABEL for piece in pieces):
+        lines.append("facing or casing of the hood's face edge, drawstring, and tape over the neck seam")
+    elif EdgeUse.NECK in uses:
         lines.append("finish of the neck: rib, binding or facing")
     if EdgeUse.ARMHOLE in uses:
         lines.append("finish of the armholes: binding or facing")

@@ -8,19 +8,21 @@ import numpy as np
 
 from ..curves import edge_length
 from ..orientation import place_points
+from ..parts.hoods import HOOD_LABEL
 from ..pattern import EdgeRef, Pattern, Seam
 from .closure import find_closure
 from .piece import Piece, PieceSide, SeamWalk
 
 Key = frozenset[tuple[str, int]]
+Copy = tuple[int, bool]
 Sides = Mapping[EdgeRef, tuple[PieceSide, ...]]
 
 
 def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[EdgeRef, EdgeRef]) -> tuple[SeamWalk, ...]:
-    """Return the seams to be sewn, in order, without those inside a joined piece. Darts come first. Then, from the top
-    of the garment down, seams that join pieces which are not connected yet: they are sewn flat. Then, from the top
-    down, those that close the connected pieces to tubes, and last those with a zip or buttons. Mirrored seams are one
-    step.
+    """Return the seams to be sewn, in order, without those inside a joined piece. Darts come first, then the seams of a
+    hood, which is sewn on as a whole. Then, from the top of the garment down, seams that join pieces which are not
+    connected yet: they are sewn flat. Then, from the top down, those that close the connected pieces to tubes, and last
+    those with a zip or buttons. Mirrored seams are one step.
 
     Args:
         pattern: The pattern.
@@ -34,20 +36,29 @@ def order_seams(pattern: Pattern, pieces: tuple[Piece, ...], mirror: Mapping[Edg
             steps.setdefault(_key(seam, mirror), []).append(seam)
     waiting = sorted(steps, key=lambda key: (-_height(pattern, steps[key][0]), sorted(key)))
     ordered = [key for key in waiting if _is_dart(pattern, steps[key][0])]
+    ordered += [key for key in waiting if key not in ordered and _is_in_hood(pattern, steps[key][0])]
     closures = [key for key in waiting if find_closure(pattern, steps[key][0].a) is not None]
     waiting = [key for key in waiting if key not in ordered and key not in closures]
     cloth = {seam: _seam_pieces(pieces, homes, seam) for seams in steps.values() for seam in seams}
     sewn = {copy: copy for copies in cloth.values() for copy in copies}
+    for key in ordered:
+        sewn = _join(sewn, [cloth[seam] for seam in steps[key]])
     while waiting:
         joins = [key for key in waiting if any(len({sewn[c] for c in cloth[seam]}) > 1 for seam in steps[key])]
         chosen = (joins or waiting)[0]
         waiting.remove(chosen)
         ordered.append(chosen)
-        for seam in steps[chosen]:
-            whole = {sewn[copy] for copy in cloth[seam]}
-            sewn = {copy: min(whole) if now in whole else now for copy, now in sewn.items()}
+        sewn = _join(sewn, [cloth[seam] for seam in steps[chosen]])
     walks = [(seam, step) for step, key in enumerate([*ordered, *closures], 1) for seam in steps[key]]
     return tuple(_walk(pattern, pieces, homes, *walk) for walk in walks)
+
+
+def _join(sewn: dict[Copy, Copy], seams: list[frozenset[Copy]]) -> dict[Copy, Copy]:
+    """Return the connected pieces after some seams, each named by one of its pieces of cloth."""
+    for copies in seams:
+        whole = {sewn[copy] for copy in copies}
+        sewn = {copy: min(whole) if now in whole else now for copy, now in sewn.items()}
+    return sewn
 
 
 def find_sides(pieces: tuple[Piece, ...]) -> dict[EdgeRef, tuple[PieceSide, ...]]:
@@ -83,7 +94,11 @@ def _is_dart(pattern: Pattern, seam: Seam) -> bool:
     return seam.a.panel == seam.b.panel and apart in (1, count - 1)
 
 
-def _seam_pieces(pieces: tuple[Piece, ...], homes: Sides, seam: Seam) -> frozenset[tuple[int, bool]]:
+def _is_in_hood(pattern: Pattern, seam: Seam) -> bool:
+    return all(pattern.panel(ref.panel).label == HOOD_LABEL for ref in (seam.a, seam.b))
+
+
+def _seam_pieces(pieces: tuple[Piece, ...], homes: Sides, seam: Seam) -> frozenset[Copy]:
     """Return the pieces of cloth on both sides of a seam: number, and whether it is the mirrored copy."""
     sides = (*homes[seam.a], *homes[seam.b])
     return frozenset((side.piece, side.mirrored and pieces[side.piece].pair) for side in sides)

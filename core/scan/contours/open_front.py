@@ -30,8 +30,9 @@ def divide_front(points: np.ndarray, body: Body) -> FrontBorder | None:
     Neckline and hem run around the trunk, front edges along it. Of all divisions of the smoothed loop into four parts
     the one with the least
         int_neck,hem (t . a)^2 ds + int_edges (1 - (t . a)^2) ds
-    is taken, by dynamic programming from the loop's highest point along the trunk, which belongs to the neckline. So does
-    all that is above the neck: the edge of a hood on the head runs upwards there, beside the face. The edge that goes down from there, the garment on its left, is that of the wearer's left front.
+    is taken, by dynamic programming from the loop's highest point along the trunk, which belongs to the neckline. So
+    does all that is above the neck: the edge of a hood on the head runs upwards there, beside the face. The edge that
+    goes down from there, the garment on its left, is that of the wearer's left front.
 
     Notation: t the unit tangent, a the trunk's direction, from the pelvis to the neck.
 
