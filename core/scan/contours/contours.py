@@ -14,7 +14,7 @@ from ...geometry.geometry import unit, vertex_normals
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
 from .loop import CONTOUR_SMOOTHING_LENGTH, find_loops, smoothed_length
-from .open_front import divide_front
+from .open_front import FrontBorder, divide_front
 from .rim_gaps import bridge_bays, bridge_bites
 from .target import Contour
 from .zigzag import find_cut_contours
@@ -127,10 +127,18 @@ def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
 
 
 def _divide_front(loop: np.ndarray, vertices: np.ndarray, body: Body) -> list[_Candidate]:
-    """Return neckline, hem and front edges of a loop that is the border of an open front; none where it is not."""
-    parts = divide_front(vertices[loop], body)
-    if parts is None:
-        return []
+    """Return neckline, hem and front edges of a loop that is the border of an open front; none where it is not. A hood
+    that stands behind the head begins below the jaw, at the neck."""
+    for limit in ("head", "neck"):
+        parts = divide_front(vertices[loop], body, limit)
+        found = [] if parts is None else _name_front(parts, loop, vertices, body)
+        if found:
+            return found
+    return []
+
+
+def _name_front(parts: FrontBorder, loop: np.ndarray, vertices: np.ndarray, body: Body) -> list[_Candidate]:
+    """Return the parts of a loop by name; none where they do not go around the trunk as neckline and hem."""
     found = []
     for name, part in (("neck", parts.neck), ("hem", parts.hem)):
         points = vertices[loop[part]]

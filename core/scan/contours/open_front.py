@@ -24,21 +24,22 @@ class FrontBorder(NamedTuple):
     right: np.ndarray
 
 
-def divide_front(points: np.ndarray, body: Body) -> FrontBorder | None:
+def divide_front(points: np.ndarray, body: Body, limit: str = "head") -> FrontBorder | None:
     """Divide a border loop into neckline, front edges and hem.
 
     Neckline and hem run around the trunk, front edges along it. Of all divisions of the smoothed loop into four parts
     the one with the least
         int_neck,hem (t . a)^2 ds + int_edges (1 - (t . a)^2) ds
     is taken, by dynamic programming from the loop's highest point along the trunk, which belongs to the neckline. So
-    does all that is above the neck: the edge of a hood on the head runs upwards there, beside the face. The edge that
-    goes down from there, the garment on its left, is that of the wearer's left front.
+    does all that is above the joint `limit`: the edge of a hood runs upwards there, beside the face. The edge that goes
+    down from there, the garment on its left, is that of the wearer's left front.
 
     Notation: t the unit tangent, a the trunk's direction, from the pelvis to the neck.
 
     Args:
         points: The loop, garment on the left [m], shape [n, 3].
         body: The wearer.
+        limit: Name of the joint above which no front edge goes.
 
     Returns:
         The parts; None where one of them has no length. Whether the loop is a front's shows what neckline and hem go
@@ -51,7 +52,7 @@ def divide_front(points: np.ndarray, body: Body) -> FrontBorder | None:
     curve = Curve(np.roll(smooth, -first, axis=0))
     along = (curve.tangents @ axis) ** 2
     middles = 0.5 * (curve.points + np.roll(curve.points, -1, axis=0))
-    along[middles @ axis > body.joint("head") @ axis] = 0.0
+    along[middles @ axis > body.joint(limit) @ axis] = 0.0
     starts = _divide(along * curve.lengths, (1.0 - along) * curve.lengths)
     corners = [_nearest(points, curve.points[start]) for start in starts]
     parts = [_between(corners[i], corners[(i + 1) % PART_COUNT], len(points)) for i in range(PART_COUNT)]
