@@ -18,13 +18,18 @@ from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import find_cut, load_template, name_cut
 from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.dress import dress
+from garmentq.core.recover.drape.hoods import take_off_hood
 from garmentq.core.recover.drape.pbd import build_distance_constraints
 from garmentq.core.recover.drape.pose_path import PosePath, pose_cloth
 from garmentq.core.recover.drape.waist import waist_loop
+from garmentq.core.scan.contours.contours import name_contours
 from sized_template import size_template
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
+
+HOOD_NODES = 1000
+"""Edges of 3 cm: cloth of 5 cm is too stiff for a hood to fold at the neck."""
 
 STATURES = {"female": "builtin:female,height=1.70", "male": "builtin:male"}
 
@@ -126,11 +131,53 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         pytest.param("skirt+skirt=full-circle,waistband=elastic", marks=pytest.mark.nightly),
         pytest.param("trousers+waistband=elastic", marks=pytest.mark.nightly),
         "trousers+legs=leggings",
+        "long_sleeve_tshirt+hood=two,hood_worn=up",
+        pytest.param("long_sleeve_tshirt+hood=two", marks=pytest.mark.nightly),
+        pytest.param("tshirt+hood=three,hood_worn=up,front=zip", marks=pytest.mark.nightly),
+        pytest.param("sleeved_jumpsuit+hood=three", marks=pytest.mark.nightly),
     ],
 )
 def test_a_cut_hangs(name: str) -> None:
     """Breaks where a part is placed through its neighbour or the body, or a seam is sewn the wrong way round."""
     hang(name, "female", ("A",))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("parts", "gender"),
+    [
+        ("hood=two,hood_worn=down", "female"),
+        pytest.param("hood=two,hood_worn=up", "male", marks=pytest.mark.nightly),
+        pytest.param("hood=three,hood_worn=down,front=zip", "male", marks=pytest.mark.nightly),
+        pytest.param("hood=three,hood_worn=up,front=buttons", "female", marks=pytest.mark.nightly),
+        pytest.param("hood=two,hood_worn=down,front=open", "female", marks=pytest.mark.nightly),
+        pytest.param("hood=three,hood_worn=up,front=open", "female", marks=pytest.mark.nightly),
+    ],
+)
+def test_a_hood_is_worn_up_or_down(parts: str, gender: str) -> None:
+    """Breaks where a hood is not on the head, or not behind the neck, or the edge of its face opening has no name."""
+    name, (body, grid, _), (posed, around, outside) = (
+        f"long_sleeve_tshirt+{parts}",
+        wearer(gender, "T"),
+        wearer(gender, "A"),
+    )
+    garment = mesh_pattern(size_template(name, body), HOOD_NODES)
+    threads = build_distance_constraints(garment)
+    nodes, velocity = pose_cloth(threads, dress(garment, body, grid, threads=threads), way(gender, "A"), around)
+    assert len(self_intersections(nodes, garment.faces)) == 0
+    assert outside.measure(nodes)[0].min() >= -1e-3
+    assert np.quantile(np.linalg.norm(velocity, axis=1), 0.9) < CALM
+    front = {"front.left", "front.right"} if "front=open" in parts else set()
+    names = {contour.name for contour in name_contours(nodes, garment.faces, posed)[0]}
+    assert names == {"neck", "hem", "cuff.left", "cuff.right"} | front
+    hooded = take_off_hood(garment)
+    assert hooded is not None
+    hood = np.delete(nodes, hooded.nodes, axis=0)
+    if "hood_worn=up" in parts:
+        assert hood[:, 1].max() > posed.vertices[:, 1].max()
+        return
+    assert hood[:, 1].max() < posed.joint("head")[1] + 0.05
+    assert np.median(hood[:, 2]) < posed.joint("neck")[2] - 0.05
 
 
 @pytest.mark.slow
