@@ -1,6 +1,7 @@
 """Draft collars that turn over: a stand, sewn to a crew neck, and a fall, sewn to it along the crease about which it
 turns (W. Aldrich, Metric Pattern Cutting for Women's Wear; H. Joseph-Armstrong, Patternmaking for Fashion Design).
-The fall is one panel from one front edge over the centre back to the other. Where the crease is a straight line on both
+The fall is one panel from one front edge over the centre back to the other; the stand's ends are sewn to each other
+at the centre front where the garment is not opened there. Where the crease is a straight line on both
 panels, stand and fall are cut in one piece, which is folded there; where it is not, it is a seam. The lapels of a
 jacket are panels of their own beyond a straight roll line, and are cut in one piece with the fronts."""
 
@@ -18,6 +19,7 @@ from ..outline import (
     Stroke,
     arc_handles,
     cut_stroke,
+    halve,
     labelled_length,
     mirror,
     place_panel,
@@ -73,13 +75,13 @@ class CollarMeasures:
 
 COLLARS: dict[Collar, CollarMeasures] = {
     Collar.SHIRT: CollarMeasures(0.03, 0.03, 0.045, 0.07, slant=0.35, rise=0.015, drop=0.03),
-    Collar.CONVERTIBLE: CollarMeasures(0.03, 0.015, 0.05, 0.07, slant=0.45),
+    Collar.CONVERTIBLE: CollarMeasures(0.03, 0.02, 0.05, 0.07, slant=0.45),
     Collar.POLO: CollarMeasures(0.03, 0.03, 0.045, 0.06, slant=0.25),
     Collar.NOTCHED: CollarMeasures(0.025, 0.0, 0.045, 0.035, slant=-0.7, drop=0.03, gorge=0.035, lapel=0.035),
     Collar.SHAWL: CollarMeasures(0.025, 0.0, 0.045, 0.0, drop=0.03, gorge=0.06),
 }
 """Measures of each collar. A shirt's has a stand of 3 cm, raised by 1.5 cm in front, a fall of 4.5 cm and points of 7
-cm (Aldrich, shirt collar with a stand). A convertible one is a strip of 8 cm, curved to half the stand at the centre
+cm (Aldrich, shirt collar with a stand). A convertible one is a strip of 8 cm, narrowed to a stand of 2 cm at the centre
 front (Aldrich, convertible collar). A polo shirt's is a knitted strip of 7.5 cm with slanted ends. A jacket's has a
 stand of 2.5 cm, a fall of 4.5 cm, and a notch of 3.5 cm at both edges (Aldrich, classic tailored collar); a shawl
 collar has none."""
@@ -142,9 +144,13 @@ def turned_collar(
     half = _draw_front_stand(measures, front, neck[1])
     if cut.collar in LAPELLED:
         pieces = [("collar_front_left", half), ("collar_front_right", mirror(half))]
+    elif cut.front is Front.NONE:
+        left = halve(unfold_closed(half), Stroke((0.0, 0.0), label="collarend"))
+        pieces = [("collar_front_left", left), ("collar_front_right", mirror(left))]
     else:
         pieces = cut_front(cut, "collar_front", unfold_closed(half))
-    panels += [place_panel(part, outline, height, label="collar") for part, outline in pieces]
+    grains = {"collar_front_left": 2.0 * measures.rise / front, "collar_front_right": -2.0 * measures.rise / front}
+    panels += [place_panel(part, outline, height, grains[part], "collar") for part, outline in pieces]
     rolled = labelled_length(half, CREASE_LABEL)
     fall = place_panel("collar_back", _draw_fall(measures, rolled, back, upper), height, label="collar")
     panels.append(replace(fall, name="collar_fall"))

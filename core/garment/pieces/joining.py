@@ -1,4 +1,4 @@
-"""Join halves of one piece: half sleeves at the top of the sleeve, halves of a band at a side."""
+"""Join halves of one piece: half sleeves at the top of the sleeve, halves of a band at a side, both sides of a crease."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...geometry.rigid import plane_rotation
+from ..creases import is_crease
 from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
-from ..pattern import EdgeRef, Panel, Pattern
+from ..pattern import EdgeRef, Panel, Pattern, Seam
 from ..validity import check_outline
 from .closure import find_closure
 from .piece import PanelPlace
@@ -41,16 +42,18 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     """Return the panels of a pattern, those joined that are halves of one piece, each in the axes of its first panel.
     Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
     the grainlines agree within `MAX_JOINED_GRAIN_ANGLE`. Of several such seams the highest on the wearer is taken: the
-    top of a sleeve, not below it."""
+    top of a sleeve, not below it. So are the two sides of a straight crease: a lapel and its front, a fall and its
+    stand. Where joining closes another such seam over its length, it is no seam of the piece either."""
     groups = {panel.name: _single_panel_group(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
         if seam.gathered or not seam.reversed or find_closure(pattern, seam.a) is not None:
             continue
         first, second = groups[seam.a.panel], groups[seam.b.panel]
-        if first is second or not (_is_half(pattern, seam.a) and _is_half(pattern, seam.b)):
+        if first is second or not _is_within_piece(pattern, seam):
             continue
         joined = _join(first, first.sources.index(seam.a), second, second.sources.index(seam.b))
         if joined is not None:
+            joined = _close_seams(pattern, joined)
             groups.update((place.panel, joined) for place in joined.places)
     return tuple(dict.fromkeys(groups.values()))
 
@@ -60,10 +63,41 @@ def _single_panel_group(panel: Panel) -> Group:
     return Group(panel, sources, (PanelPlace(panel.name, np.eye(2), np.zeros(2)),))
 
 
+def _is_within_piece(pattern: Pattern, seam: Seam) -> bool:
+    """Check whether a seam joins two straight edges of halves of one piece, or of the two sides of a crease."""
+    sides = (seam.a, seam.b)
+    if any(pattern.panel(ref.panel).edges[ref.edge].kind != "line" for ref in sides):
+        return False
+    return all(is_crease(pattern, ref) for ref in sides) or all(_is_half(pattern, ref) for ref in sides)
+
+
 def _is_half(pattern: Pattern, ref: EdgeRef) -> bool:
     panel = pattern.panel(ref.panel)
     words = f"{panel.name} {panel.label}".lower()
-    return panel.edges[ref.edge].kind == "line" and any(word in words for word in HALF_PANEL_WORDS)
+    return any(word in words for word in HALF_PANEL_WORDS)
+
+
+def _close_seams(pattern: Pattern, group: Group) -> Group:
+    """Return a group without pairs of neighbouring edges that are sewn to each other and coincide."""
+    sewn = {seam.a: seam for seam in pattern.seams} | {seam.b: seam for seam in pattern.seams}
+    n = 0
+    while n < len(group.sources):
+        net, count = group.net, len(group.sources)
+        first, second = group.sources[n], group.sources[(n + 1) % count]
+        seam = sewn.get(first)
+        start, end = net.points[n], net.points[(n + 2) % count]
+        if (
+            seam is None
+            or {seam.a, seam.b} != {first, second}
+            or not _is_within_piece(pattern, seam)
+            or np.linalg.norm(end - start) > HALF_JOIN_TOLERANCE
+        ):
+            n += 1
+            continue
+        keep = [(n + 2 + k) % count for k in range(count - 2)]
+        closed = replace(net, points=net.points[keep], edges=tuple(net.edges[k] for k in keep))
+        group, n = replace(group, net=closed, sources=tuple(group.sources[k] for k in keep)), 0
+    return group
 
 
 def _height(pattern: Pattern, ref: EdgeRef) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..creases import find_turned_panels, is_crease
 from ..meshing import points_in_polygon
 from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
@@ -76,7 +77,7 @@ def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: 
         style.fabric,
         pieces,
         order_seams(pattern, pieces, find_twins(pattern)),
-        list_missing(pieces),
+        list_missing(pieces, bool(find_turned_panels(pattern))),
     )
 
 
@@ -124,13 +125,25 @@ def _make_piece(
         fold=None,
         cut=cut,
         notches=notches,
-        darts=lines,
+        darts=(*lines, *_crease_lines(pattern, group)),
         drills=tips,
         grain=_draw_grain(group.net),
     )
     if settings.fold and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
         return fold_piece(piece, drawn) or piece
     return piece
+
+
+def _crease_lines(pattern: Pattern, group: Group) -> tuple[np.ndarray, ...]:
+    """Return the lines along which a piece is folded [m], shape [n, 2] each: creases between two panels of it."""
+    places, lines = {place.panel: place for place in group.places}, []
+    for seam in pattern.seams:
+        ref = seam.a
+        if ref in group.sources or not {seam.a.panel, seam.b.panel} <= set(places) or not is_crease(pattern, ref):
+            continue
+        place = places[ref.panel]
+        lines.append(flatten_edge(pattern.panel(ref.panel), ref.edge) @ place.rotation.T + place.translation)
+    return tuple(lines)
 
 
 def _find_inner_seams(pattern: Pattern, group: Group) -> dict[int, int]:

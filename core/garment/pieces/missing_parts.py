@@ -17,15 +17,23 @@ def is_doubled(piece: Piece) -> bool:
     return any(word in words for word in DOUBLED_PANEL_WORDS)
 
 
-def list_missing(pieces: Collection[Piece]) -> tuple[str, ...]:
-    """Return what is missing for a wearable garment of some pieces, one line each. The free edge of a doubled piece is
-    folded."""
+def list_missing(pieces: Collection[Piece], turned: bool = False) -> tuple[str, ...]:
+    """Return what is missing for a wearable garment, one line each. The free edge of a doubled piece is folded.
+
+    Args:
+        pieces: Of the garment.
+        turned: True where it has a collar or lapels that turn over, and so show their other side.
+    """
     uses = {edge.use for piece in pieces if not is_doubled(piece) for edge in piece.edges}
     bands = [piece.net.label for piece in pieces if _is_sewn_to_a_waist(piece)]
     banded = any("band" in label for label in bands)
     elastic = any("elastic" in label for label in bands)
     lines = []
-    if EdgeUse.NECK in uses and any(piece.net.label == HOOD_LABEL for piece in pieces):
+    if turned:
+        lines.append(
+            "upper side of what turns over: upper collar, facings with lapels; interfacing of both and of a stand"
+        )
+    elif EdgeUse.NECK in uses and any(piece.net.label == HOOD_LABEL for piece in pieces):
         lines.append("facing or casing of the hood's face edge, drawstring, and tape over the neck seam")
     elif EdgeUse.NECK in uses:
         lines.append("finish of the neck: rib, binding or facing")
