@@ -7,13 +7,21 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...garment.creases import CREASE_ANGLE, find_turned_panels, is_crease
+from ...garment.creases import find_turned_panels, is_crease
 from ...garment.garment import Garment
 from ...geometry.geometry import face_normals, unit, vertex_normals
 from ...geometry.intersections import self_intersections, undo_crossings
 
 TURN_STEP = np.deg2rad(5.0)
 """Angle by which the turned parts turn at once [rad]: the edge of a lapel 10 cm wide moves by less than 1 cm."""
+
+START_ANGLE = np.deg2rad(75.0)
+"""Angle between the turned and the worn part at first [rad]: nearly a right angle, so that it stands out from the
+shoulders, but less, so that it falls, and both points of a collar part."""
+
+END_ANGLE = np.deg2rad(50.0)
+"""Angle from which it falls by position-based steps [rad]: weight, crease and its outer edge, stretched by now, draw it
+down. From 75 degrees on some fell to the wrong side; nearer to the worn part they touched its folds."""
 
 GROWTH_STEP_COUNT = 10
 """Number of steps in which the turned parts grow out of the creases to their width, by less than 1 cm each."""
@@ -57,8 +65,8 @@ class TurnedPart:
 def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.ndarray) -> np.ndarray:
     """Turn panels over along the creases, and return the nodes of the whole garment [m], shape [node_count, 3].
 
-    At first they grow out of the creases at a right angle to the worn part, so that they stand out as a ruff does. Then
-    they turn towards the worn part to the angle of the crease at rest. A node that would cross other cloth stops. The
+    At first they grow out of the creases at `START_ANGLE`, so that they stand out as a ruff does. Then they turn
+    towards the worn part to `END_ANGLE`. A node that would cross other cloth stops. The
     lengths along the crease are not kept.
 
     Args:
@@ -71,8 +79,8 @@ def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.nd
     placed[numbers] = nodes
     part = _find_part(garment, placed, worn, numbers)
     shares = np.arange(1, GROWTH_STEP_COUNT + 1) / GROWTH_STEP_COUNT
-    angles = np.arange(np.pi / 2, np.pi - CREASE_ANGLE, -TURN_STEP)[1:]
-    path = [part.at(np.pi / 2, share) for share in shares] + [part.at(angle) for angle in angles]
+    angles = np.arange(START_ANGLE, END_ANGLE, -TURN_STEP)[1:]
+    path = [part.at(START_ANGLE, share) for share in shares] + [part.at(angle) for angle in angles]
     placed[part.nodes] = path[0]
     crossed = self_intersections(placed, garment.faces)
     for before, after in pairwise(path):
@@ -83,32 +91,32 @@ def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.nd
 
 
 def _find_part(garment: Garment, placed: np.ndarray, worn: Garment, numbers: np.ndarray) -> TurnedPart:
-    """Return the turned part of a garment whose worn nodes are placed [m], shape [node_count, 3]."""
-    count = len(garment.nodes)
-    normals, tangents = np.zeros((count, 3)), np.zeros((count, 3))
+    """Return the turned part of a garment whose worn nodes are placed [m], shape [node_count, 3].
+
+    Its direction along the worn part is square to the crease on each panel, so that two ends of creases at one node,
+    such as those at both points of a collar, part there.
+    """
+    count, turned = len(garment.nodes), find_turned_panels(garment.pattern)
+    normals = np.zeros((count, 3))
     normals[numbers] = _outward_vectors(placed[numbers], worn.faces)
-    turned = find_turned_panels(garment.pattern)
-    lines = {
-        i: [
+    total, parts = np.zeros((count, 10)), np.zeros(count)
+    for i, panel in enumerate(garment.pattern.panels):
+        lines = [
             line for ref, line in garment.edge_uv.items() if ref.panel == panel.name and is_crease(garment.pattern, ref)
         ]
-        for i, panel in enumerate(garment.pattern.panels)
-        if panel.name in turned
-    }
-    lines = {i: found for i, found in lines.items() if found}
-    for line in (garment.uv_node[line] for found in lines.values() for line in found):
-        along = unit(placed[line[1:]] - placed[line[:-1]])
-        np.add.at(tangents, line[:-1], along)
-        np.add.at(tangents, line[1:], along)
-    downs = unit(np.cross(tangents, normals))
-    total, parts = np.zeros((count, 10)), np.zeros(count)
-    for i, found in lines.items():
-        starts, ends = (np.concatenate([line[cut] for line in found]) for cut in (slice(0, -1), slice(1, None)))
+        if panel.name not in turned or not lines:
+            continue
+        starts, ends = (np.concatenate([line[cut] for line in lines]) for cut in (slice(0, -1), slice(1, None)))
         own = np.flatnonzero(garment.panel_of_uv == i)
         segment, share, height = _project(garment.uv[own], garment.uv[starts], garment.uv[ends])
-        first, last = garment.uv_node[starts[segment]], garment.uv_node[ends[segment]]
-        frame = [(1.0 - share) * field[first] + share * field[last] for field in (placed, normals, downs)]
-        np.add.at(total, garment.uv_node[own], np.hstack([*frame, height]))
+        chords = unit(placed[garment.uv_node[ends]] - placed[garment.uv_node[starts]])
+        along = np.zeros((len(garment.uv), 3))
+        np.add.at(along, starts, chords)
+        np.add.at(along, ends, chords)
+        of_vertex = normals[garment.uv_node]
+        frame = (placed[garment.uv_node], of_vertex, unit(np.cross(unit(along), of_vertex)))
+        at = [(1.0 - share) * field[starts[segment]] + share * field[ends[segment]] for field in frame]
+        np.add.at(total, garment.uv_node[own], np.hstack([*at, height]))
         np.add.at(parts, garment.uv_node[own], 1.0)
     parts[numbers] = 0.0
     free = np.flatnonzero(parts)
