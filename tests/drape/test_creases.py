@@ -36,8 +36,8 @@ CUTS = (
     "long_sleeve_tshirt+collar=shawl,front=open",
 )
 
-NODES = 800
-"""Edges of 3 cm: stand and fall are one or two triangles wide."""
+NODES = 1200
+"""Edges of 2.5 cm: stand and fall are one or two triangles wide."""
 
 
 def turns(garment: Garment) -> np.ndarray:
@@ -72,9 +72,8 @@ def test_falls_and_lapels_are_what_is_turned(name: str) -> None:
     assert find_turned_panels(pattern) == expected
     garment = mesh_pattern(pattern, NODES)
     worn, numbers = select_panels(garment, frozenset(panel.name for panel in pattern.panels) - expected)
-    np.testing.assert_array_equal(
-        numbers[worn.faces], garment.faces[np.isin(garment.faces, numbers).all(axis=1)][: len(worn.faces)]
-    )
+    inside = np.array([panel.name not in expected for panel in pattern.panels])[garment.panel_of_face]
+    np.testing.assert_array_equal(numbers[worn.faces], garment.faces[inside])
     np.testing.assert_array_equal(worn.uv_node[worn.uv_faces], worn.faces)
     assert not find_turned_panels(worn.pattern)
 
@@ -103,7 +102,7 @@ def test_a_turned_collar_is_turned_at_rest(name: str) -> None:
     assert drape.at_rest
     assert len(self_intersections(worn.nodes, worn.faces)) == 0
     assert wearer.exposed.measure(worn.nodes)[0].min() >= -1e-3
-    found = turns(worn)
-    assert np.quantile(found, 0.75) < -np.pi / 2 and found.max() < 0.0
-    assert np.quantile(heights_over_crease(worn), 0.95) < 0.0
+    found, heights = turns(worn), heights_over_crease(worn)
+    assert np.median(found) < -2.0 * np.pi / 3.0 and found.max() < 0.0
+    assert np.median(heights) < -0.005 and np.quantile(heights, 0.9) < 0.0
     assert {"neck", "hem"} <= {contour.name for contour in worn.contours}

@@ -135,6 +135,11 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         pytest.param("long_sleeve_tshirt+hood=two", marks=pytest.mark.nightly),
         pytest.param("tshirt+hood=three,hood_worn=up,front=zip", marks=pytest.mark.nightly),
         pytest.param("sleeved_jumpsuit+hood=three", marks=pytest.mark.nightly),
+        "long_sleeve_tshirt+collar=shirt,front=buttons",
+        pytest.param("tshirt+collar=convertible,front=open", marks=pytest.mark.nightly),
+        pytest.param("tshirt+collar=polo", marks=pytest.mark.nightly),
+        "long_sleeve_tshirt+collar=notched,front=buttons",
+        pytest.param("long_sleeve_tshirt+collar=shawl,front=open", marks=pytest.mark.nightly),
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

@@ -1,4 +1,4 @@
-"""Join halves of one piece: half sleeves at the top of the sleeve, of a band at a side, both sides of a crease."""
+"""Join parts of one piece: half sleeves at the top of the sleeve, halves of a band at a side, both sides of creases."""
 
 from __future__ import annotations
 

@@ -66,8 +66,8 @@ def turn_over(garment: Garment, nodes: np.ndarray, worn: Garment, numbers: np.nd
     """Turn panels over along the creases, and return the nodes of the whole garment [m], shape [node_count, 3].
 
     At first they grow out of the creases at `START_ANGLE`, so that they stand out as a ruff does. Then they turn
-    towards the worn part to `END_ANGLE`. A node that would cross other cloth stops. The
-    lengths along the crease are not kept.
+    towards the worn part to `END_ANGLE`. A node that would cross other cloth stops. The lengths along the crease are
+    not kept.
 
     Args:
         garment: The whole garment.
