@@ -345,8 +345,10 @@ def dress(
     if turned:
         worn, numbers = select_panels(garment, frozenset(panel.name for panel in garment.pattern.panels) - turned)
         nodes = dress(worn, body, distance, waist_height=waist_height, settings=settings, hooks=hooks)
-        start, pins = PbdState.at_rest(turn_over(garment, nodes, worn, numbers)), waist_loop(garment)
-        return _settle(threads, start, distance, settings.turn, settings, pins)
+        nodes, pins = turn_over(garment, nodes, worn, numbers), waist_loop(garment)
+        if settings.unfold:
+            nodes = unfold_crossings(threads, nodes, distance, settings=settings.follow, pins=pins)
+        return _settle(threads, PbdState.at_rest(nodes), distance, settings.turn, settings, pins)
     hooded = take_off_hood(garment)
     if hooded is not None:
         below = dress(hooded.below, body, distance, waist_height=waist_height, settings=settings, hooks=hooks)
