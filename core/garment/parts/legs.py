@@ -18,7 +18,7 @@ from .cut import Cut, Hood, Legs, PartsConflict, Waistband
 from .hoods import draw_hood
 from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
-from .turned_collars import COLLARS, turned_collar
+from .turned_collars import TURNED_COLLARS, turned_collar
 
 CREASE_FROM_MIDDLE = 0.12
 """Initial distance of a leg's crease line from the middle [m]: outside the ankles, so that panels stay on one side."""
@@ -204,7 +204,7 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     panels = _draw_halves(cut, m, shoulder)
     if cut.collar in STRIP_COLLARS:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.collar in COLLARS:
+    if cut.collar in TURNED_COLLARS:
         panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     if cut.hood is not Hood.NONE:
         panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)

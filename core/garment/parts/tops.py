@@ -43,7 +43,7 @@ from .ribs import HEM_RIB_WIDTH
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
-from .turned_collars import COLLARS, LAPELLED, sew_lapel, turned_collar
+from .turned_collars import TURNED_COLLARS, LAPELLED_COLLARS, sew_lapel, turned_collar
 from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")
@@ -208,7 +208,7 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         armholes[divided] = divide_armhole(cut, face, under, armholes[divided][0], necklines[divided])
     if cut.collar is not Collar.NONE:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
-    if cut.collar in LAPELLED:
+    if cut.collar in LAPELLED_COLLARS:
         necklines[0] = sew_lapel(neck, necklines[0])
     if cut.hood is not Hood.NONE:
         necklines = [sew_hood(cut, face, neck, line) for face, line in zip(FACES, necklines, strict=True)]
@@ -249,7 +249,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
     if cut.collar in STRIP_COLLARS:
         panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.collar in COLLARS:
+    if cut.collar in TURNED_COLLARS:
         panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
     if cut.hood is not Hood.NONE:
         panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)

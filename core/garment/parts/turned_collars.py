@@ -73,7 +73,7 @@ class CollarMeasures:
     lapel: float = 0.0
 
 
-COLLARS: dict[Collar, CollarMeasures] = {
+TURNED_COLLARS: dict[Collar, CollarMeasures] = {
     Collar.SHIRT: CollarMeasures(0.03, 0.03, 0.045, 0.07, slant=0.35, rise=0.015, drop=0.03),
     Collar.CONVERTIBLE: CollarMeasures(0.03, 0.02, 0.05, 0.07, slant=0.45),
     Collar.POLO: CollarMeasures(0.03, 0.03, 0.045, 0.06, slant=0.25),
@@ -86,7 +86,7 @@ front (Aldrich, convertible collar). A polo shirt's is a knitted strip of 7.5 cm
 stand of 2.5 cm, a fall of 4.5 cm, and a notch of 3.5 cm at both edges (Aldrich, classic tailored collar); a shawl
 collar has none."""
 
-LAPELLED = (Collar.NOTCHED, Collar.SHAWL)
+LAPELLED_COLLARS = (Collar.NOTCHED, Collar.SHAWL)
 """Collars that end in lapels."""
 
 
@@ -96,7 +96,7 @@ def check_turned_collar(cut: Cut) -> None:
     Raises:
         PartsConflict: where it does not.
     """
-    if cut.collar in LAPELLED and cut.front not in (Front.BUTTONS, Front.OPEN):
+    if cut.collar in LAPELLED_COLLARS and cut.front not in (Front.BUTTONS, Front.OPEN):
         raise PartsConflict(f"a {cut.collar} collar ends in lapels; choose front=buttons or front=open.")
 
 
@@ -131,7 +131,7 @@ def turned_collar(
         necklines: From there to the middle, in front and behind; in front to the break point of a lapel.
         height: Of the draft's origin [m].
     """
-    measures = COLLARS[cut.collar]
+    measures = TURNED_COLLARS[cut.collar]
     front, back = (labelled_length(Outline(neck, line), "collar") for line in necklines)
     upper = neck[1] + measures.stand
     behind = (
@@ -142,7 +142,7 @@ def turned_collar(
     drawn = unfold_closed(Outline((0.0, neck[1]), behind))
     panels = [place_panel("collar_back", drawn, height, label="collar")]
     half = _draw_front_stand(measures, front, neck[1])
-    if cut.collar in LAPELLED:
+    if cut.collar in LAPELLED_COLLARS:
         pieces = [("collar_front_left", half), ("collar_front_right", mirror(half))]
     elif cut.front is Front.NONE:
         left = halve(unfold_closed(half), Stroke((0.0, 0.0), label="collarend"))
@@ -154,7 +154,7 @@ def turned_collar(
     rolled = labelled_length(half, CREASE_LABEL)
     fall = place_panel("collar_back", _draw_fall(measures, rolled, back, upper), height, label="collar")
     panels.append(replace(fall, name="collar_fall"))
-    if cut.collar in LAPELLED:
+    if cut.collar in LAPELLED_COLLARS:
         lapel = _draw_lapel(measures, necklines[0][0].end, necklines[0][1].end)
         lapels = (("lapel_left", lapel), ("lapel_right", mirror(lapel)))
         panels += [place_panel(part, outline, height, label="lapel") for part, outline in lapels]

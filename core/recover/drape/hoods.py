@@ -32,7 +32,7 @@ MAX_ASIDE_SHIFT = 0.12
 """Longest way out of the head to its side [m]: more than half its breadth, less than that of the shoulders."""
 
 NO_PLANE_DISTANCE = 1.0
-"""Distance that is returned to nodes that are not held [m]: beyond every contact."""
+"""Distance that is returned to nodes that are not middle_nodes [m]: beyond every contact."""
 
 
 @dataclass(frozen=True)
@@ -212,14 +212,14 @@ class _HeldBody:
     Attributes:
         body: The body.
         count: Number of the cloth's nodes; other points, such as centres of faces, are not held.
-        held: The nodes, shape [n].
+        middle_nodes: The nodes, shape [n].
         left: Their x [m], shape [n].
         thickness: Distance that cloth keeps from the body [m].
     """
 
     body: SignedDistance
     count: int
-    held: np.ndarray
+    middle_nodes: np.ndarray
     left: np.ndarray
     thickness: float
 
@@ -231,7 +231,7 @@ class _HeldBody:
         rows, ways = [distance], [gradient]
         for sign in (1.0, -1.0):
             row, way = np.full(self.count, NO_PLANE_DISTANCE), np.zeros((self.count, 3))
-            row[self.held], way[:, 0] = self.thickness + sign * (points[self.held, 0] - self.left), sign
+            row[self.middle_nodes], way[:, 0] = self.thickness + sign * (points[self.middle_nodes, 0] - self.left), sign
             rows.append(row)
             ways.append(way)
         return np.concatenate(rows), np.concatenate(ways)
@@ -253,8 +253,8 @@ def wear_hood(
     fall would pull off the shoulders. The centre back seam stays in the middle plane meanwhile: a hood behind the neck
     would otherwise fall over one shoulder.
     """
-    held, left = hooded.centre_back()
-    around = _HeldBody(distance, len(hooded.whole.nodes), held, left + np.median(worn[:, 0]), follow.thickness)
+    middle_nodes, left = hooded.centre_back()
+    around = _HeldBody(distance, len(hooded.whole.nodes), middle_nodes, left + np.median(worn[:, 0]), follow.thickness)
     start, layers = PbdState.at_rest(hooded.put_on(worn, body, distance)), LayerContact()
     slow = replace(follow, travel=settings.travel)
     nodes = simulate_pbd(threads, start, around, settings.relax, settings=slow, pins=hooded.nodes, layers=layers).nodes

@@ -14,7 +14,7 @@ from ...garment.curves import panel_area
 from ...garment.parts.collars import STRIP_COLLARS
 from ...garment.parts.cut import Collar, Cut, Front, Neckline, PartsConflict
 from ...garment.parts.draft import draft_cut
-from ...garment.parts.turned_collars import BREAK_DEPTH, LAPELLED
+from ...garment.parts.turned_collars import BREAK_DEPTH, LAPELLED_COLLARS
 from ...geometry.geometry import face_areas, face_normals
 from ...geometry.surface import TriangleSurface
 from ...scan.contours.edge_turn import EdgeTurn
@@ -228,7 +228,7 @@ def _deviate(shape: NeckShape, cut: Cut, finish: NeckFinish) -> float | None:
         pattern = draft_cut(finish.apply(cut))
     except PartsConflict:
         return None
-    names, has_lapels = find_turned_panels(pattern), collar in LAPELLED
+    names, has_lapels = find_turned_panels(pattern), collar in LAPELLED_COLLARS
     turned = sum(panel_area(panel) for panel in pattern.panels if panel.name in names)
     standing = 0.0
     if collar in STRIP_COLLARS:
