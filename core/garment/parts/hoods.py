@@ -18,10 +18,9 @@ from .cut import Bodice, Collar, Cut, Hood, HoodWorn, Neckline, PartsConflict, S
 HOOD_LABEL = "hood"
 """Label of a hood's panels."""
 
-HEAD_HEIGHT_SHARE = 0.185
-"""Height of the crown above the side neck point as a share of that point's height above the floor [1]: 0.185 of the
-built-in female body, 0.175 of the male one. The chin is at 0.87 and the shoulder at 0.82 of the stature (Drillis and
-Contini 1966, Body segment parameters), between which the side neck point is."""
+HEAD_HEIGHT = 0.26
+"""Height of the crown above the side neck point [m]: 0.249 to 0.265 of the built-in bodies from 1.55 to 1.90 m, women
+and men; heads of adults grow little with the stature."""
 
 HEAD_GIRTH = 0.57
 """Girth of an adult's head [m]: 0.561 on average of women, 0.574 of men, with 3 % of deviation (ANSUR II, 2012)."""
@@ -35,7 +34,7 @@ HEIGHT_EASE = 0.04
 DEPTH_EASE = 0.03
 """Ease of each side piece in depth [m]."""
 
-BULGE = 0.012
+CENTRE_BACK_BULGE = 0.012
 """Distance by which the centre back seam, at the back of the head, is behind its lower end [m]."""
 
 BULGE_SHARE = 0.5
@@ -111,7 +110,7 @@ def draw_hood(
     lengths = [labelled_length(Outline(neck, line), f"hood.{face}") for face, line in _by_face(necklines)]
     low = [line[-1].end[1] for line in necklines]
     strip = 0.5 * STRIP_WIDTH if cut.hood is Hood.THREE else 0.0
-    side = _SidePiece.of(m, (lengths[0], lengths[1]), (low[0], low[1]), strip)
+    side = _SidePiece.of((lengths[0], lengths[1]), (low[0], low[1]), strip)
     crown = side.crown
     if strip:
         crown = tuple(replace(stroke, label=f"{stroke.label}.left") for stroke in crown)
@@ -141,21 +140,20 @@ class _SidePiece:
     crown: tuple[Stroke, ...]
 
     @classmethod
-    def of(cls, m: BodyMeasures, lengths: tuple[float, float], low: tuple[float, float], strip: float) -> _SidePiece:
+    def of(cls, lengths: tuple[float, float], low: tuple[float, float], strip: float) -> _SidePiece:
         """Draw the piece.
 
         Args:
-            m: The wearer's measures.
             lengths: Of the front and the back part of its lower edge [m].
             low: Heights of the neckline's middle in front and behind, from the side neck point [m].
             strip: Half the width of the strip at its upper edge [m].
         """
         (front, back), nape = lengths, low[1]
-        top, depth = HEAD_HEIGHT_SHARE * m.nape_height + HEIGHT_EASE - strip, _side_depth()
+        top, depth = HEAD_HEIGHT + HEIGHT_EASE - strip, _side_depth()
         shoulder = (-strip - back, nape)
         lower = _draw_front_edge(shoulder, front, low[0] - nape)
         half = nape + BULGE_SHARE * (top - nape)
-        hind, crown = -strip + BULGE, -CROWN_DEPTH_SHARE * depth
+        hind, crown = -strip + CENTRE_BACK_BULGE, -CROWN_DEPTH_SHARE * depth
         rise, reach = top - half, hind - crown
         handle = QUARTER_TURN_HANDLE
         return cls(

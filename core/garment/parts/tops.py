@@ -43,7 +43,7 @@ from .ribs import HEM_RIB_WIDTH
 from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
-from .turned_collars import TURNED_COLLARS, LAPELLED_COLLARS, sew_lapel, turned_collar
+from .turned_collars import LAPELLED_COLLARS, TURNED_COLLARS, sew_lapel, turned_collar
 from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")

@@ -212,14 +212,14 @@ class _HeldBody:
     Attributes:
         body: The body.
         count: Number of the cloth's nodes; other points, such as centres of faces, are not held.
-        middle_nodes: The nodes, shape [n].
+        nodes: Those that are held, shape [n].
         left: Their x [m], shape [n].
         thickness: Distance that cloth keeps from the body [m].
     """
 
     body: SignedDistance
     count: int
-    middle_nodes: np.ndarray
+    nodes: np.ndarray
     left: np.ndarray
     thickness: float
 
@@ -231,7 +231,7 @@ class _HeldBody:
         rows, ways = [distance], [gradient]
         for sign in (1.0, -1.0):
             row, way = np.full(self.count, NO_PLANE_DISTANCE), np.zeros((self.count, 3))
-            row[self.middle_nodes], way[:, 0] = self.thickness + sign * (points[self.middle_nodes, 0] - self.left), sign
+            row[self.nodes], way[:, 0] = self.thickness + sign * (points[self.nodes, 0] - self.left), sign
             rows.append(row)
             ways.append(way)
         return np.concatenate(rows), np.concatenate(ways)
@@ -253,8 +253,8 @@ def wear_hood(
     fall would pull off the shoulders. The centre back seam stays in the middle plane meanwhile: a hood behind the neck
     would otherwise fall over one shoulder.
     """
-    middle_nodes, left = hooded.centre_back()
-    around = _HeldBody(distance, len(hooded.whole.nodes), middle_nodes, left + np.median(worn[:, 0]), follow.thickness)
+    seam, left = hooded.centre_back()
+    around = _HeldBody(distance, len(hooded.whole.nodes), seam, left + np.median(worn[:, 0]), follow.thickness)
     start, layers = PbdState.at_rest(hooded.put_on(worn, body, distance)), LayerContact()
     slow = replace(follow, travel=settings.travel)
     nodes = simulate_pbd(threads, start, around, settings.relax, settings=slow, pins=hooded.nodes, layers=layers).nodes
