@@ -40,3 +40,23 @@ def test_halves_are_joined_on_top_whatever_its_slope() -> None:
         middle = (grains[0] + grains[1]) / np.linalg.norm(grains[0] + grains[1])
         assert abs(middle @ [-np.sin(group.net.grainline), np.cos(group.net.grainline)]) > 1.0 - 1e-9
         assert np.degrees(np.arccos(np.clip(grains[0] @ grains[1], -1.0, 1.0))) > 15.0
+
+
+def test_what_is_folded_along_a_straight_crease_is_cut_in_one() -> None:
+    """Fails if a lapel was cut off its front, a collar of one strip fell apart, or a seam closed within it stayed."""
+    joined = {
+        "tshirt+collar=polo": {("collar_back", "collar_fall", "collar_front_left", "collar_front_right")},
+        "tshirt+collar=shirt": {("collar_back", "collar_front_left", "collar_front_right")},
+        "tshirt+collar=notched,front=open": {
+            ("front_left", "lapel_left"),
+            ("front_right", "lapel_right"),
+            ("collar_back", "collar_front_left", "collar_front_right"),
+        },
+    }
+    for name, expected in joined.items():
+        groups = join_halves(load_template(name))
+        panels = [tuple(sorted(place.panel for place in group.places)) for group in groups]
+        assert {one for one in panels if len(one) > 1 and "sleeve" not in one[0]} == expected, name
+        strip = groups[next(i for i, one in enumerate(panels) if "collar_back" in one)]
+        labels = [strip.net.edges[i].label for i in range(len(strip.net.edges))]
+        assert not any(label.startswith("collarside") for label in labels), name
