@@ -12,6 +12,7 @@ from ..garment.curves import panel_area
 from ..garment.garment import Garment
 from ..garment.neckline_fit import NecklineFit, fit_necklines
 from ..garment.parts.cut import Neckline
+from ..garment.parts.hoods import HOOD_LABEL
 from ..garment.parts.necklines import corner_turn
 from ..geometry.curves import Curve, resample_polyline
 from ..geometry.geometry import face_areas, rim_turns
@@ -65,12 +66,13 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         `shape.edge_corner_deg`: largest lack of turning of the pattern's edge within `CORNER_SEARCH_RADIUS` of a corner
             of the scan's other edges, in their cloth; 0 where these have no corners. Edges that also turn elsewhere, as
             cut and noisy ones do, are not evaluated, nor are the parts of an open front's border, which end in corners.
-        `shape.collar_cm2`: area that is turned over at the scan's neck beyond that of the pattern's collar, which its
-            edge is then compared with as with a hem.
+        `shape.collar_cm2`: area that is turned over at the scan's neck beyond that of the pattern's collar or hood,
+            whose edge is then compared as a hem.
         Contours that either lacks are left out.
     """
     found: dict[str, float | None] = {}
     names = find_turned_panels(garment.pattern)
+    names |= {panel.name for panel in garment.pattern.panels if panel.label == HOOD_LABEL}
     turned = sum(panel_area(panel) for panel in garment.pattern.panels if panel.name in names)
     missed: list[float] = []
     ours = {contour.name: contour for contour in garment.contours if not contour.name.startswith("front")}

@@ -12,7 +12,7 @@ import numpy as np
 from ...body.body import Body
 from ...garment.curves import flat_contours
 from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
-from ...garment.parts.cut import Collar, Cut, Front, Neckline, Skirt, Waist
+from ...garment.parts.cut import Collar, Cut, Front, Hood, Neckline, Skirt, Waist
 from ...garment.parts.draft import draft_cut, half_neck_width
 from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
@@ -230,7 +230,7 @@ def _with_necklines(
     ratio of depth to half width. A V is cut straight: the apparent bow of its line is that of the shoulder, which no
     cylinder unrolls.
     """
-    if fits is None or not cut.has_place_for("neckline") or cut.collar is not Collar.NONE:
+    if fits is None or not cut.has_place_for("neckline") or _hides_neckline(cut):
         yield cut, None
         return
     fronts, backs = (
@@ -242,6 +242,11 @@ def _with_necklines(
             _with_throat(_with_throat(cut, front, "neckline"), back, "back_neckline"),
             None if front is None or back is None else math.hypot(front.misfit, back.misfit),
         )
+
+
+def _hides_neckline(cut: Cut) -> bool:
+    """Check whether a cut's neckline is sewn to a collar or a hood, so that the neck contour is another edge."""
+    return cut.collar is not Collar.NONE or cut.hood is not Hood.NONE
 
 
 def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, neckline: Neckline) -> tuple[NecklineFit | None, ...]:

@@ -1,4 +1,4 @@
-"""Choose the collar and the front of a garment by the cloth at its neck: upright, turned over, slit, or none."""
+"""Choose collar, hood and front of a garment by the cloth at its neck: upright, turned over, slit, or none."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from ...body.body import JOINTS, Body
 from ...garment.creases import find_turned_panels
 from ...garment.curves import panel_area
 from ...garment.parts.collars import STRIP_COLLARS
-from ...garment.parts.cut import Collar, Cut, Front, Neckline, PartsConflict
+from ...garment.parts.cut import Collar, Cut, Front, Hood, HoodWorn, Neckline, PartsConflict
 from ...garment.parts.draft import draft_cut
+from ...garment.parts.hoods import HOOD_LABEL
 from ...garment.parts.turned_collars import BREAK_DEPTH, LAPELLED_COLLARS
 from ...geometry.geometry import face_areas, face_normals
 from ...geometry.surface import TriangleSurface
@@ -46,6 +47,12 @@ TURNED_DEPTH_STD = 0.04
 """Standard deviation of the depth below the neck to which a part is turned over [m]: break points of lapels are a
 button's distance apart. Falls end 0.10 to 0.13 m below the neck joint, lapels 0.28."""
 
+BEHIND_SHARE_STD = 0.15
+"""Standard deviation of the share of what is turned over that is behind the neck joint [1]."""
+
+COLLAR_BEHIND_SHARE, HOOD_BEHIND_SHARE = 0.37, 0.85
+"""That share of collars, with lapels or without (0.32 to 0.43), and of a hood behind the neck (0.87) [1]."""
+
 FALL_DEPTH = 0.11
 """Depth below the neck joint to which a fall reaches in front [m]: the points of a shirt's collar."""
 
@@ -55,6 +62,12 @@ far outside the line where neck and shoulders meet."""
 
 NECK_GIRTH = 0.36
 """Girth of a neck [m]: that of women and men of mean size, 0.34 and 0.38."""
+
+HOOD_SHOWN_SHARES: Mapping[HoodWorn, float] = {HoodWorn.UP: 0.87, HoodWorn.DOWN: 0.54}
+"""Share of a hood's area that is over head and neck when it is up, and that shows its inside when it is down [1]."""
+
+HOOD_DEPTH = 0.20
+"""Depth below the neck joint to which the inside of a hood shows behind the neck [m]."""
 
 MIN_CORNER_COUNT = 2
 """Number of corners of the edge, one on each side, from which it is no shawl collar's [1]: a shirt's has its points, a
@@ -91,6 +104,7 @@ class NeckShape:
     Attributes:
         turned: Area that is turned over [m2].
         depth: Depth of its lowest place below the neck joint [m]; 0 where nothing is turned over.
+        behind: Share of the area turned over that is behind the neck joint [1]; 0 where nothing is turned over.
         standing: Area over the skin of the neck that is not turned over [m2].
         slope: Mean cosine of the normals along the edge with the trunk's direction [1].
         slit: Length of a slit in front [m]; 0 where there is none.
@@ -100,6 +114,7 @@ class NeckShape:
 
     turned: float
     depth: float
+    behind: float
     standing: float
     slope: float
     slit: float
@@ -116,12 +131,15 @@ class NeckShape:
         turned, areas = find_turned_faces(vertices, faces, neck, body), face_areas(vertices, faces)
         centres = vertices[faces].mean(axis=1)
         depth = float(body.joint("neck")[1] - centres[turned, 1].min()) if turned.any() else 0.0
+        lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+        is_behind = (centres - body.joint("neck")) @ np.cross(lateral, (0.0, 1.0, 0.0)) < 0.0
+        behind = float(areas[turned & is_behind].sum() / max(areas[turned].sum(), 1e-12))
         standing = float(areas[_is_over_neck(centres, body) & ~turned].sum())
         corners = len(EdgeTurn.of_target(neck, target).corners())
         is_open = target.contour("front.left") is not None
         slit = 0.0 if is_open else measure_slit(vertices[neck.vertices])
         slope = _measure_slope(target, neck, body)
-        return cls(float(areas[turned].sum()), depth, standing, slope, slit, is_open, corners)
+        return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners)
 
 
 def _is_over_neck(points: np.ndarray, body: Body) -> np.ndarray:
@@ -165,51 +183,67 @@ def measure_slit(loop: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class NeckFinish:
-    """Describe a collar and a front with their misfit [standard deviations]."""
+    """Describe a collar, or a hood and how it is worn, and a front, with their misfit [standard deviations]."""
 
     collar: Collar
     front: Front
-    misfit: float
+    hood: Hood = Hood.NONE
+    hood_worn: HoodWorn = HoodWorn.DOWN
+    misfit: float = 0.0
 
     def apply(self, cut: Cut) -> Cut:
-        """Return a cut with them; a collar is sewn to a crew neck."""
-        cut = replace(cut, collar=self.collar, front=self.front)
-        if self.collar is Collar.NONE:
+        """Return a cut with them; collars and hoods are sewn to a crew neck."""
+        cut = replace(cut, collar=self.collar, front=self.front, hood=self.hood, hood_worn=self.hood_worn)
+        if self.collar is Collar.NONE and self.hood is Hood.NONE:
             return cut
         return replace(cut, neckline=Neckline.CREW, back_neckline=Neckline.CREW)
 
 
 def rank_finishes(shape: NeckShape, cut: Cut, fixed: Mapping[str, str]) -> tuple[NeckFinish, ...]:
-    """Rank collars and fronts by the likelihood of a scan's neck, best first.
+    """Rank collars, hoods and fronts by the likelihood of a scan's neck, best first.
 
     The misfit is the root of the sum of squares of the deviations from what a draft has there, in standard deviations:
-    of the area turned over, the depth it reaches, the cloth over the neck, the slope of an edge that is not turned, and
-    whether the edge has corners. An open front and a slit are seen; which of the closed fronts it is, is not, and the
-    usual one for the collar is taken. A rib lies as the garment's own cloth would, and is only the user's choice. Those
-    that are less likely than the first by more than `RARE_COST` are left out.
+    of the area turned over, its depth and its share behind, the cloth over the neck, the slope of an edge that is not
+    turned, and whether the edge has corners. An open front and a slit are seen; which of the closed fronts it is, is
+    not, and the usual one for the collar is taken. A rib lies as the garment's own cloth would, and a strip between the
+    sides of a hood as these: both are only the user's choice. Those that are less likely than the first by more than
+    `RARE_COST` are left out.
 
     Args:
         shape: Of the scan's neck.
         cut: That they are drafted on.
         fixed: Choices of the user, by part.
     """
-    found, collars = [], list(Collar)
-    collars.remove(Collar.RIB)
-    if "collar" in fixed:
-        collars = [Collar(fixed["collar"])]
-    elif {fixed.get(part, "crew") for part in ("neckline", "back_neckline")} != {"crew"}:
-        collars = [Collar.NONE]
-    for collar in collars:
-        front = Front(fixed["front"]) if "front" in fixed else _choose_front(shape, collar)
-        deviation = _deviate(shape, cut, NeckFinish(collar, front, 0.0))
-        if deviation is not None:
-            is_shown = front is not Front.PLACKET or shape.slit > MIN_SLIT_LENGTH
-            is_usual = front in USUAL_FRONTS[collar] and is_shown
-            costs = [RARE_COST * (not is_usual), RARE_COST * (collar in EDGE_SLOPES)]
-            found.append(NeckFinish(collar, front, float(np.linalg.norm([deviation, *costs]))))
+    found = []
+    for finish in _list_finishes(shape, fixed):
+        expected = _expect(cut, finish)
+        if expected is not None:
+            is_shown = finish.front is not Front.PLACKET or shape.slit > MIN_SLIT_LENGTH
+            is_rare = finish.collar in EDGE_SLOPES, finish.front not in USUAL_FRONTS[finish.collar] or not is_shown
+            deviations = [*expected.deviate(shape), *(RARE_COST * rare for rare in is_rare)]
+            found.append(replace(finish, misfit=float(np.linalg.norm(deviations))))
     least = min((one.misfit for one in found), default=0.0)
     likely = [one for one in found if one.misfit <= least + RARE_COST]
     return tuple(sorted(likely, key=lambda one: one.misfit))
+
+
+def _list_finishes(shape: NeckShape, fixed: Mapping[str, str]) -> list[NeckFinish]:
+    """Return the finishes that the user's choices leave, each with the front that the scan shows or is usual."""
+    collars, hoods = list(Collar), [Hood.TWO]
+    collars.remove(Collar.RIB)
+    is_round = {fixed.get(part, "crew") for part in ("neckline", "back_neckline")} == {"crew"}
+    if "collar" in fixed or not is_round:
+        collars = [Collar(fixed.get("collar", "none"))]
+        hoods = []
+    if "hood" in fixed:
+        hoods = [hood for hood in (Hood(fixed["hood"]),) if hood is not Hood.NONE]
+        collars = [] if hoods else collars
+    worn = [HoodWorn(fixed["hood_worn"])] if "hood_worn" in fixed else list(HoodWorn)
+    found = []
+    for collar in collars:
+        found.append(NeckFinish(collar, Front(fixed["front"]) if "front" in fixed else _choose_front(shape, collar)))
+    front = Front(fixed["front"]) if "front" in fixed else _choose_front(shape, Collar.NONE)
+    return found + [NeckFinish(Collar.NONE, front, hood, how) for hood in hoods for how in worn]
 
 
 def _choose_front(shape: NeckShape, collar: Collar) -> Front:
@@ -221,26 +255,56 @@ def _choose_front(shape: NeckShape, collar: Collar) -> Front:
     return next(front for front in USUAL_FRONTS[collar] if front is not Front.OPEN)
 
 
-def _deviate(shape: NeckShape, cut: Cut, finish: NeckFinish) -> float | None:
-    """Return the deviation of a scan's neck from a collar's [standard deviations]; None where it is not drafted."""
-    collar = finish.collar
+@dataclass(frozen=True)
+class _Expected:
+    """Describe what a scan shows of a finish as it is drafted.
+
+    Attributes:
+        turned, depth, behind, standing, slope: As in `NeckShape`; None where the slope is not that of a plain edge.
+        has_corners: Whether the edge has corners; None where they are not known.
+    """
+
+    turned: float
+    depth: float
+    behind: float
+    standing: float
+    slope: float | None
+    has_corners: bool | None
+
+    def deviate(self, shape: NeckShape) -> list[float]:
+        """Return the deviations of a scan [standard deviations]."""
+        share, least = TURNED_AREA_STD
+        found = [
+            (shape.turned - self.turned) / float(np.hypot(share * self.turned, least)),
+            (shape.standing - self.standing) / float(np.hypot(share * self.standing, STANDING_AREA_STD)),
+        ]
+        if self.slope is not None:
+            found.append((shape.slope - self.slope) / EDGE_SLOPE_STD)
+        if self.turned and shape.turned:
+            found.append((shape.depth - self.depth) / TURNED_DEPTH_STD)
+            found.append((shape.behind - self.behind) / BEHIND_SHARE_STD)
+            found.append(
+                float(self.has_corners is not None and self.has_corners != (shape.corners >= MIN_CORNER_COUNT))
+            )
+        return found
+
+
+def _expect(cut: Cut, finish: NeckFinish) -> _Expected | None:
+    """Return what a scan shows of a finish that is drafted on a cut; None where it is not drafted on it."""
     try:
         pattern = draft_cut(finish.apply(cut))
     except PartsConflict:
         return None
-    names, has_lapels = find_turned_panels(pattern), collar in LAPELLED_COLLARS
-    turned = sum(panel_area(panel) for panel in pattern.panels if panel.name in names)
-    standing = 0.0
-    if collar in STRIP_COLLARS:
-        standing = max(0.0, STRIP_COLLARS[collar].width - CREW_DEPTH) * NECK_GIRTH
-    share, least = TURNED_AREA_STD
-    terms = [
-        (shape.turned - turned) / np.hypot(share * turned, least),
-        (shape.standing - standing) / STANDING_AREA_STD,
-    ]
-    if not turned:
-        terms.append((shape.slope - EDGE_SLOPES.get(collar, FLAT_EDGE_SLOPE)) / EDGE_SLOPE_STD)
-    if turned and shape.turned:
-        terms.append((shape.depth - (BREAK_DEPTH if has_lapels else FALL_DEPTH)) / TURNED_DEPTH_STD)
-        terms.append(0.0 if (collar is Collar.SHAWL) == (shape.corners < MIN_CORNER_COUNT) else 1.0)
-    return float(np.linalg.norm(terms))
+    areas = {panel.name: panel_area(panel) for panel in pattern.panels}
+    if finish.hood is not Hood.NONE:
+        hood = sum(areas[panel.name] for panel in pattern.panels if panel.label == HOOD_LABEL)
+        if finish.hood_worn is HoodWorn.UP:
+            return _Expected(0.0, 0.0, 0.0, HOOD_SHOWN_SHARES[HoodWorn.UP] * hood, None, None)
+        return _Expected(HOOD_SHOWN_SHARES[HoodWorn.DOWN] * hood, HOOD_DEPTH, HOOD_BEHIND_SHARE, 0.0, None, None)
+    turned = sum(areas[name] for name in find_turned_panels(pattern))
+    if turned:
+        depth = BREAK_DEPTH if finish.collar in LAPELLED_COLLARS else FALL_DEPTH
+        return _Expected(turned, depth, COLLAR_BEHIND_SHARE, 0.0, None, finish.collar is not Collar.SHAWL)
+    width = STRIP_COLLARS[finish.collar].width if finish.collar in STRIP_COLLARS else 0.0
+    slope = EDGE_SLOPES.get(finish.collar, FLAT_EDGE_SLOPE)
+    return _Expected(0.0, 0.0, 0.0, max(0.0, width - CREW_DEPTH) * NECK_GIRTH, slope, None)
