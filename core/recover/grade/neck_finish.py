@@ -73,8 +73,9 @@ MIN_CORNER_COUNT = 2
 """Number of corners of the edge, one on each side, from which it is no shawl collar's [1]: a shirt's has its points, a
 jacket's those of collar and lapels."""
 
-MIN_SLIT_LENGTH = 0.05
-"""Length from which two edges beside each other are a placket and no V [m]: a first button and half the next one."""
+MIN_SLIT_LENGTH = 0.03
+"""Length from which two edges beside each other are a placket [m]: its first button is 2 cm below the neck. The lowest
+point of a V is less than `MAX_SLIT_WIDTH` wide over 2.5 cm, and the border of a closed shirt ends 2 cm below its fall."""
 
 MAX_SLIT_WIDTH = 0.02
 """Distance of the edges of a closed placket [m]: its overlap."""
@@ -107,7 +108,7 @@ class NeckShape:
         behind: Share of the area turned over that is behind the neck joint [1]; 0 where nothing is turned over.
         standing: Area over the skin of the neck that is not turned over [m2].
         slope: Mean cosine of the normals along the edge with the trunk's direction [1].
-        slit: Length of a slit in front [m]; 0 where there is none.
+        slit: Length of a slit in front [m], below a collar also of one that falls open; 0 where there is none.
         is_open: Whether the front is open down to the hem.
         corners: Number of corners of the edge.
     """
@@ -137,7 +138,10 @@ class NeckShape:
         standing = float(areas[_is_over_neck(centres, body) & ~turned].sum())
         corners = len(EdgeTurn.of_target(neck, target).corners())
         is_open = target.contour("front.left") is not None
-        slit = 0.0 if is_open else measure_slit(vertices[neck.vertices])
+        loop = vertices[neck.vertices]
+        slit = 0.0 if is_open else measure_slit(loop)
+        if turned.any() and not is_open:
+            slit = max(slit, float(body.joint("neck")[1] - loop[:, 1].min()) - depth)
         slope = _measure_slope(target, neck, body)
         return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners)
 
