@@ -75,7 +75,7 @@ jacket's those of collar and lapels."""
 
 MIN_SLIT_LENGTH = 0.03
 """Length from which two edges beside each other are a placket [m]: its first button is 2 cm below the neck. The lowest
-point of a V is less than `MAX_SLIT_WIDTH` wide over 2.5 cm, and the border of a closed shirt ends 2 cm below its fall."""
+point of a V is less than `MAX_SLIT_WIDTH` wide over 2.5 cm; the border of a closed shirt ends 2 cm below its fall."""
 
 MAX_SLIT_WIDTH = 0.02
 """Distance of the edges of a closed placket [m]: its overlap."""
