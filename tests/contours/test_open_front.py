@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import trimesh
 from garmentq.core.body.body import Body
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.geometry.curves import Curve
@@ -71,3 +72,20 @@ def test_a_closed_garment_has_no_front(skin, kind: str) -> None:
     contours, _ = name_contours(*skin(body, kind), body)
     assert contours
     assert all(contour.is_closed for contour in contours)
+
+
+def test_a_placket_is_no_hole(skin) -> None:
+    """Breaks where a slit at the centre front, as narrow as damage that is bridged, is cut off the neckline."""
+    body = wearer("T")
+    vertices, faces = skin(body, "tshirt")
+    for _ in range(2):
+        vertices, faces = trimesh.remesh.subdivide(vertices, faces)
+    neck = next(one for one in name_contours(vertices, faces, body)[0] if one.name == "neck")
+    off = vertices[neck.vertices] - body.joint("neck")
+    top = off[(np.abs(off[:, 0]) < 0.02) & (off[:, 2] > 0.0), 1].min()
+    centres = vertices[faces].mean(axis=1) - body.joint("neck")
+    gone = (np.abs(centres[:, 0]) < 0.004) & (centres[:, 1] > top - 0.12) & (centres[:, 2] > 0.0)
+    contours, holes = name_contours(vertices, faces[~gone], body, scanned=True)
+    found = next(one for one in contours if one.name == "neck")
+    assert off[:, 1].min() - (vertices[found.vertices] - body.joint("neck"))[:, 1].min() > 0.08
+    assert not any(np.ptp(vertices[hole][:, 1]) > 0.1 for hole in holes)

@@ -31,6 +31,8 @@ shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
 """Share of the way from the pelvis to the neck joint below which a skirt's or trousers' waist is: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
+MAX_PLACKET_OFFSET = 0.03
+"""Largest distance of a placket's edges from the middle plane [m]: a placket is 3 cm wide, and hangs open."""
 MAX_BRIDGED_SHARE = 0.3
 """Largest share of a trusted contour that was bridged; above it the chords determine its shape more than the cloth."""
 
@@ -100,7 +102,7 @@ def name_contours(
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
     if scanned:
-        candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces)]
+        candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces, body)]
         candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
     loops = {name: c.vertices for name, c in chosen.items()}
@@ -170,14 +172,27 @@ def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list
     return legs if {leg.name for leg in legs} == {"leg.left", "leg.right"} else [candidate]
 
 
-def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray) -> list[_Candidate]:
-    """Cut holes that broke through a contour off it; return it and them."""
+def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, body: Body) -> list[_Candidate]:
+    """Cut holes that broke through a contour off it; return it and them. A placket is no hole."""
     if candidate.name is None or not candidate.is_closed:
         return [candidate]
-    loop = candidate.vertices
+    loop, is_neck = candidate.vertices, candidate.name == "neck"
     find_normals = partial(_wide_normals, vertices, faces, loop)
-    gaps = bridge_bites(vertices[loop], find_normals, pointed=candidate.name == "neck")
-    return _cut_off(candidate, vertices, *gaps)
+    kept, gaps = bridge_bites(vertices[loop], find_normals, pointed=is_neck)
+    plackets = [is_neck and _is_placket(vertices[loop[gap]], body) for gap in gaps]
+    slits = [gap for gap, is_slit in zip(gaps, plackets, strict=True) if is_slit]
+    bites = tuple(gap for gap, is_slit in zip(gaps, plackets, strict=True) if not is_slit)
+    kept = np.unique(np.concatenate([kept, *slits])) if slits else kept
+    return _cut_off(candidate, vertices, kept, bites)
+
+
+def _is_placket(gap: np.ndarray, body: Body) -> bool:
+    """Check whether a bay in a neckline is a slit at the centre front: higher than wide, and before the neck [m]."""
+    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    lateral = lateral / np.linalg.norm(lateral)
+    off = gap - body.joint("neck")
+    aside, ahead = np.abs(off @ lateral), off @ np.cross(lateral, (0.0, 1.0, 0.0))
+    return bool(aside.max() < MAX_PLACKET_OFFSET and ahead.min() > 0.0 and np.ptp(gap[:, 1]) > 2.0 * aside.max())
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
