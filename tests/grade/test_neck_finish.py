@@ -17,19 +17,21 @@ from garmentq.core.scan.contours.category import choose_category
 from garmentq.core.scan.contours.target import Contour, Target
 from garmentq.core.scan.contours.turned import find_turned_faces
 
-BARE = NeckShape(turned=0.0, depth=0.0, behind=0.0, standing=0.001, slope=0.6, slit=0.0, is_open=False, corners=0)
+BARE = NeckShape(
+    turned=0.0, depth=0.0, behind=0.0, standing=0.001, slope=0.6, slit=0.0, is_open=False, corners=0, length=0.6
+)
 """A T-shirt's."""
 
 SEEN = {
     (Collar.NONE, Front.NONE): BARE,
-    (Collar.NONE, Front.OPEN): NeckShape(0.0, 0.0, 0.0, 0.0003, 0.62, 0.0, True, 0),
-    (Collar.NONE, Front.PLACKET): NeckShape(0.0, 0.0, 0.0, 0.0, 0.55, 0.14, False, 1),
-    (Collar.STAND, Front.ZIP): NeckShape(0.0, 0.0, 0.0, 0.002, 0.33, 0.0, False, 0),
-    (Collar.TURTLENECK, Front.NONE): NeckShape(0.0, 0.0, 0.0, 0.017, 0.0, 0.0, False, 0),
-    (Collar.SHIRT, Front.BUTTONS): NeckShape(0.0251, 0.068, 0.43, 0.0104, 0.21, 0.0, False, 1),
-    (Collar.POLO, Front.PLACKET): NeckShape(0.0247, 0.103, 0.4, 0.0012, 0.2, 0.14, False, 2),
-    (Collar.NOTCHED, Front.OPEN): NeckShape(0.0364, 0.203, 0.37, 0.0005, 0.16, 0.0, True, 2),
-    (Collar.SHAWL, Front.BUTTONS): NeckShape(0.0406, 0.279, 0.33, 0.0, 0.2, 0.0, False, 0),
+    (Collar.NONE, Front.OPEN): NeckShape(0.0, 0.0, 0.0, 0.0003, 0.62, 0.0, True, 0, 0.6),
+    (Collar.NONE, Front.PLACKET): NeckShape(0.0, 0.0, 0.0, 0.0, 0.55, 0.14, False, 1, 0.6),
+    (Collar.STAND, Front.ZIP): NeckShape(0.0, 0.0, 0.0, 0.002, 0.33, 0.0, False, 0, 0.48),
+    (Collar.TURTLENECK, Front.NONE): NeckShape(0.0, 0.0, 0.0, 0.017, 0.0, 0.0, False, 0, 0.41),
+    (Collar.SHIRT, Front.BUTTONS): NeckShape(0.0251, 0.068, 0.43, 0.0104, 0.21, 0.0, False, 1, 0.685),
+    (Collar.POLO, Front.PLACKET): NeckShape(0.0247, 0.103, 0.4, 0.0012, 0.2, 0.14, False, 2, 1.0),
+    (Collar.NOTCHED, Front.OPEN): NeckShape(0.0364, 0.203, 0.37, 0.0005, 0.16, 0.0, True, 2, 0.76),
+    (Collar.SHAWL, Front.BUTTONS): NeckShape(0.0406, 0.279, 0.33, 0.0, 0.2, 0.0, False, 0, 1.02),
 }
 """Necks of drapes, the shirt's, the jacket's and the open one's by another simulator."""
 
@@ -46,8 +48,9 @@ def test_a_collar_is_chosen_by_what_is_seen_of_it(collar: Collar, front: Front) 
 @pytest.mark.parametrize(
     ("worn", "shape"),
     [
-        (HoodWorn.UP, NeckShape(0.0008, 0.07, 0.0, 0.135, 0.05, 0.0, False, 2)),
-        (HoodWorn.DOWN, NeckShape(0.083, 0.20, 0.87, 0.004, 0.05, 0.0, False, 4)),
+        (HoodWorn.UP, NeckShape(0.0008, 0.07, 0.0, 0.135, 0.05, 0.0, False, 2, 0.748)),
+        (HoodWorn.DOWN, NeckShape(0.0013, -0.02, 1.0, 0.0212, 0.25, 0.064, False, 2, 0.722)),
+        (HoodWorn.DOWN, NeckShape(0.083, 0.20, 0.87, 0.004, 0.05, 0.0, False, 4, 0.858)),
     ],
     ids=str,
 )

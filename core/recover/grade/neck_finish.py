@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from ...body.body import JOINTS, Body
 from ...garment.creases import find_turned_panels
-from ...garment.curves import panel_area
+from ...garment.curves import flat_contours, panel_area
 from ...garment.parts.collars import STRIP_COLLARS
 from ...garment.parts.cut import Collar, Cut, Front, Hood, HoodWorn, Neckline, PartsConflict
 from ...garment.parts.draft import draft_cut
@@ -63,8 +63,15 @@ far outside the line where neck and shoulders meet."""
 NECK_GIRTH = 0.36
 """Girth of a neck [m]: that of women and men of mean size, 0.34 and 0.38."""
 
-HOOD_SHOWN_SHARES: Mapping[HoodWorn, float] = {HoodWorn.UP: 0.87, HoodWorn.DOWN: 0.54}
-"""Share of a hood's area that is over head and neck when it is up, and that shows its inside when it is down [1]."""
+HOOD_SHOWN_SHARES: Mapping[HoodWorn, tuple[float, float]] = {HoodWorn.UP: (0.0, 0.87), HoodWorn.DOWN: (0.27, 0.08)}
+"""Shares of a hood's area that are turned over, and that are over head and neck and are not [1]. Behind the neck it
+folds as it falls: of two hoods 0.54 and 0.01 were turned over, 0.03 and 0.14 over the neck."""
+
+HOOD_AREA_STD = 0.2
+"""Standard deviation of either share of a hood behind the neck [1]."""
+
+EDGE_LENGTH_STD = 0.2
+"""Standard deviation of the logarithm of an edge's length [1]: sizes differ by a tenth, and folds bridge another."""
 
 HOOD_DEPTH = 0.20
 """Depth below the neck joint to which the inside of a hood shows behind the neck [m]."""
@@ -111,6 +118,7 @@ class NeckShape:
         slit: Length of a slit in front [m], below a collar also of one that falls open; 0 where there is none.
         is_open: Whether the front is open down to the hem.
         corners: Number of corners of the edge.
+        length: Of the edge [m].
     """
 
     turned: float
@@ -121,6 +129,7 @@ class NeckShape:
     slit: float
     is_open: bool
     corners: int
+    length: float
 
     @classmethod
     def of(cls, target: Target, body: Body) -> NeckShape | None:
@@ -140,10 +149,10 @@ class NeckShape:
         is_open = target.contour("front.left") is not None
         loop = vertices[neck.vertices]
         slit = 0.0 if is_open else measure_slit(loop)
-        if turned.any() and not is_open:
+        if areas[turned].sum() > TURNED_AREA_STD[1] and not is_open:
             slit = max(slit, float(body.joint("neck")[1] - loop[:, 1].min()) - depth)
         slope = _measure_slope(target, neck, body)
-        return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners)
+        return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners, neck.length)
 
 
 def _is_over_neck(points: np.ndarray, body: Body) -> np.ndarray:
@@ -266,6 +275,8 @@ class _Expected:
     Attributes:
         turned, depth, behind, standing, slope: As in `NeckShape`; None where the slope is not that of a plain edge.
         has_corners: Whether the edge has corners; None where they are not known.
+        length: Of the edge [m]; None where it says nothing, as that of a plain neckline does.
+        folds: Standard deviation of both areas where they follow from folds [m2]; 0 where they do not.
     """
 
     turned: float
@@ -274,17 +285,20 @@ class _Expected:
     standing: float
     slope: float | None
     has_corners: bool | None
+    length: float | None
+    folds: float = 0.0
 
     def deviate(self, shape: NeckShape) -> list[float]:
         """Return the deviations of a scan [standard deviations]."""
         share, least = TURNED_AREA_STD
-        found = [
-            (shape.turned - self.turned) / float(np.hypot(share * self.turned, least)),
-            (shape.standing - self.standing) / float(np.hypot(share * self.standing, STANDING_AREA_STD)),
-        ]
+        turned_std = self.folds or float(np.hypot(share * self.turned, least))
+        standing_std = self.folds or float(np.hypot(share * self.standing, STANDING_AREA_STD))
+        found = [(shape.turned - self.turned) / turned_std, (shape.standing - self.standing) / standing_std]
+        if self.length is not None and not shape.is_open:
+            found.append(float(np.log(shape.length / self.length)) / EDGE_LENGTH_STD)
         if self.slope is not None:
             found.append((shape.slope - self.slope) / EDGE_SLOPE_STD)
-        if self.turned and shape.turned:
+        if self.turned and shape.turned > least:
             found.append((shape.depth - self.depth) / TURNED_DEPTH_STD)
             found.append((shape.behind - self.behind) / BEHIND_SHARE_STD)
             found.append(
@@ -299,16 +313,18 @@ def _expect(cut: Cut, finish: NeckFinish) -> _Expected | None:
         pattern = draft_cut(finish.apply(cut))
     except PartsConflict:
         return None
-    areas = {panel.name: panel_area(panel) for panel in pattern.panels}
+    areas, length = {panel.name: panel_area(panel) for panel in pattern.panels}, flat_contours(pattern)["neck"]
     if finish.hood is not Hood.NONE:
         hood = sum(areas[panel.name] for panel in pattern.panels if panel.label == HOOD_LABEL)
-        if finish.hood_worn is HoodWorn.UP:
-            return _Expected(0.0, 0.0, 0.0, HOOD_SHOWN_SHARES[HoodWorn.UP] * hood, None, None)
-        return _Expected(HOOD_SHOWN_SHARES[HoodWorn.DOWN] * hood, HOOD_DEPTH, HOOD_BEHIND_SHARE, 0.0, None, None)
+        turned, standing = (share * hood for share in HOOD_SHOWN_SHARES[finish.hood_worn])
+        folds = HOOD_AREA_STD * hood if finish.hood_worn is HoodWorn.DOWN else 0.0
+        return _Expected(turned, HOOD_DEPTH, HOOD_BEHIND_SHARE, standing, None, None, length, folds)
     turned = sum(areas[name] for name in find_turned_panels(pattern))
     if turned:
         depth = BREAK_DEPTH if finish.collar in LAPELLED_COLLARS else FALL_DEPTH
-        return _Expected(turned, depth, COLLAR_BEHIND_SHARE, 0.0, None, finish.collar is not Collar.SHAWL)
-    width = STRIP_COLLARS[finish.collar].width if finish.collar in STRIP_COLLARS else 0.0
+        return _Expected(turned, depth, COLLAR_BEHIND_SHARE, 0.0, None, finish.collar is not Collar.SHAWL, length)
     slope = EDGE_SLOPES.get(finish.collar, FLAT_EDGE_SLOPE)
-    return _Expected(0.0, 0.0, 0.0, max(0.0, width - CREW_DEPTH) * NECK_GIRTH, slope, None)
+    if finish.collar not in STRIP_COLLARS:
+        return _Expected(0.0, 0.0, 0.0, 0.0, slope, None, None)
+    standing = max(0.0, STRIP_COLLARS[finish.collar].width - CREW_DEPTH) * NECK_GIRTH
+    return _Expected(0.0, 0.0, 0.0, standing, slope, None, length)

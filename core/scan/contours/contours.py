@@ -181,9 +181,9 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
     kept, gaps = bridge_bites(vertices[loop], find_normals, pointed=is_neck)
     plackets = [is_neck and _is_placket(vertices[loop[gap]], body) for gap in gaps]
     slits = [gap for gap, is_slit in zip(gaps, plackets, strict=True) if is_slit]
-    bites = tuple(gap for gap, is_slit in zip(gaps, plackets, strict=True) if not is_slit)
+    holes = tuple(gap for gap, is_slit in zip(gaps, plackets, strict=True) if not is_slit)
     kept = np.unique(np.concatenate([kept, *slits])) if slits else kept
-    return _cut_off(candidate, vertices, kept, bites)
+    return _cut_off(candidate, vertices, kept, holes)
 
 
 def _is_placket(gap: np.ndarray, body: Body) -> bool:
