@@ -88,7 +88,7 @@ MAX_SLIT_WIDTH = 0.02
 """Distance of the edges of a closed placket [m]: its overlap."""
 
 RARE_COST = 2.0
-"""Misfit of a strip that stands upright, and of a front that a collar is not usually cut with [standard
+"""Misfit of a strip that stands upright, of a hood, and of a front that a collar is not usually cut with [standard
 deviations]: one garment in seven, exp(-2)."""
 
 USUAL_FRONTS: Mapping[Collar, tuple[Front, ...]] = {
@@ -232,7 +232,8 @@ def rank_finishes(shape: NeckShape, cut: Cut, fixed: Mapping[str, str]) -> tuple
         expected = _expect(cut, finish)
         if expected is not None:
             is_shown = finish.front is not Front.PLACKET or shape.slit > MIN_SLIT_LENGTH
-            is_rare = finish.collar in EDGE_SLOPES, finish.front not in USUAL_FRONTS[finish.collar] or not is_shown
+            is_upright = finish.collar in EDGE_SLOPES or finish.hood is not Hood.NONE
+            is_rare = is_upright, finish.front not in USUAL_FRONTS[finish.collar] or not is_shown
             deviations = [*expected.deviate(shape), *(RARE_COST * rare for rare in is_rare)]
             found.append(replace(finish, misfit=float(np.linalg.norm(deviations))))
     least = min((one.misfit for one in found), default=0.0)
