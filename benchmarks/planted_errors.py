@@ -70,7 +70,7 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.WIDTH, "drafted trousers are 5 % wider at the hip", "core/garment/parts/legs.py",
-        "side = (m.hip + 0.06) / 4 + side_shift", "side = 1.05 * (m.hip + 0.06) / 4 + side_shift",
+        "side = legs.hip / 4 + side_shift", "side = 1.05 * legs.hip / 4 + side_shift",
     ),
     PlantedError(
         ErrorKind.WIDTH, "the cuff of a drafted short sleeve is 5 % wider", "core/garment/parts/sleeves.py",

@@ -120,7 +120,7 @@ def test_gradient_of_the_distance_to_planes(skirt: Garment, target: Target) -> N
 def test_gradient_of_the_contours(skirt: Garment, target: Target) -> None:
     """A share given to the wrong end of an edge breaks this; an untrusted contour that counts does, too."""
     loss = ContourLoss.of(skirt, target)
-    assert len(loss.loops) == 1
+    assert len(loss.contours) == 1
     check_gradient(loss.evaluate, skirt.nodes, 1e-7)
     hem = replace(target.contours[0], trusted=False)
     assert ContourLoss.of(skirt, replace(target, contours=(hem,))).evaluate(skirt.nodes)[0] == 0.0
