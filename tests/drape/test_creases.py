@@ -15,9 +15,9 @@ from garmentq.core.garment.creases import (
     crease_edges,
     find_turned_panels,
     mark_edges,
-    select_panels,
 )
 from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.panel_selection import select_panels
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.connectivity import HalfEdges

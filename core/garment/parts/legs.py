@@ -13,12 +13,9 @@ from ..curves import edge_length
 from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, draw_monotone_spline, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
-from .collars import STRIP_COLLARS, strip_collar
-from .cut import Cut, Hood, Legs, PartsConflict, Waistband
-from .hoods import draw_hood
+from .cut import Cut, Legs, PartsConflict, Waistband
 from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
-from .turned_collars import TURNED_COLLARS, turned_collar
 
 CREASE_FROM_MIDDLE = 0.12
 """Initial distance of a leg's crease line from the middle [m]: outside the ankles, so that panels stay on one side."""
@@ -201,14 +198,7 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back of each half of a suit in one piece, from the shoulder to the ankle, and its sleeves.
     Allowances: waist + 16 cm (it is put on through the neck), below it those of `_draw_halves`."""
     shoulder = draw_shoulder(cut, m)
-    panels = _draw_halves(cut, m, shoulder)
-    if cut.collar in STRIP_COLLARS:
-        panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.collar in TURNED_COLLARS:
-        panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.hood is not Hood.NONE:
-        panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)
-    return panels + shoulder.sleeves(cut, m.nape_height)
+    return _draw_halves(cut, m, shoulder) + shoulder.collar(cut, m) + shoulder.sleeves(cut, m.nape_height)
 
 
 def draw_suit_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:

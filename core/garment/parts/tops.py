@@ -96,6 +96,14 @@ class Shoulder:
             return [line, *neck[1:]]
         return [*self.armholes[face], Stroke(self.neck, label="shoulder.left"), *self.necklines[face]]
 
+    def collar(self, cut: Cut, m: BodyMeasures) -> list[Panel]:
+        """Return the panels of the collar or the hood that is sewn to the necklines; none where there is neither."""
+        if cut.collar in STRIP_COLLARS:
+            return strip_collar(cut, self.neck, self.necklines, m.nape_height)
+        if cut.collar in TURNED_COLLARS:
+            return turned_collar(cut, self.neck, self.necklines, m.nape_height)
+        return draw_hood(cut, m, self.neck, self.necklines) if cut.hood is not Hood.NONE else []
+
     def sleeves(self, cut: Cut, height: float) -> list[Panel]:
         """Return the half sleeves of both arms, with their cuffs; none where there is no sleeve.
 
@@ -247,12 +255,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         if name == "front":
             outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
-    if cut.collar in STRIP_COLLARS:
-        panels += strip_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.collar in TURNED_COLLARS:
-        panels += turned_collar(cut, shoulder.neck, shoulder.necklines, m.nape_height)
-    if cut.hood is not Hood.NONE:
-        panels += draw_hood(cut, m, shoulder.neck, shoulder.necklines)
+    panels += shoulder.collar(cut, m)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels

@@ -12,8 +12,9 @@ from ...body.girths import TapeMeasure, armpit_height
 from ...body.signed_distance import SignedDistance
 from ...body.skinning import rest_body
 from ...cloth.settings import STANDARD_GRAVITY
-from ...garment.creases import find_turned_panels, select_panels
+from ...garment.creases import find_turned_panels
 from ...garment.garment import Garment
+from ...garment.panel_selection import select_panels
 from ...garment.parts.tops import STRAPLESS_DROP
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .gores import fan_out, find_sides

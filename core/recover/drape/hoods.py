@@ -15,6 +15,7 @@ from ...body.signed_distance import SignedDistance
 from ...cloth.settings import STANDARD_GRAVITY
 from ...garment.garment import Garment
 from ...garment.orientation import place_points
+from ...garment.panel_selection import select_panels
 from ...garment.parts.hoods import HOOD_LABEL
 from .harmonic import extend_harmonically
 from .layer_contact import LayerContact
@@ -32,7 +33,7 @@ MAX_ASIDE_SHIFT = 0.12
 """Longest way out of the head to its side [m]: more than half its breadth, less than that of the shoulders."""
 
 NO_PLANE_DISTANCE = 1.0
-"""Distance that is returned to nodes that are not middle_nodes [m]: beyond every contact."""
+"""Distance that is returned to nodes that are not held [m]: beyond every contact."""
 
 
 @dataclass(frozen=True)
@@ -178,30 +179,10 @@ def _move_aside(points: np.ndarray, outward: np.ndarray, body: SignedDistance) -
 
 def take_off_hood(garment: Garment) -> HoodedGarment | None:
     """Return a garment with a hood and the part below it; None where there is no hood, or nothing else."""
-    kept = ~_is_hood(garment)
-    if kept.all() or not kept.any() or not _outward_sides(garment).any():
+    names = frozenset(panel.name for panel in garment.pattern.panels if panel.label != HOOD_LABEL)
+    if not names or not _outward_sides(garment).any():
         return None
-    rank, names = np.cumsum(kept) - 1, {garment.pattern.panels[i].name for i in np.flatnonzero(kept)}
-    vertices, faces = kept[garment.panel_of_uv], kept[garment.panel_of_face]
-    uv_rank = np.cumsum(vertices) - 1
-    nodes, uv_node = np.unique(garment.uv_node[vertices], return_inverse=True)
-    uv_faces = uv_rank[garment.uv_faces[faces]]
-    pattern = replace(
-        garment.pattern,
-        panels=tuple(panel for panel in garment.pattern.panels if panel.name in names),
-        seams=tuple(seam for seam in garment.pattern.seams if {seam.a.panel, seam.b.panel} <= names),
-    )
-    below = Garment(
-        pattern=pattern,
-        nodes=garment.nodes[nodes],
-        faces=uv_node[uv_faces],
-        uv=garment.uv[vertices],
-        uv_faces=uv_faces,
-        uv_node=uv_node,
-        panel_of_face=rank[garment.panel_of_face[faces]],
-        panel_of_uv=rank[garment.panel_of_uv[vertices]],
-        edge_uv={ref: uv_rank[line] for ref, line in garment.edge_uv.items() if ref.panel in names},
-    )
+    below, nodes = select_panels(garment, names)
     return HoodedGarment(garment, below, nodes)
 
 
