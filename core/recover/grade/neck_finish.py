@@ -17,10 +17,10 @@ from ...garment.parts.draft import draft_cut
 from ...garment.parts.hoods import HOOD_LABEL
 from ...garment.parts.turned_collars import BREAK_DEPTH, LAPELLED_COLLARS
 from ...geometry.geometry import face_areas, face_normals
-from ...geometry.surface import TriangleSurface
+from ...geometry.surface import ClosestPoints, TriangleSurface
 from ...scan.contours.edge_turn import EdgeTurn
 from ...scan.contours.target import Contour, Target
-from ...scan.contours.turned import find_turned_faces
+from ...scan.contours.turned import join_turned_faces
 
 TURNED_AREA_STD = (0.25, 0.002)
 """Standard deviation of the area that is turned over: share of a collar's own area, since collars differ in width, and
@@ -138,13 +138,15 @@ class NeckShape:
         if neck is None or not neck.trusted or not len(target.faces):
             return None
         vertices, faces = target.vertices, target.faces
-        turned, areas = find_turned_faces(vertices, faces, neck, body), face_areas(vertices, faces)
-        centres = vertices[faces].mean(axis=1)
+        centres, areas = vertices[faces].mean(axis=1), face_areas(vertices, faces)
+        skin = TriangleSurface(body.vertices, body.faces)
+        found = skin.closest(centres)
+        turned = join_turned_faces(vertices, faces, neck, skin, found)
         depth = float(body.joint("neck")[1] - centres[turned, 1].min()) if turned.any() else 0.0
         lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
         is_behind = (centres - body.joint("neck")) @ np.cross(lateral, (0.0, 1.0, 0.0)) < 0.0
         behind = float(areas[turned & is_behind].sum() / max(areas[turned].sum(), 1e-12))
-        standing = float(areas[_is_over_neck(centres, body) & ~turned].sum())
+        standing = float(areas[_is_over_neck(found, body) & ~turned].sum())
         corners = len(EdgeTurn.of_target(neck, target).corners())
         is_open = target.contour("front.left") is not None
         loop = vertices[neck.vertices]
@@ -155,9 +157,8 @@ class NeckShape:
         return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners, neck.length)
 
 
-def _is_over_neck(points: np.ndarray, body: Body) -> np.ndarray:
-    """Return which points [m], shape [n, 3], are nearest to the skin of neck or head."""
-    found = TriangleSurface(body.vertices, body.faces).closest(points)
+def _is_over_neck(found: ClosestPoints, body: Body) -> np.ndarray:
+    """Return which of the closest points of a body are on the skin of neck or head, shape [n]."""
     columns = [JOINTS.index(name) for name in ("neck", "head")]
     return np.asarray(body.weights[body.faces[found.face]].mean(axis=1)[:, columns].sum(axis=1) > 0.5)
 

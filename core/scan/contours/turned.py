@@ -7,7 +7,7 @@ import numpy as np
 from ...body.body import Body
 from ...geometry.connectivity import find_components
 from ...geometry.geometry import face_normals
-from ...geometry.surface import TriangleSurface
+from ...geometry.surface import ClosestPoints, TriangleSurface
 from .target import Contour
 
 MAX_TURNED_DISTANCE = 0.08
@@ -27,7 +27,19 @@ def find_turned_faces(vertices: np.ndarray, faces: np.ndarray, neck: Contour, bo
         body: The wearer.
     """
     skin = TriangleSurface(body.vertices, body.faces)
-    found = skin.closest(vertices[faces].mean(axis=1))
+    return join_turned_faces(vertices, faces, neck, skin, skin.closest(vertices[faces].mean(axis=1)))
+
+
+def join_turned_faces(
+    vertices: np.ndarray, faces: np.ndarray, neck: Contour, skin: TriangleSurface, found: ClosestPoints
+) -> np.ndarray:
+    """Find turned faces as `find_turned_faces`, where the points of the skin closest to their centres are known.
+
+    Args:
+        vertices, faces, neck: As there.
+        skin: The wearer's surface.
+        found: Its closest point to each face's centre.
+    """
     inward = (face_normals(vertices, faces)[0] * skin.face_normals[found.face]).sum(axis=1) < 0.0
     inward &= found.distance < MAX_TURNED_DISTANCE
     chosen = faces[inward]
