@@ -29,6 +29,7 @@ from ...scan.contours.contours import name_contours
 from ...scan.contours.loop import find_loops, smoothed_length
 from ...scan.contours.target import Target
 from .dress import DressSettings, dress, place_panels
+from .front_placement import FRONT_EDGES, pin_front, place_pinned
 from .layer_contact import LayerContact
 from .pbd import DistanceConstraints, PbdSettings, PbdState, build_distance_constraints, simulate_pbd
 from .pose_path import pose_cloth
@@ -178,11 +179,17 @@ def _pose_garment(
         nodes, _ = pose_cloth(threads, nodes, wearer.way, wearer.grid, pins=waist)
     else:  # skinned: enough to start grading, though in places pinched between legs or under arms
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
+    pinned = waist
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
+    elif target is not None and target.contour(FRONT_EDGES[0]) is not None:
+        front = pin_front(garment.at(nodes, name_contours(nodes, garment.faces, body)[0]), target)
+        if front is not None:
+            nodes, pinned = place_pinned(nodes, front), front.nodes
+    if pinned is not None and target is not None:
         start, steps, weight = PbdState.at_rest(nodes), settings.pose_steps, -STANDARD_GRAVITY[1]
         nodes = simulate_pbd(
-            threads, start, wearer.grid, steps, settings=settings.follow, gravity=weight, pins=waist
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=weight, pins=pinned
         ).nodes
     if settings.ease_steps:
         start, steps = PbdState.at_rest(nodes), settings.ease_steps
@@ -238,7 +245,7 @@ def drape_graded(
         garment: The graded pattern's mesh, nodes near the target, from which the search starts.
         wearer: The wearer's geometry.
         fabric: The cloth.
-        target: The scan; its waist, if any, fixes the garment's.
+        target: The scan; its waist, or the edges of its open front, if any, hold the garment's.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         stop: Called after each leg of the equilibrium; returns whether to stop.
         settings: Steps.
@@ -247,9 +254,8 @@ def drape_graded(
     Returns:
         The garment at rest with named contours, and the drape with its residual.
     """
-    nodes, pins = garment.nodes.copy(), pin_waist(garment, target)
-    if pins is not None:
-        nodes[pins.nodes] = pins.points
+    nodes, pins = garment.nodes, pin_waist(garment, target) or pin_front(garment, target)
+    nodes = nodes if pins is None else place_pinned(nodes, pins)
     hooks.progress("drape", 0.1, "settling")
     threads = build_distance_constraints(garment, settings.follow.bending)
     fixed = None if pins is None else pins.nodes
@@ -286,14 +292,15 @@ def redrape(
 ) -> tuple[Garment, Drape]:
     """Dress the wearer in a recovered pattern from its rest placement, as if only the pattern were known.
 
-    Only the waist of a garment that hangs from it is taken from the scan. The folds may differ from those of a drape
-    that starts on the scan; the result shows the quality of the pattern alone. The cloth keeps apart from itself.
+    Only the waist of a garment that hangs from it, or how far its front is open, is taken from the scan. The folds may
+    differ from those of a drape that starts on the scan; the result shows the quality of the pattern alone. The cloth
+    keeps apart from itself.
 
     Args:
         garment: The pattern's mesh; the result has its topology, its nodes are not used.
         wearer: The wearer's geometry.
         fabric: The cloth.
-        target: The scan; its waist, if any, fixes the garment's.
+        target: The scan; its waist, or the edges of its open front, if any, hold the garment's.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         settings: Steps.
         hooks: Progress and cancellation.
