@@ -12,7 +12,8 @@ from .pattern import Edge, EdgeRef, Panel, Pattern
 
 
 def divide_edges(pattern: Pattern, contours: Collection[str], parts: int) -> Pattern:
-    """Cut every edge on some open contours into equal parts; the outlines stay the same curves. A control point at each
+    """Cut every edge on some open contours into equal parts, but not those of a vent, which are labelled; the outlines
+    stay the same curves. A control point at each
     cut allows an arc of any depth: a straight skirt's hem is nearly a line, a full circle skirt's an arc of half a
     turn, which one chord with fixed handles cannot draw.
 
@@ -29,7 +30,7 @@ def divide_edges(pattern: Pattern, contours: Collection[str], parts: int) -> Pat
         notches: list[tuple[int, float]] = []
         for i, edge in enumerate(panel.edges):
             numbers[panel.name, i] = len(edges)
-            share = parts if edge.contour in contours else 1
+            share = parts if edge.contour in contours and not edge.label else 1
             notches += [
                 (len(edges) + min(int(at * share), share - 1), at * share - min(int(at * share), share - 1))
                 for number, at in panel.notches

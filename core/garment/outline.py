@@ -14,6 +14,12 @@ from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 PLACEMENT_DEPTH = 0.25
 """Distance of front and back panels from the body's middle plane [m]: adult bodies are less than twice as deep."""
 
+VENT_LABEL = "vent"
+"""Beginning of the labels of open edges that are the sides of a vent."""
+
+PLACKET_CONTOUR = "placket"
+"""Beginning of the names of the open contours of slits in sleeves."""
+
 Point = tuple[float, float]
 
 
@@ -227,11 +233,11 @@ MIN_GATHER_SHARE = 0.03
 
 
 def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
-    """Sew every two edges that share a label, and notch both sides of long seams at half their length."""
+    """Sew every two edges of no contour that share a label, and notch both sides of long seams at half their length."""
     sides: dict[str, list[EdgeRef]] = {}
     for panel in panels:
         for i, edge in enumerate(panel.edges):
-            if edge.label:
+            if edge.label and not edge.contour:
                 sides.setdefault(edge.label, []).append(EdgeRef(panel.name, i))
     edges = {panel.name: panel for panel in panels}
     lengths = [[edge_length(edges[ref.panel], ref.edge) for ref in pair] for pair in sides.values()]
@@ -248,6 +254,6 @@ def _notched(panel: Panel) -> Panel:
     more = tuple(
         (i, 0.5)
         for i, edge in enumerate(panel.edges)
-        if edge.label and i not in marked and lengths[i] > MIN_NOTCHED_SEAM_LENGTH
+        if edge.label and not edge.contour and i not in marked and lengths[i] > MIN_NOTCHED_SEAM_LENGTH
     )
     return replace(panel, notches=tuple(sorted((*panel.notches, *more))))

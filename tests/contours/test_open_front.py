@@ -89,3 +89,19 @@ def test_a_placket_is_no_hole(skin) -> None:
     found = next(one for one in contours if one.name == "neck")
     assert off[:, 1].min() - (vertices[found.vertices] - body.joint("neck"))[:, 1].min() > 0.08
     assert not any(np.ptp(vertices[hole][:, 1]) > 0.1 for hole in holes)
+
+
+@pytest.mark.parametrize("place", ["back", "left", "right", "front"])
+def test_a_vent_is_no_hole(hung, place: str) -> None:
+    """Breaks where a slit at the side or the centre back is cut off the hem, or one elsewhere is not."""
+    body = wearer("T")
+    vertices, faces = hung(body, 0.6, 0.3, around=96, rows=60)
+    off = vertices[faces].mean(axis=1) - body.joint("pelvis")
+    along, across = (off[:, 2], off[:, 0]) if place in ("back", "front") else (off[:, 0], off[:, 2])
+    sign = -1.0 if place in ("back", "right") else 1.0
+    low = vertices[:, 1].min()
+    gone = (sign * along > 0.0) & (np.abs(across) < 0.016) & (vertices[faces][:, :, 1].min(axis=1) < low + 0.14)
+    contours, holes = name_contours(vertices, faces[~gone], body, scanned=True)
+    found = next(one for one in contours if one.name == "hem")
+    assert (np.ptp(vertices[found.vertices, 1]) > 0.12) == (place != "front")
+    assert any(np.ptp(vertices[hole][:, 1]) > 0.12 for hole in holes) == (place == "front")

@@ -140,6 +140,13 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         pytest.param("tshirt+collar=polo", marks=pytest.mark.nightly),
         "long_sleeve_tshirt+collar=notched,front=buttons",
         pytest.param("long_sleeve_tshirt+collar=shawl,front=open", marks=pytest.mark.nightly),
+        "skirt+vent=sides",
+        pytest.param("pencil_skirt+vent=back", marks=pytest.mark.nightly),
+        pytest.param("sleeved_dress+skirt=straight,waist=seam,vent=back", marks=pytest.mark.nightly),
+        pytest.param("tshirt+vent=sides", marks=pytest.mark.nightly),
+        pytest.param("long_sleeve_tshirt+collar=notched,front=buttons,vent=back", marks=pytest.mark.nightly),
+        "long_sleeve_tshirt+sleeve_head=set-in,cuff=shirt",
+        pytest.param("long_sleeve_tshirt+collar=shirt,front=buttons,cuff=shirt,vent=sides", marks=pytest.mark.nightly),
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

@@ -29,6 +29,7 @@ from garmentq.core.garment.parts.cut import (
     Sleeve,
     SleeveHead,
     SleevePieces,
+    Vent,
     Waist,
     Waistband,
     Yoke,
@@ -41,7 +42,7 @@ from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
 from garmentq.core.garment.parts.ribs import HEM_RIB_WIDTH, RIB_RATIO
 from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.parts.skirts import ELASTIC_GATHER_RATIO
-from garmentq.core.garment.parts.sleeves import CAP_EASE, CUFF_FULLNESS
+from garmentq.core.garment.parts.sleeves import BOUND_SLIT_WIDTH, CAP_EASE, CUFF_FULLNESS, SLEEVES
 from garmentq.core.garment.pattern import EdgeRef, Pattern
 from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import measure_pieces
@@ -123,6 +124,14 @@ def many_cuts() -> dict[str, Cut]:
     for (skirt, legs), waist, head in product(lower, Waist, SleeveHead):
         cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, skirt=skirt, legs=legs, waist=waist, sleeve_head=head)
         found |= {f"{skirt} {legs} {waist} {head} {band}": replace(cut, hem_band=band) for band in HemBand}
+    for vent, skirt, panels, band in product(tuple(Vent)[1:], Skirt, (2, 4), (Waistband.NONE, Waistband.BAND)):
+        found[f"{skirt} {panels} {band} vent {vent}"] = Cut(skirt=skirt, panels=panels, waistband=band, vent=vent)
+    for vent, bodice, (skirt, legs), waist, shaping in product(tuple(Vent)[1:], tuple(Bodice), lower, Waist, Shaping):
+        cut = Cut(bodice, skirt=skirt, legs=legs, waist=waist, shaping=shaping, vent=vent)
+        found[f"{bodice} {skirt} {legs} {waist} {shaping} vent {vent}"] = cut
+    for vent, front, yoke, collar in product(tuple(Vent)[1:], Front, tuple(Yoke)[:-1], (Collar.NONE, Collar.SHIRT)):
+        cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, front=front, yoke=yoke, collar=collar, vent=vent)
+        found[f"{front} {yoke} {collar} vent {vent}"] = cut
     for sleeve, head, yoke in product(Sleeve, SleeveHead, tuple(Yoke)[:-1]):
         cut = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, yoke=yoke, sleeve_pieces=SleevePieces.TWO)
         found[f"{sleeve} {head} {yoke} two pieces"] = cut
@@ -151,8 +160,10 @@ def test_every_combination_drafts_or_says_why_not(share):
         fullness = np.exp(np.abs(np.log(lengths[~even, 0] / lengths[~even, 1])))
         gathered, eased = np.isclose(fullness, 1.5), np.isclose(fullness, 1.0 + CAP_EASE)
         cuffed, ribbed = np.isclose(fullness, CUFF_FULLNESS), np.isclose(fullness, 1.0 / RIB_RATIO)
+        slit = np.isclose(fullness, CUFF_FULLNESS - BOUND_SLIT_WIDTH / SLEEVES[Sleeve.LONG].cuff_half)
         elastic = np.isclose(fullness, ELASTIC_GATHER_RATIO)
-        assert (gathered | eased | cuffed | ribbed | elastic).all() and cuffed.any() == (cut.cuff is Cuff.BAND), name
+        assert (gathered | eased | cuffed | slit | ribbed | elastic).all(), name
+        assert cuffed.any() == (cut.cuff in (Cuff.BAND, Cuff.SHIRT)) and slit.any() == (cut.cuff is Cuff.SHIRT), name
         ribs = (cut.cuff is Cuff.RIB, cut.hem_band is HemBand.RIB, cut.collar in (Collar.RIB, Collar.TURTLENECK))
         assert ribbed.any() == any(ribs), name
         assert gathered.any() == (cut.skirt in (Skirt.GATHERED, Skirt.TIERED)), name

@@ -70,10 +70,11 @@ class SleevePieces(StrEnum):
 
 
 class Cuff(StrEnum):
-    """Describe the finish of a sleeve."""
+    """Describe the finish of a sleeve; a shirt's is a band that is buttoned below a slit."""
 
     NONE = "none"
     BAND = "band"
+    SHIRT = "shirt"
     RIB = "rib"
 
 
@@ -82,6 +83,14 @@ class HemBand(StrEnum):
 
     NONE = "none"
     RIB = "rib"
+
+
+class Vent(StrEnum):
+    """Describe where a slit opens the hem of a skirt or a top."""
+
+    NONE = "none"
+    BACK = "back"
+    SIDES = "sides"
 
 
 class Shaping(StrEnum):
@@ -212,6 +221,7 @@ class Cut:
         legs: Below the waist instead of a skirt.
         waistband: Of a skirt or legs without a bodice.
         hem_band: Of a bodice without skirt and legs.
+        vent: In the hem of a skirt or of a top.
         waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
@@ -245,6 +255,7 @@ class Cut:
     hem_band: HemBand = HemBand.NONE
     hood: Hood = Hood.NONE
     hood_worn: HoodWorn = HoodWorn.DOWN
+    vent: Vent = Vent.NONE
 
     @property
     def panels_around(self) -> int:
@@ -310,6 +321,8 @@ class Cut:
             return self.bodice is Bodice.NONE
         if part == "hem_band":
             return self.bodice is not Bodice.NONE and self.skirt is Skirt.NONE and self.legs is Legs.NONE
+        if part == "vent":
+            return self.legs is Legs.NONE
         if part == "shaping":
             return self.legs is Legs.NONE
         if part == "gores":
@@ -350,6 +363,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "hem_band": HemBand,
     "hood": Hood,
     "hood_worn": HoodWorn,
+    "vent": Vent,
 }
 """The parts of a cut by name, each with its choices."""
 

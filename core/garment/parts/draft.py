@@ -33,6 +33,7 @@ from .ribs import sew_hem_rib
 from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
 from .turned_collars import check_turned_collar
+from .vents import check_vent, open_vents
 
 
 def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None = None) -> Pattern:
@@ -59,6 +60,8 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a hip yoke is a skirt's; choose a skirt, below a bodice with waist=seam.")
     if cut.cuff is not Cuff.NONE and cut.sleeve in (Sleeve.NONE, Sleeve.CAP):
         raise PartsConflict("a cuff needs a sleeve that goes round the arm; choose sleeve=short, elbow or long.")
+    if cut.cuff is Cuff.SHIRT and cut.sleeve is not Sleeve.LONG:
+        raise PartsConflict("a shirt's cuff is buttoned at the wrist; choose sleeve=long, or cuff=band.")
     if cut.bodice is Bodice.STRAPLESS:
         if cut.sleeve is not Sleeve.NONE or cut.collar is not Collar.NONE or cut.yoke.faces:
             raise PartsConflict("a strapless bodice has no shoulders; choose sleeve=none, collar=none and yoke=none.")
@@ -83,6 +86,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     check_front(cut)
     check_turned_collar(cut)
     check_hood(cut)
+    check_vent(cut)
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:
@@ -90,9 +94,10 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     else:
         in_one = cut.legs is not Legs.NONE and cut.waist is Waist.NONE
         panels = draw_suit(cut, m) if in_one else draw_top(cut, m)
+    panels = open_vents(cut, panels)
     if cut.waist is Waist.SEAM:
         kind, draw = ("skirt", draw_skirt) if cut.legs is Legs.NONE else ("leg", draw_suit_legs)
-        panels += [_rename_lower_part(panel, kind) for panel in draw(cut, m)]
+        panels += [_rename_lower_part(panel, kind) for panel in open_vents(cut, draw(cut, m))]
     if cut.hem_band is HemBand.RIB:
         panels = sew_hem_rib(cut, panels, m.nape_height)
     pattern = sew_by_label(name or category, category, panels)

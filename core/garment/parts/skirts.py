@@ -30,6 +30,7 @@ from .gores import Gore, draw_gores
 from .pleats import draw_pleats, yoke_strokes
 from .shaping import Waistline, share_waist
 from .upper_edge import UpperEdge
+from .vents import cut_back
 
 WAISTBAND_WIDTH = 0.04
 """Width of a waistband [m]: as stiff as two layers of cloth, it still follows the waist."""
@@ -201,7 +202,9 @@ def _two_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     for face in ("front", "back"):
         strokes = draw_monotone_spline(points, ["side.0.left", "side.1.left"])
         strokes += _waist_line(edge, line, 0.012, 0.002, face)
-        panels.append(place_panel(face, unfold(Outline(points[0], tuple(strokes)), "hem", dip=dip), edge.height))
+        whole = unfold(Outline(points[0], tuple(strokes)), "hem", dip=dip)
+        pieces = cut_back(cut, face, whole) if face == "back" else [(face, whole)]
+        panels += [place_panel(part, outline, edge.height) for part, outline in pieces]
     return panels
 
 

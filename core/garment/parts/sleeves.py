@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..outline import Outline, Point, Stroke, labelled_length, mirror, place_panel, to_point
+from ..outline import PLACKET_CONTOUR, Outline, Point, Stroke, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
 from .cut import Cuff, PartsConflict, Sleeve
 from .ribs import RIB_RATIO
@@ -30,6 +30,17 @@ SLEEVE_CUFF_WIDTH = 0.06
 
 CUFF_FULLNESS = 1.25
 """Ratio of the width of a sleeve to that of the cuff it is gathered into: 6 cm of pleats in a shirt's."""
+
+SLEEVE_SLIT_LENGTH = 0.11
+"""Length of the slit of a sleeve above a shirt's cuff [m]: 10 to 12 cm, so that the hand passes (W. Aldrich, shirt
+sleeve with a cuff)."""
+
+CUFF_CLOSURE = "buttons"
+"""Word of the label of the ends of a cuff that are buttoned."""
+
+BOUND_SLIT_WIDTH = 0.012
+"""Width at the cuff that the seam of a binding takes from both edges of a slit [m]: 6 mm each, tapering to nothing at
+its upper end (H. Joseph-Armstrong, Patternmaking for Fashion Design, continuous bound placket)."""
 
 UNDER_CUFF = 0.45
 """Share of half a cuff that belongs to the under sleeve of a sleeve of two pieces: it is the narrower one."""
@@ -91,7 +102,7 @@ class SleeveEnd:
     @property
     def cuff_width(self) -> float:
         """Return the width of the sleeve's own cuff [m]; 0 where it has none."""
-        widths = {Cuff.BAND: SLEEVE_CUFF_WIDTH, Cuff.RIB: self.cut.rib_width}
+        widths = {Cuff.BAND: SLEEVE_CUFF_WIDTH, Cuff.SHIRT: SLEEVE_CUFF_WIDTH, Cuff.RIB: self.cut.rib_width}
         return widths.get(self.cuff, 0.0)
 
     @property
@@ -101,34 +112,66 @@ class SleeveEnd:
         own = self.cut.cuff_half
         return (own, RIB_RATIO * own) if self.cuff is Cuff.RIB else (CUFF_FULLNESS * own, own)
 
+    @property
+    def has_slit(self) -> bool:
+        """Return whether this half of the sleeve has the slit above a shirt's cuff: behind, in line with the elbow."""
+        return self.cuff is Cuff.SHIRT and self.side == "back"
+
     def at(self, along: float, across: float) -> Point:
         """Return the point `along` the arm from the cap's top and `across` it downwards [m]."""
         c, s = float(np.cos(self.cut.droop)), float(np.sin(self.cut.droop))
         return (self.top[0] + along * c - across * s, self.top[1] - along * s - across * c)
 
-    def strokes(self) -> tuple[Stroke, Stroke]:
-        """Return the strokes from the underarm along the lower seam to the sleeve's end, and along that to the fold."""
+    def strokes(self) -> tuple[Stroke, ...]:
+        """Return the strokes from the underarm along the lower seam to the sleeve's end, and along that to the fold,
+        around a slit halfway between them."""
         if not self.banded:
             low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
             return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
         end = self.cut.length - self.cuff_width
         low, top = self.at(end, self.half_widths[0]), self.at(end, 0.0)
-        return Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
+        lower, seam = Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
+        if not self.has_slit:
+            return lower, seam
+        middle, open_half, slit = 0.5 * self.half_widths[0], 0.5 * BOUND_SLIT_WIDTH, f"{PLACKET_CONTOUR}.left"
+        return (
+            lower,
+            Stroke(self.at(end, middle + open_half), label=f"cuffseam.{self.side}.under.left"),
+            Stroke(self.at(end - SLEEVE_SLIT_LENGTH, middle), contour=slit),
+            Stroke(self.at(end, middle - open_half), contour=slit),
+            seam,
+        )
 
     def place(self, outline: Outline, height: float, name: str = "sleeve") -> list[Panel]:
         """Place the left half sleeve, its mirror image, and the halves of both cuffs."""
         panels = self._place(name, outline, height)
         if self.banded:
-            end, wide = self.cut.length - self.cuff_width, self.half_widths[1]
-            start = self.at(end, 0.0)
-            strokes = (
-                Stroke(self.at(end, wide), label=f"cuffseam.{self.side}.left"),
-                Stroke(self.at(self.cut.length, wide), label="cuffunder.left"),
-                Stroke(self.at(self.cut.length, 0.0), contour="cuff.left"),
-                Stroke(start, label="cuffover.left"),
-            )
-            panels += self._place("cuff_rib" if self.cuff is Cuff.RIB else "cuff", Outline(start, strokes), height)
+            wide, name = self.half_widths[1], "cuff_rib" if self.cuff is Cuff.RIB else "cuff"
+            over, under, seam = "cuffover.left", "cuffunder.left", f"cuffseam.{self.side}"
+            if self.has_slit:
+                closed = f"cuff.{CUFF_CLOSURE}.left"
+                panels += self._place(
+                    "cuff", self._draw_cuff((0.0, 0.5 * wide), (over, f"{seam}.left", closed)), height
+                )
+                part = self._draw_cuff((0.5 * wide, wide), (closed, f"{seam}.under.left", under))
+                panels += self._place("cuff_under", part, height)
+            else:
+                panels += self._place(name, self._draw_cuff((0.0, wide), (over, f"{seam}.left", under)), height)
         return panels
+
+    def _draw_cuff(self, across: tuple[float, float], labels: tuple[str, str, str]) -> Outline:
+        """Draw a part of a cuff between two distances from the fold [m]; its labels at the first one, at the sleeve and
+        at the last one."""
+        (first, last), (over, seam, under) = across, labels
+        end = self.cut.length - self.cuff_width
+        start = self.at(end, first)
+        strokes = (
+            Stroke(self.at(end, last), label=seam),
+            Stroke(self.at(self.cut.length, last), label=under),
+            Stroke(self.at(self.cut.length, first), contour="cuff.left"),
+            Stroke(start, label=over),
+        )
+        return Outline(start, strokes)
 
     def _place(self, name: str, outline: Outline, height: float) -> list[Panel]:
         # The warp runs along the arm; a grainline is a line, so its angle is given within a quarter turn of +y.

@@ -44,6 +44,7 @@ from .shaping import APEX_BELOW, PRINCESS_SEAM_FLARE, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
 from .turned_collars import LAPELLED_COLLARS, TURNED_COLLARS, sew_lapel, turned_collar
+from .vents import cut_back
 from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")
@@ -252,8 +253,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
         else:
             outlines = [(name, _draw_single_panel(cut, name, line, side, upper, apex))]
-        if name == "front":
-            outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
+        outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
         panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
     panels += shoulder.collar(cut, m)
     sleeves = shoulder.sleeves(cut, m.nape_height)
@@ -263,7 +263,9 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
 
 
 def _cut_centre(cut: Cut, part: str, outline: Outline) -> list[tuple[str, Outline]]:
-    """Return a front's panel, cut at the centre front where it lies across it."""
+    """Return a panel, cut at the centre where it lies across it and the garment opens there."""
+    if part == "back" and cut.waist is Waist.NONE:
+        return cut_back(cut, part, outline)
     return cut_front(cut, part, outline) if part == "front" else [(part, outline)]
 
 
@@ -287,10 +289,12 @@ def _draw_strapless(cut: Cut, m: BodyMeasures) -> list[Panel]:
         _check_shaping(cut)
     if cut.shaping is Shaping.PRINCESS:
         raise PartsConflict("a princess seam begins at the shoulder seam; choose another bodice or shaping=darts.")
-    return [
-        place_panel(name, _draw_single_panel(cut, name, line, side, upper, under[1] - APEX_BELOW[face]), m.nape_height)
+    whole = [
+        (name, _draw_single_panel(cut, name, line, side, upper, under[1] - APEX_BELOW[face]))
         for face, name in enumerate(FACES)
     ]
+    pieces = [piece for name, outline in whole for piece in _cut_centre(cut, name, outline)]
+    return [place_panel(part, outline, m.nape_height) for part, outline in pieces]
 
 
 def _inward_shift(part: str) -> float:

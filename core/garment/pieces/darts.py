@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..outline import PLACKET_CONTOUR
 from ..pattern import Panel
 
 Span = tuple[int, int]
@@ -27,6 +28,16 @@ def find_darts(net: Panel, sewn_to: dict[int, int]) -> tuple[Span, ...]:
             first, last = first - 1, last + 1
         spans.append((first, last))
     return tuple(spans)
+
+
+def find_slits(net: Panel) -> tuple[Span, ...]:
+    """Return first and last edge of every slit within a piece: two neighbouring edges of a placket's contour, between
+    which the outline turns into the cloth. They are marked as a dart is, and cut open between."""
+    count = len(net.edges)
+    is_placket = [edge.contour.startswith(PLACKET_CONTOUR) for edge in net.edges]
+    return tuple(
+        (i, i + 1) for i in range(count) if is_placket[i] and is_placket[(i + 1) % count] and _turns_inward(net, i)
+    )
 
 
 def _turns_inward(net: Panel, edge: int) -> bool:

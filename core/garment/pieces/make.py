@@ -8,10 +8,11 @@ import numpy as np
 
 from ..creases import find_turned_panels, is_crease
 from ..meshing import points_in_polygon
+from ..outline import PLACKET_CONTOUR, VENT_LABEL
 from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
 from .closure import find_closure
-from .darts import dart_lines, find_darts
+from .darts import dart_lines, find_darts, find_slits
 from .flatten import flatten_edge, flatten_outline
 from .folding import fold_piece
 from .joining import Group, join_halves, turn_group
@@ -26,7 +27,7 @@ from .sewing_order import order_seams
 
 CONTOURS = {
     "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
-    "waist": EdgeUse.WAIST, "front": EdgeUse.FRONT,
+    "waist": EdgeUse.WAIST, "front": EdgeUse.FRONT, PLACKET_CONTOUR: EdgeUse.PLACKET,
 }  # fmt: skip
 """Use of an open edge by its contour; others are open."""
 
@@ -112,9 +113,10 @@ def _make_piece(
         _describe_edge(pattern, ref, twin, i in inner, settings)
         for i, (ref, twin) in enumerate(zip(group.sources, twins, strict=True))
     )
-    offset = offset_outline(group.net, edges, darts)
-    cut, notches = place_notches(group.net, edges, [_edge_marks(marks, edge) for edge in edges], offset, darts)
-    lines, tips = dart_lines(group.net, darts, [flatten_edge(group.net, i) for i in range(len(edges))])
+    wedges = (*darts, *find_slits(group.net))
+    offset = offset_outline(group.net, edges, wedges)
+    cut, notches = place_notches(group.net, edges, [_edge_marks(marks, edge) for edge in edges], offset, wedges)
+    lines, tips = dart_lines(group.net, wedges, [flatten_edge(group.net, i) for i in range(len(edges))])
     piece = Piece(
         name=name,
         net=replace(group.net, name=name, notches=()),
@@ -167,8 +169,9 @@ def _describe_edge(
     elif seams:
         use = EdgeUse.GATHERED if seams[0].gathered else EdgeUse.SEAM
     else:
-        contour = pattern.panel(ref.panel).edges[ref.edge].contour
-        use = CONTOURS.get(contour.split(".")[0], EdgeUse.OPEN)
+        edge = pattern.panel(ref.panel).edges[ref.edge]
+        is_vent = edge.label.startswith(VENT_LABEL)
+        use = EdgeUse.VENT if is_vent else CONTOURS.get(edge.contour.split(".")[0], EdgeUse.OPEN)
     return PieceEdge(use, settings.allowances.widths[use], ref, mirror=mirror)
 
 

@@ -44,7 +44,11 @@ def list_missing(pieces: Collection[Piece], turned: bool = False) -> tuple[str, 
     if EdgeUse.ZIP in uses:
         lines.append("zip at the centre front, as long as the seam there")
     if EdgeUse.BUTTONS in uses:
-        lines.append("buttons and buttonholes at the centre front, facings and interfacing of the button stands")
+        lines.append("buttons and buttonholes, facings and interfacing of the button stands")
+    if EdgeUse.VENT in uses:
+        lines.append("stay at the upper end of each vent; lining or binding of its lap")
+    if EdgeUse.PLACKET in uses:
+        lines.append("binding, or placket, of each sleeve's slit")
     if EdgeUse.WAIST in uses and banded:
         inner = "elastic" if elastic else "interfacing"
         lines.append(f"facing or inner half of the waistband, and its {inner}")

@@ -11,7 +11,7 @@ from ..pattern import Panel
 from .darts import Span
 from .marks import Mark
 from .offset import Offset
-from .piece import SEWN_EDGE_USES, CutLine, Notch, NotchPurpose, PieceEdge
+from .piece import SEWN_EDGE_USES, CutLine, EdgeUse, Notch, NotchPurpose, PieceEdge
 
 NOTCH_DEPTH = 0.006
 """Depth of a notch where the allowance has room for it [m]: a quarter of an inch, as of a notcher's punch."""
@@ -60,7 +60,7 @@ def place_notches(
         edges: What each edge is.
         marks: The marks of each edge.
         offset: Its cut line, and where hems fold.
-        darts: Its darts; each gets a notch at either end of its mouth.
+        darts: Its darts, and slits within it; each gets a notch at either end of its mouth.
     """
     count = len(edges)
     inner = {k % count for first, last in darts for k in range(first, last + 1)}
@@ -69,7 +69,8 @@ def place_notches(
     ]
     for first, last in darts:
         ends = ((first - 1) % count, 1.0), ((last + 1) % count, 0.0)
-        places += [_place(net, edge, at, Mark(at, NotchPurpose.DART, 1), 0.0) for edge, at in ends]
+        purpose = NotchPurpose.DART if edges[first % count].use is EdgeUse.DART else NotchPurpose.SLIT
+        places += [_place(net, edge, at, Mark(at, purpose, 1), 0.0) for edge, at in ends]
     for i in range(count):
         if i not in inner:
             places += _edge_notches(net, i, marks[i])
@@ -88,16 +89,18 @@ def place_notches(
 
 
 def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
-    """Return the notch at the start of edge i where a sewn run continues through it."""
+    """Return the notch at the start of edge i where a sewn run continues through it, or ends at a vent."""
     before = (i - 1) % len(edges)
-    if before in inner or edges[i].use not in SEWN_EDGE_USES or edges[before].use not in SEWN_EDGE_USES:
+    uses = {edges[before].use, edges[i].use}
+    if before in inner or not uses <= {*SEWN_EDGE_USES, EdgeUse.VENT} or uses == {EdgeUse.VENT}:
         return None
     a, b = _tangent(net, before, 1.0), _tangent(net, i, 0.0)
     if abs(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b)) > MAX_RUN_TURN_ANGLE:
         return None
     middle = a + b
     inward = np.array([-middle[1], middle[0]]) / np.linalg.norm(middle)
-    return _Place(before, 1.0, NotchPurpose.JUNCTION, 1, net.points[i], inward)
+    purpose = NotchPurpose.SLIT if EdgeUse.VENT in uses else NotchPurpose.JUNCTION
+    return _Place(before, 1.0, purpose, 1, net.points[i], inward)
 
 
 def _edge_notches(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:

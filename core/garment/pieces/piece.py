@@ -25,12 +25,14 @@ class EdgeUse(StrEnum):
     FRONT = "front"
     ZIP = "zip"
     BUTTONS = "buttons"
+    VENT = "vent"
+    PLACKET = "placket"
     OPEN = "open"
     FOLD = "fold"
 
 
 CLOSURE_EDGE_USES = (EdgeUse.ZIP, EdgeUse.BUTTONS)
-"""Uses of edges at the centre front that are closed, and opened again, when the garment is put on."""
+"""Uses of edges, at the centre front or of a cuff, that are closed when the garment has been put on."""
 
 SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED, *CLOSURE_EDGE_USES)
 """Uses of edges that are joined to another piece, or to another edge of their own."""
@@ -47,6 +49,7 @@ class NotchPurpose(StrEnum):
     JUNCTION = "junction"
     DART = "dart"
     HEM = "hem"
+    SLIT = "slit"
 
 
 @dataclass(frozen=True)

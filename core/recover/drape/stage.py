@@ -19,6 +19,7 @@ from ...cloth.settings import STANDARD_GRAVITY, SolveSettings
 from ...cloth.statics import Drape, StopCallback, equilibrium
 from ...cloth.topology import Topology
 from ...garment.garment import Garment
+from ...garment.outline import PLACKET_CONTOUR
 from ...garment.pattern import Pattern
 from ...garment.resampling import resample
 from ...garment.sewing import mesh_pattern
@@ -124,7 +125,7 @@ def drape_template(
     threads = build_distance_constraints(garment, settings.dress.follow.bending)
     hooks.progress("template", 0.1, "dressing the T-pose")
     hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
-    loops = len(find_loops(garment.faces))
+    loops = _count_borders(garment)
     # Posing is expensive, so openings are counted before it.
     if settings.dress.outline and _count_openings(hung, garment, wearer.rest) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then surrounds nothing.
@@ -134,6 +135,17 @@ def drape_template(
     worn = _pose_garment(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
     return name_contours_as_placed(worn, wearer.rest) if lost else worn
+
+
+def _count_borders(garment: Garment) -> int:
+    """Count the borders that surround a part of a wearer's body: all but those of slits above buttoned cuffs."""
+    slit = [
+        garment.uv_node[line]
+        for ref, line in garment.edge_uv.items()
+        if garment.pattern.panel(ref.panel).edges[ref.edge].contour.startswith(PLACKET_CONTOUR)
+    ]
+    inside = np.unique(np.concatenate([np.zeros(0, np.int64), *slit]))
+    return sum(not np.isin(loop, inside).all() for loop in find_loops(garment.faces))
 
 
 def _count_openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:

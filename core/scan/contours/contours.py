@@ -33,6 +33,12 @@ WAIST_END = 0.6
 0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
 MAX_PLACKET_OFFSET = 0.03
 """Largest distance of a placket's edges from the middle plane [m]: a placket is 3 cm wide, and hangs open."""
+MAX_SIDE_VENT_OFFSET = 0.08
+"""Largest distance of a side vent's edges from the plane through the hips' joints and the spine [m]: side seams are up
+to 4 cm before or behind it, and the edges hang apart."""
+MIN_CUFF_SLIT_RATIO = 4.0
+"""Least ratio of the length along the arm of a slit in a cuff to its width: its edges lap, or hang 2 cm apart along 10
+cm; damage there is rounder."""
 MAX_BRIDGED_SHARE = 0.3
 """Largest share of a trusted contour that was bridged; above it the chords determine its shape more than the cloth."""
 
@@ -173,26 +179,38 @@ def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list
 
 
 def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, body: Body) -> list[_Candidate]:
-    """Cut holes that broke through a contour off it; return it and them. A placket is no hole."""
+    """Cut holes that broke through a contour off it; return it and them. A placket or a vent is no hole."""
     if candidate.name is None or not candidate.is_closed:
         return [candidate]
     loop, is_neck = candidate.vertices, candidate.name == "neck"
     find_normals = partial(_wide_normals, vertices, faces, loop)
     kept, gaps = bridge_bites(vertices[loop], find_normals, pointed=is_neck)
-    plackets = [is_neck and _is_placket(vertices[loop[gap]], body) for gap in gaps]
-    slits = [gap for gap, is_slit in zip(gaps, plackets, strict=True) if is_slit]
-    holes = tuple(gap for gap, is_slit in zip(gaps, plackets, strict=True) if not is_slit)
+    cut = [_is_cut(candidate.name, vertices[loop[gap]], body) for gap in gaps]
+    slits = [gap for gap, is_slit in zip(gaps, cut, strict=True) if is_slit]
+    holes = tuple(gap for gap, is_slit in zip(gaps, cut, strict=True) if not is_slit)
     kept = np.unique(np.concatenate([kept, *slits])) if slits else kept
     return _cut_off(candidate, vertices, kept, holes)
 
 
-def _is_placket(gap: np.ndarray, body: Body) -> bool:
-    """Check whether a bay in a neckline is a slit at the centre front: higher than wide, and before the neck [m]."""
-    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+def _is_cut(name: str, gap: np.ndarray, body: Body) -> bool:
+    """Check whether a bay in a contour [m] is a slit that is cut there: a placket, a vent, or the slit of a cuff."""
+    if name.startswith("cuff."):
+        side = name.partition(".")[2]
+        arm = body.joint(f"{side}_wrist") - body.joint(f"{side}_elbow")
+        off = gap - gap.mean(axis=0)
+        along = off @ (arm / np.linalg.norm(arm))
+        across = np.linalg.norm(off - along[:, None] * (arm / np.linalg.norm(arm)), axis=1)
+        return bool(np.ptp(along) > MIN_CUFF_SLIT_RATIO * 2.0 * across.max())
+    if name not in ("neck", "hem"):
+        return False
+    part, joint = ("shoulder", "neck") if name == "neck" else ("hip", "pelvis")
+    lateral = (body.joint(f"left_{part}") - body.joint(f"right_{part}")) * (1.0, 0.0, 1.0)
     lateral = lateral / np.linalg.norm(lateral)
-    off = gap - body.joint("neck")
+    off, high = gap - body.joint(joint), np.ptp(gap[:, 1])
     aside, ahead = np.abs(off @ lateral), off @ np.cross(lateral, (0.0, 1.0, 0.0))
-    return bool(aside.max() < MAX_PLACKET_OFFSET and ahead.min() > 0.0 and np.ptp(gap[:, 1]) > 2.0 * aside.max())
+    if aside.max() < MAX_PLACKET_OFFSET and high > 2.0 * aside.max():
+        return bool(ahead.min() > 0.0 if name == "neck" else ahead.max() < 0.0)
+    return bool(name == "hem" and np.abs(ahead).max() < MAX_SIDE_VENT_OFFSET and high > 2.0 * np.ptp(ahead))
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
