@@ -36,6 +36,7 @@ from garmentq.core.garment.parts.cut import (
     parse_parts,
 )
 from garmentq.core.garment.parts.draft import draft_cut
+from garmentq.core.garment.parts.gathers import BLOUSON_OVERHANG, BODICE_GATHER_RATIO, LEG_GATHER_RATIO
 from garmentq.core.garment.parts.legs import LEGGINGS_GIRTH_RATIO
 from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
 from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
@@ -124,6 +125,13 @@ def many_cuts() -> dict[str, Cut]:
     for (skirt, legs), waist, head in product(lower, Waist, SleeveHead):
         cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, skirt=skirt, legs=legs, waist=waist, sleeve_head=head)
         found |= {f"{skirt} {legs} {waist} {head} {band}": replace(cut, hem_band=band) for band in HemBand}
+    for legs, band in product(tuple(Legs)[1:], Waistband):
+        found[f"{legs} {band} gathers"] = Cut(legs=legs, waistband=band, shaping=Shaping.GATHERS)
+    for bodice, sleeve, (skirt, legs), yoke in product(
+        tuple(Bodice)[1:], (Sleeve.NONE, Sleeve.LONG), (*lower, (Skirt.GATHERED, Legs.NONE)), (Yoke.NONE, Yoke.HIP)
+    ):
+        seam = Cut(bodice, sleeve=sleeve, skirt=skirt, legs=legs, waist=Waist.SEAM, yoke=yoke)
+        found[f"{bodice} {sleeve} {skirt} {legs} {yoke} gathers"] = replace(seam, shaping=Shaping.GATHERS)
     for vent, skirt, panels, band in product(tuple(Vent)[1:], Skirt, (2, 4), (Waistband.NONE, Waistband.BAND)):
         found[f"{skirt} {panels} {band} vent {vent}"] = Cut(skirt=skirt, panels=panels, waistband=band, vent=vent)
     for vent, bodice, (skirt, legs), waist, shaping in product(tuple(Vent)[1:], tuple(Bodice), lower, Waist, Shaping):
@@ -161,13 +169,16 @@ def test_every_combination_drafts_or_says_why_not(share):
         gathered, eased = np.isclose(fullness, 1.5), np.isclose(fullness, 1.0 + CAP_EASE)
         cuffed, ribbed = np.isclose(fullness, CUFF_FULLNESS), np.isclose(fullness, 1.0 / RIB_RATIO)
         slit = np.isclose(fullness, CUFF_FULLNESS - BOUND_SLIT_WIDTH / SLEEVES[Sleeve.LONG].cuff_half)
-        elastic = np.isclose(fullness, ELASTIC_GATHER_RATIO)
+        elastic = np.isclose(fullness, ELASTIC_GATHER_RATIO) | np.isclose(fullness, BODICE_GATHER_RATIO)
         assert (gathered | eased | cuffed | slit | ribbed | elastic).all(), name
         assert cuffed.any() == (cut.cuff in (Cuff.BAND, Cuff.SHIRT)) and slit.any() == (cut.cuff is Cuff.SHIRT), name
         ribs = (cut.cuff is Cuff.RIB, cut.hem_band is HemBand.RIB, cut.collar in (Collar.RIB, Collar.TURTLENECK))
         assert ribbed.any() == any(ribs), name
-        assert gathered.any() == (cut.skirt in (Skirt.GATHERED, Skirt.TIERED)), name
-        assert elastic.any() == (cut.waistband is Waistband.ELASTIC and not gathered.any()), name
+        gathers = cut.shaping is Shaping.GATHERS
+        is_full = cut.skirt in (Skirt.GATHERED, Skirt.TIERED) or (gathers and cut.bodice is Bodice.NONE)
+        assert gathered.any() == is_full, name
+        is_blouson = gathers and cut.bodice is not Bodice.NONE
+        assert elastic.any() == ((cut.waistband is Waistband.ELASTIC and not gathered.any()) or is_blouson), name
         assert eased.any() == (cut.sleeve_head is SleeveHead.SET_IN), name
         assert lengths.min() > 0.0149, name
         sewn = [ref for seam in pattern.seams for ref in (seam.a, seam.b)]
@@ -308,6 +319,10 @@ def test_parts_that_are_none_are_refused(text):
         Cut(skirt=Skirt.A_LINE, gores=Gores.EIGHT),
         Cut(Bodice.SHIFT, skirt=Skirt.GORED, gores=Gores.EIGHT, waist=Waist.SEAM, shaping=Shaping.DARTS),
         Cut(Bodice.SHIFT, skirt=Skirt.GORED, waist=Waist.SEAM),
+        Cut(Bodice.SHIFT, shaping=Shaping.GATHERS),
+        Cut(Bodice.SHIFT, skirt=Skirt.GATHERED, waist=Waist.SEAM, shaping=Shaping.GATHERS),
+        Cut(skirt=Skirt.A_LINE, waistband=Waistband.BAND, shaping=Shaping.GATHERS),
+        Cut(legs=Legs.WIDE, waistband=Waistband.ELASTIC, shaping=Shaping.GATHERS),
     ],
 )
 def test_parts_that_cannot_be_sewn_are_refused(cut):
@@ -418,6 +433,44 @@ def test_a_dropped_shoulder_leaves_the_sleeve_its_end():
         for panel in (flat.panel("sleeve_front_left"), dropped.panel("sleeve_front_left"))
     ]
     assert lengths[0] - lengths[1] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("measures", [BodyMeasures(), CURVY])
+def test_a_gathered_bodice_falls_over_its_waist_seam(measures):
+    """Breaks where the skirt's waist is widened with the bodice's, or the bodice is not longer by its overhang."""
+    cuts = [
+        CUTS["dress"].choose({"waist": "seam", "skirt": "pencil", "shaping": kind}) for kind in ("darts", "gathers")
+    ]
+    darted, gathered = (draft_cut(cut, measures) for cut in cuts)
+    waists = [
+        sum(
+            edge_length(pattern.panel(f"skirt_{face}"), i)
+            for face in ("front", "back")
+            for i in waist_edges(pattern, face)
+        )
+        for pattern in (darted, gathered)
+    ]
+    assert waists[0] == pytest.approx(waists[1])
+    lows = [pattern.panel("front").points[:, 1].min() for pattern in (darted, gathered)]
+    assert lows[0] - lows[1] == pytest.approx(BLOUSON_OVERHANG)
+    sides = seam_lengths(gathered)[gathered.gathered]
+    assert sides.max(axis=1).sum() == pytest.approx(BODICE_GATHER_RATIO * waists[1])
+
+
+def waist_edges(pattern, face):
+    """Return the edges of a skirt's panel that are sewn at the waist."""
+    return [i for i, edge in enumerate(pattern.panel(f"skirt_{face}").edges) if edge.label.startswith("waist.")]
+
+
+@pytest.mark.parametrize("measures", [BodyMeasures(), CURVY])
+@pytest.mark.parametrize("legs", ["straight", "wide", "short"])
+def test_gathered_legs_hang_from_a_band_that_fits(legs, measures):
+    """Breaks where the band has the girth of the legs above it, or these that of trousers without gathers."""
+    pattern = draft_cut(Cut(legs=Legs(legs), waistband=Waistband.BAND, shaping=Shaping.GATHERS), measures)
+    band = sum(np.ptp(panel.points[:, 0]) for panel in pattern.panels if panel.name.startswith("band"))
+    assert band == pytest.approx(measures.waist + 0.02, rel=0.01)
+    lengths = seam_lengths(pattern)[pattern.gathered]
+    assert lengths.max(axis=1).sum() == pytest.approx(LEG_GATHER_RATIO * band)
 
 
 @pytest.mark.parametrize("measures", [BodyMeasures(), CURVY])

@@ -99,6 +99,7 @@ class Shaping(StrEnum):
     NONE = "none"
     DARTS = "darts"
     PRINCESS = "princess"
+    GATHERS = "gathers"
 
 
 class Yoke(StrEnum):
@@ -224,7 +225,7 @@ class Cut:
         vent: In the hem of a skirt or of a top.
         waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
-        shaping: Of bodice and skirt at the waist.
+        shaping: Of bodice and skirt at the waist, or of legs that are gathered into a band.
         yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
         front: How the bodice's front is cut at its centre.
         hood: On a crew neck.
@@ -266,6 +267,11 @@ class Cut:
     def has_equal_gores(self) -> bool:
         """Check whether a skirt's gores are all alike; six usually are a centre and two side gores on each face."""
         return self.skirt is Skirt.GORED and (self.gores is not Gores.SIX or self.sweep is not None)
+
+    @property
+    def is_shaped_by_seams(self) -> bool:
+        """Check whether darts or princess seams divide the waist."""
+        return self.shaping in (Shaping.DARTS, Shaping.PRINCESS)
 
     @property
     def category(self) -> str:
@@ -324,7 +330,7 @@ class Cut:
         if part == "vent":
             return self.legs is Legs.NONE
         if part == "shaping":
-            return self.legs is Legs.NONE
+            return self.legs is Legs.NONE or self.bodice is Bodice.NONE or self.waist is Waist.SEAM
         if part == "gores":
             return self.skirt is not Skirt.NONE
         if part == "yoke":

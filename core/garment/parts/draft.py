@@ -27,6 +27,7 @@ from .cut import (
     Yoke,
 )
 from .fronts import check_front
+from .gathers import check_gathers
 from .hoods import check_hood
 from .legs import draw_legs, draw_suit, draw_suit_legs
 from .ribs import sew_hem_rib
@@ -52,8 +53,9 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a band finishes the waist of a skirt or legs; choose waistband=none.")
     if cut.hem_band is not HemBand.NONE and not cut.has_place_for("hem_band"):
         raise PartsConflict("a hem's band finishes a top; choose a bodice without skirt and legs, or hem_band=none.")
-    if cut.legs is not Legs.NONE and (cut.shaping is not Shaping.NONE or cut.yoke is not Yoke.NONE):
+    if cut.legs is not Legs.NONE and (cut.shaping in (Shaping.DARTS, Shaping.PRINCESS) or cut.yoke is not Yoke.NONE):
         raise PartsConflict("legs are drafted without darts and yokes; choose shaping=none and yoke=none.")
+    check_gathers(cut)
     if cut.yoke is Yoke.HIP and (
         cut.skirt is Skirt.NONE or (cut.bodice is not Bodice.NONE and cut.waist is Waist.NONE)
     ):

@@ -13,7 +13,8 @@ from ..curves import edge_length
 from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, draw_monotone_spline, labelled_length, mirror, place_panel, to_point
 from ..pattern import Panel
-from .cut import Cut, Legs, PartsConflict, Waistband
+from .cut import Cut, Legs, PartsConflict, Shaping, Waistband
+from .gathers import LEG_GATHER_RATIO
 from .skirts import ELASTIC_GATHER_RATIO, WAISTBAND_WIDTH, draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
 
@@ -87,6 +88,8 @@ class LegCut:
             knee, hem = LEG_GIRTHS[cut.legs]
             ends = ((KNEE_HEIGHT_SHARE * m.crotch_height, knee / 4), (LEG_HEM_HEIGHT, hem / 4))
         forks, crotch = (m.hip / 16 - 0.01, m.hip / 8 - 0.02), m.crotch_height - 0.015 - m.waist_height
+        if cut.shaping is Shaping.GATHERS:
+            return cls(m.hip + 0.06, LEG_GATHER_RATIO * (m.waist + 0.02), crotch, banded, forks, ends)
         if cut.waistband is Waistband.ELASTIC:
             return cls(m.hip + 0.06, ELASTIC_GATHER_RATIO * m.waist, crotch, banded, forks, ends)
         return cls(m.hip + 0.06, m.waist + 0.06, crotch, -0.06, forks, ends)
@@ -99,7 +102,8 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
     1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
     below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee and hem of
     `LEG_GIRTHS`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. In an elastic band the waist
-    is at the natural one, `ELASTIC_GATHER_RATIO` of its girth. Leggings: from the natural waist to the ankle, with
+    is at the natural one, `ELASTIC_GATHER_RATIO` of its girth; gathered into another band, of waist + 2 cm, it is
+    there too, `LEG_GATHER_RATIO` of the band. Leggings: from the natural waist to the ankle, with
     `LEGGINGS_GIRTH_RATIO` of the body's girths, the crotch at the body's, and forks of a 24th and a 12th of their hip,
     for the knit stretches over the seat. The back fork is lowered and the back's side corners moved until inseams and
     outseams are equal.
@@ -137,6 +141,8 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
             panels.append(place_panel(f"{side}_{leg}", drawn, base, label="leg", across=across))
     if cut.waistband is not Waistband.NONE:
         fullness = ELASTIC_GATHER_RATIO if cut.waistband is Waistband.ELASTIC else 1.0
+        if cut.shaping is Shaping.GATHERS:
+            fullness = LEG_GATHER_RATIO
         panels = [_sew_to_waistband(panel) for panel in panels]
         for side in FACES:
             waist = next(panel for panel in panels if panel.name == f"{side}_left")

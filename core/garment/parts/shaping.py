@@ -11,6 +11,7 @@ from itertools import accumulate
 
 from ..outline import Outline, Stroke, cut_stroke, draw_monotone_spline, mirror, reverse_strokes, unfold, unfold_closed
 from .cut import Cut, PartsConflict, Shaping, Skirt
+from .gathers import BODICE_GATHER_RATIO
 
 MIDDLE_SHARE = 0.46
 """Share of a quarter of the waist between the middle and its dart, in bodice and skirt: they meet at a waist seam."""
@@ -39,7 +40,7 @@ def share_waist(cut: Cut) -> tuple[float, ...]:
         wide = 4.0 / cut.panels_around
         first = wide / 2 if cut.panels_around % 4 else wide  # with an odd number on each face one is in the middle
         return (first, *[wide] * round((1.0 - first) / wide))
-    if cut.shaping is not Shaping.NONE or cut.skirt is Skirt.GORED:
+    if cut.is_shaped_by_seams or cut.skirt is Skirt.GORED:
         return (MIDDLE_SHARE, 1.0 - MIDDLE_SHARE)
     return (1.0,)
 
@@ -68,6 +69,8 @@ class Waistline:
     @classmethod
     def of(cls, cut: Cut, wide: float, waist: float) -> Waistline:
         """Return the line of a quarter that is `wide` without shaping and `waist` around the waist [m]."""
+        if cut.shaping is Shaping.GATHERS:
+            return cls(BODICE_GATHER_RATIO * waist, 0.0, 0.0, share_waist(cut))
         if cut.shaping is Shaping.NONE:
             return cls(waist, 0.0, 0.0, share_waist(cut))
         dart = min(max(DART_SHARE * (wide - waist), DART_RANGE[0]), DART_RANGE[1])

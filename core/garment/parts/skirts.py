@@ -120,7 +120,7 @@ def _check(cut: Cut) -> None:
     if cut.bodice is Bodice.NONE and cut.yoke.faces:
         raise PartsConflict(f"a yoke={cut.yoke} is a bodice's; choose yoke=hip.")
     if cut.bodice is not Bodice.NONE:
-        if cut.skirt is Skirt.GORED and cut.has_equal_gores != (cut.shaping is Shaping.NONE):
+        if cut.skirt is Skirt.GORED and cut.has_equal_gores == cut.is_shaped_by_seams:
             raise PartsConflict(
                 "six gores meet a bodice's darts or princess seams, others none; choose shaping=darts or "
                 "shaping=princess with gores=6, or gores=8."

@@ -37,6 +37,7 @@ from .cut import (
     Waist,
 )
 from .fronts import cut_front
+from .gathers import BLOUSON_OVERHANG
 from .hoods import draw_hood, sew_hood
 from .necklines import NecklineCut, draw_neckline, side_neck
 from .ribs import HEM_RIB_WIDTH
@@ -304,7 +305,7 @@ def _inward_shift(part: str) -> float:
 
 def _check_shaping(cut: Cut) -> None:
     """Check that darts have a waist seam to begin at, and shaping a waist that is not straight."""
-    if cut.bodice is Bodice.BOXY:
+    if cut.bodice is Bodice.BOXY and cut.is_shaped_by_seams:
         raise PartsConflict("a boxy bodice falls straight; choose bodice=shift to shape it.")
     if cut.shaping is Shaping.DARTS and cut.waist is Waist.NONE:
         raise PartsConflict("a bodice's darts begin at a waist seam; add waist=seam, or choose shaping=princess.")
@@ -314,11 +315,13 @@ def _side_seam(cut: Cut, m: BodyMeasures, underarm: Point, line: Waistline) -> l
     """Draw the side seam from the hem, the end of the first stroke, to the underarm point. A boxy top is straight to 2
     cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm, no darts). A dress without a
     zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and reaches the knee; an A-line one is flared
-    to 1.36 m for a free step. With a waist seam it ends at the natural waist. Princess seams take in the waist and
-    widen the hem; the side seam is moved out by as much. A top with a rib around its hem is as long with it."""
+    to 1.36 m for a free step. With a waist seam it ends at the natural waist, gathered `BLOUSON_OVERHANG` below it.
+    Princess seams take in the waist and widen the hem; the side seam is moved out by as much. A top with a rib
+    around its hem is as long with it."""
     sleeved, rib = cut.sleeve is not Sleeve.NONE, HEM_RIB_WIDTH if cut.hem_band is HemBand.RIB else 0.0
     if cut.waist is Waist.SEAM:
-        corner = (line.half, m.waist_height - m.nape_height)
+        longer = BLOUSON_OVERHANG if cut.shaping is Shaping.GATHERS else 0.0
+        corner = (line.half, m.waist_height - longer - m.nape_height)
         return [Stroke(corner), Stroke(underarm, label="side.left", notch=0.5)]
     if cut.bodice is Bodice.BOXY and cut.skirt is Skirt.NONE:
         hem = (underarm[0], m.hip_height - 0.02 + rib - m.nape_height)

@@ -11,7 +11,7 @@ import numpy as np
 from ..curves import edge_length, place_on_chord, split_edge
 from ..outline import VENT_LABEL, Outline, Stroke, halve, mirror
 from ..pattern import Edge, Panel
-from .cut import Bodice, Cut, HemBand, Legs, PartsConflict, Skirt, Vent
+from .cut import Cut, HemBand, Legs, PartsConflict, Skirt, Vent
 
 SKIRT_VENT_LENGTH = 0.18
 """Length of a vent of a skirt or a dress [m]: 18 to 20 cm in a skirt to the knee, for a free step (Aldrich)."""

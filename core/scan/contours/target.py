@@ -18,8 +18,8 @@ CONTOUR_NAMES = (
     "placket.left", "placket.right",
 )  # fmt: skip
 """All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
-a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. The slit of a sleeve above its buttoned cuff goes around
-nothing: only a pattern names it."""
+a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. The
+slit of a sleeve above its buttoned cuff goes around no part of the body: only a pattern names it."""
 
 OPEN_FRONT_CONTOURS = ("neck", "front.left", "hem", "front.right")
 """Contours that are parts of one border where a garment is open in front, in its order."""
