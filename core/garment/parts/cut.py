@@ -148,13 +148,15 @@ class HoodWorn(StrEnum):
 
 class Front(StrEnum):
     """Describe how the front of a bodice is cut at its centre: in one piece, with a slit from the neck (a placket),
-    closed over its whole length by a zip or by buttons, or worn open."""
+    closed over its whole length by a zip or by buttons, worn open, or as two fronts of which one is wrapped over the
+    other."""
 
     NONE = "none"
     PLACKET = "placket"
     ZIP = "zip"
     BUTTONS = "buttons"
     OPEN = "open"
+    WRAP = "wrap"
 
 
 class Skirt(StrEnum):

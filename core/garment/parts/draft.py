@@ -35,6 +35,7 @@ from .skirts import CIRCLE_SKIRT_ANGLES, draw_skirt
 from .tops import draw_shoulder, draw_top
 from .turned_collars import check_turned_collar
 from .vents import check_vent, open_vents
+from .wraps import check_wrap
 
 
 def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None = None) -> Pattern:
@@ -89,6 +90,7 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     check_turned_collar(cut)
     check_hood(cut)
     check_vent(cut)
+    check_wrap(cut)
     if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
         raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:

@@ -45,7 +45,7 @@ def cut_front(cut: Cut, name: str, outline: Outline) -> list[tuple[str, Outline]
         name: The piece's.
         outline: Symmetric about the centre.
     """
-    if cut.front is Front.NONE:
+    if cut.front in (Front.NONE, Front.WRAP):
         return [(name, outline)]
     seam = Stroke((0.0, 0.0), contour=FRONT_CONTOUR)
     if cut.front is not Front.OPEN:

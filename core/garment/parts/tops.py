@@ -25,6 +25,7 @@ from .cut import (
     Bodice,
     Collar,
     Cut,
+    Front,
     HemBand,
     Hood,
     Legs,
@@ -46,6 +47,7 @@ from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
 from .turned_collars import LAPELLED_COLLARS, TURNED_COLLARS, sew_lapel, turned_collar
 from .vents import cut_back
+from .wraps import WRAP_LABEL, divide_side, draw_wrap
 from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")
@@ -244,23 +246,36 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     side = _side_seam(cut, m, shoulder.underarm, line)
     if cut.shaping is not Shaping.NONE:
         _check_shaping(cut)
+    if cut.front is Front.WRAP:
+        side = divide_side(side, m.waist_height - m.nape_height)
     panels = []
     for face, name in enumerate(FACES):
         upper, apex = shoulder.strokes(face), shoulder.underarm[1] - APEX_BELOW[face]
         if name in cut.yoke.faces:
             upper, pieces = cut_yoke(name, upper)
             panels += [place_panel(part, outline, m.nape_height) for part, outline in pieces]
-        if cut.shaping is Shaping.PRINCESS:
+        if cut.front is Front.WRAP and name == "front":
+            waist = line.strokes(name, side[0].end[1], apex) if cut.waist is Waist.SEAM else ()
+            outlines = draw_wrap(side, upper[: -len(shoulder.necklines[face])], waist)
+        elif cut.shaping is Shaping.PRINCESS:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
         else:
             outlines = [(name, _draw_single_panel(cut, name, line, side, upper, apex))]
         outlines = [piece for part, outline in outlines for piece in _cut_centre(cut, part, outline)]
-        panels += [place_panel(part, outline, m.nape_height, across=_inward_shift(part)) for part, outline in outlines]
+        panels += [
+            place_panel(part, outline, m.nape_height, label=_label(cut, part), across=_inward_shift(part))
+            for part, outline in outlines
+        ]
     panels += shoulder.collar(cut, m)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
+
+
+def _label(cut: Cut, part: str) -> str:
+    """Return the label of a panel of the trunk: the front that is wrapped over the other has its own."""
+    return WRAP_LABEL if cut.front is Front.WRAP and part == "front_right" else "body"
 
 
 def _cut_centre(cut: Cut, part: str, outline: Outline) -> list[tuple[str, Outline]]:

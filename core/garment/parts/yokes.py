@@ -42,7 +42,7 @@ def divide_armhole(
     divided, deep = cut_stroke(underarm, armhole, YOKE_SHARE, labels), neckline[-1].end[1]
     if abs(deep - divided[0].end[1]) >= MIN_YOKE_NECK_DISTANCE:
         return divided
-    return cut_stroke(underarm, armhole, _share_at(underarm, armhole, deep - MIN_YOKE_NECK_DISTANCE), labels)
+    return cut_stroke(underarm, armhole, share_at_height(underarm, armhole, deep - MIN_YOKE_NECK_DISTANCE), labels)
 
 
 def cut_yoke(face: str, upper: list[Stroke]) -> tuple[list[Stroke], list[tuple[str, Outline]]]:
@@ -77,12 +77,12 @@ def _divide(strokes: list[Stroke], height: float) -> tuple[list[Stroke], list[St
     """Return strokes up to where their line falls to a height [m], and from there on."""
     crossing = next(i for i, stroke in enumerate(strokes) if i > 0 and stroke.end[1] < height)
     start, stroke = strokes[crossing - 1].end, strokes[crossing]
-    above, below = cut_stroke(start, stroke, _share_at(start, stroke, height), (stroke.label, stroke.label))
+    above, below = cut_stroke(start, stroke, share_at_height(start, stroke, height), (stroke.label, stroke.label))
     level = Stroke((above.end[0], height), above.handles, above.label, above.contour)
     return [*strokes[:crossing], level], [below, *strokes[crossing + 1 :]]
 
 
-def _share_at(start: Point, stroke: Stroke, height: float) -> float:
+def share_at_height(start: Point, stroke: Stroke, height: float) -> float:
     """Return the share of its length at which a stroke first crosses a height [m]."""
     over = stroke_points(start, stroke, STROKE_SEGMENT_COUNT)[:, 1] - height  # uniform in arc length
     after = int(np.argmax(over * over[0] <= 0.0))

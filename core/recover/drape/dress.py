@@ -16,6 +16,7 @@ from ...garment.creases import find_turned_panels
 from ...garment.garment import Garment
 from ...garment.panel_selection import select_panels
 from ...garment.parts.tops import STRAPLESS_DROP
+from ...garment.parts.wraps import WRAP_LABEL
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .gores import fan_out, find_sides
 from .harmonic import extend_harmonically
@@ -90,7 +91,7 @@ def place_panels(
     pelvis = body.joint("pelvis")
     nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
     middle = _middle_plane(body)
-    nodes[:, 2] = middle + flatten * _find_node_sides(garment)
+    nodes[:, 2] = middle + flatten * _find_node_sides(garment) * _find_node_layers(garment)
     waist = waist_loop(garment)
     if waist is not None:
         height = waist_height if waist_height is not None else _upper_edge_height(garment, waist, body)
@@ -173,6 +174,15 @@ def _find_node_sides(garment: Garment) -> np.ndarray:
     np.add.at(total, garment.uv_node, find_sides(garment))
     np.add.at(count, garment.uv_node, 1.0)
     return total / np.maximum(count, 1.0)
+
+
+def _find_node_layers(garment: Garment) -> np.ndarray:
+    """Return the number of the layer that every node is in, shape [node_count]: 1, and 2 for a front that is wrapped
+    over another one; between them on seams of both."""
+    outer = np.array([panel.label == WRAP_LABEL for panel in garment.pattern.panels])
+    total, count = np.zeros(len(garment.nodes)), np.bincount(garment.uv_node, minlength=len(garment.nodes))
+    np.add.at(total, garment.uv_node, 1.0 + outer[garment.panel_of_uv])
+    return total / count
 
 
 def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
@@ -292,14 +302,15 @@ def relax_flat_panels(
     nodes: np.ndarray,
     side: np.ndarray,
     half: np.ndarray,
+    layer: np.ndarray,
     distance: SignedDistance,
     middle: float,
     settings: DressSettings,
 ) -> np.ndarray:
     """Relax the edges of flattened, welded panels in their planes and return the nodes [m], shape [node_count, 3].
 
-    Steps change x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, seams between
-    them in it, outside the body's outline (between the legs, under the arms). Panels of one half of the wearer stay on
+    Steps change x and y only: front nodes stay at +flatten, or at twice that where they lie over others, back nodes at
+    -flatten from the middle plane, seams between them in it, outside the body's outline (between the legs, under the arms). Panels of one half of the wearer stay on
     it: the crotches of trousers, drafted past the middle but worn from front to back, would otherwise overlap.
     """
     apart = 0.5 * settings.flatten
@@ -307,7 +318,7 @@ def relax_flat_panels(
     flat = FlatObstacle(distance, middle, side, settings.flatten)
     for _ in range(settings.relax):
         nodes = simulate_pbd(threads, PbdState.at_rest(nodes), flat, 1, settings=settings.follow).nodes
-        nodes[:, 2] = middle + settings.flatten * side
+        nodes[:, 2] = middle + settings.flatten * side * layer
         nodes[half > 0, 0] = np.maximum(nodes[half > 0, 0], centre + apart)
         nodes[half < 0, 0] = np.minimum(nodes[half < 0, 0], centre - apart)
     return nodes
@@ -327,7 +338,8 @@ def dress(
 
     The panels are flattened to both sides of the body's middle plane and welded. Their edges relax around a body
     squashed in depth. The body is inflated to its full size while the cloth follows without weight, its seams between
-    front and back in the middle plane, so that no shoulder slips off the thin body's edge. Crossing cloth is smoothed;
+    front and back in the middle plane, so that no shoulder slips off the thin body's edge. A front that is
+    wrapped over another one lies further out, and both keep apart. Crossing cloth is smoothed;
     then gravity acts. The waist of skirts and trousers is fixed in height, as by a waistband's friction. What is turned
     over along creases is put on afterwards: it is turned towards the cloth below, and falls on it. A hood is put on
     last (`wear_hood`).
@@ -360,13 +372,17 @@ def dress(
     waist = waist_loop(garment)
     height = None if waist is None else float(nodes[waist, 1].mean())
     side = _find_node_sides(garment)
-    nodes = relax_flat_panels(threads, nodes, side, _find_body_halves(garment), distance, middle, settings)
+    layer = _find_node_layers(garment)
+    nodes = relax_flat_panels(threads, nodes, side, _find_body_halves(garment), layer, distance, middle, settings)
+    apart = LayerContact(face_centres=False) if (layer > 1.0).any() else None
     between = np.abs(side) < 0.5
     outline = distance if settings.outline else None
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
         obstacle = TwoSidedObstacle(SquashedBody(distance, middle, scale), outline, middle, side)
-        nodes = simulate_pbd(threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow).nodes
+        nodes = simulate_pbd(
+            threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow, layers=apart
+        ).nodes
         nodes[between, 2] = middle
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()

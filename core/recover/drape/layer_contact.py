@@ -15,12 +15,14 @@ class LayerContact:
     """Describe how layers of cloth are kept apart.
 
     Attributes:
+        face_centres: Keep centres of faces out of the body too; off for a body that is measured at nodes only.
         partial_steps: Let layers that would cross move as far as they have room; otherwise their steps are undone.
         gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
         reach: Distance up to which pairs of layers are found [m]; longer steps that cross are undone.
         push: Largest push of the body on a node in a step [m]; below half the reach, so that layers above are found.
     """
 
+    face_centres: bool = True
     partial_steps: bool = False
     gap: float = 2e-3
     reach: float = 10e-3

@@ -293,7 +293,9 @@ def simulate_pbd(
         planes, spaces = _find_planes(body, x, settings), HalfSpaces.none()
         if apart is not None:
             planes = planes.within(x, apart.settings.push)
-            spaces = apart.planes(before).joined(_face_planes(body, x, threads.faces, settings))
+            spaces = apart.planes(before)
+            if apart.settings.face_centres:
+                spaces = spaces.joined(_face_planes(body, x, threads.faces, settings))
         press = _sweep(x, bonds, weight, planes, spaces, settings.sweeps)
         if len(planes.points):
             _apply_friction(x, start, planes, settings.friction * press)

@@ -15,11 +15,12 @@ CONTOUR_NAMES = (
     "cuff.left", "cuff.right",
     "armhole.left", "armhole.right",
     "leg.left", "leg.right",
-    "placket.left", "placket.right",
+    "placket.left", "placket.right", "wrap",
 )  # fmt: skip
 """All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
-a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. The
-slit of a sleeve above its buttoned cuff goes around no part of the body: only a pattern names it."""
+a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. Only a
+pattern names the slit of a sleeve above its buttoned cuff, and what a wrap's outer front covers of the inner one's
+border."""
 
 OPEN_FRONT_CONTOURS = ("neck", "front.left", "hem", "front.right")
 """Contours that are parts of one border where a garment is open in front, in its order."""
