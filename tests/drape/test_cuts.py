@@ -12,6 +12,7 @@ from garmentq.core.body.distance import DistanceGrid
 from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.body.girths import armpit_height
 from garmentq.core.body.projection import project_outside
+from garmentq.core.garment.curves import flat_contours
 from garmentq.core.garment.parts.cut import PARTS, PartsConflict, differing_parts
 from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.sewing import mesh_pattern
@@ -22,6 +23,7 @@ from garmentq.core.recover.drape.hoods import take_off_hood
 from garmentq.core.recover.drape.pbd import build_distance_constraints
 from garmentq.core.recover.drape.pose_path import PosePath, pose_cloth
 from garmentq.core.recover.drape.waist import waist_loop
+from garmentq.core.recover.drape.worn_contours import name_worn_contours
 from garmentq.core.scan.contours.contours import name_contours
 from sized_template import size_template
 
@@ -140,6 +142,11 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         pytest.param("tshirt+collar=polo", marks=pytest.mark.nightly),
         "long_sleeve_tshirt+collar=notched,front=buttons",
         pytest.param("long_sleeve_tshirt+collar=shawl,front=open", marks=pytest.mark.nightly),
+        "long_sleeve_tshirt+front=wrap,neckline=v",
+        pytest.param("dress+front=wrap,neckline=v", marks=pytest.mark.nightly),
+        "sleeved_dress+front=wrap,neckline=v,waist=seam,skirt=half-circle",
+        pytest.param("tank+bodice=shift,front=wrap,neckline=v,vent=sides", marks=pytest.mark.nightly),
+        pytest.param("tshirt+front=wrap,neckline=v,hem_band=rib,yoke=back", marks=pytest.mark.nightly),
         "dress+skirt=pencil,waist=seam,shaping=gathers",
         pytest.param("sleeved_jumpsuit+waist=seam,shaping=gathers", marks=pytest.mark.nightly),
         pytest.param("trousers+waistband=band,shaping=gathers", marks=pytest.mark.nightly),
@@ -193,6 +200,43 @@ def test_a_hood_is_worn_up_or_down(parts: str, gender: str) -> None:
         return
     assert hood[:, 1].max() < posed.joint("head")[1] + 0.05
     assert np.median(hood[:, 2]) < posed.joint("neck")[2] - 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["tshirt", "sleeved_dress+waist=seam,skirt=straight"])
+def test_the_right_front_of_a_wrap_is_worn_over_the_left_one(name: str) -> None:
+    """Breaks where the fronts change their order as the body takes its size, or the neckline counts what is covered."""
+    stem, sign, parts = name.partition("+")
+    name = f"{stem}+front=wrap,neckline=v{',' if sign else ''}{parts}"
+    (body, grid, _), (posed, around, _) = wearer("female", "T"), wearer("female", "A")
+    garment = mesh_pattern(load_template(name), NODES)
+    threads = build_distance_constraints(garment)
+    nodes, _ = pose_cloth(threads, dress(garment, body, grid, threads=threads), way("female", "A"), around)
+    names = [panel.name for panel in garment.pattern.panels]
+    outer, inner = (garment.faces[garment.panel_of_face == names.index(f"front_{side}")] for side in ("right", "left"))
+    depth = find_depths(nodes[inner].mean(axis=1), nodes[outer])
+    in_front = np.abs(nodes[inner].mean(axis=1)[:, 0] - posed.joint("neck")[0]) < 0.1
+    assert (depth[in_front] > 0.0).sum() > 0.3 * in_front.sum() and not (depth[in_front] < 0.0).any()
+    neck = next(one for one in name_worn_contours(garment, nodes, posed) if one.name == "neck")
+    flat = flat_contours(garment.pattern)["neck"]
+    assert 0.95 * flat < neck.length < 1.2 * flat, "the front edges lie on the bias, and stretch over the bust"
+    assert not neck.is_closed
+
+
+def find_depths(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Return how far triangles are before points along z [m], shape [n]; not a number where none is there."""
+    a, b, c = (triangles[:, None, k, :2] for k in range(3))
+    x = points[None, :, :2]
+    sides = np.stack([turn(c - b, x - b), turn(a - c, x - c), turn(b - a, x - a)])
+    shares = sides / turn(b - a, c - a)
+    depth = np.einsum("kfn,fk->fn", shares, triangles[:, :, 2]) - points[:, 2]
+    inside = (shares >= 0.0).all(axis=0)
+    return np.where(inside.any(axis=0), np.where(inside, depth, -np.inf).max(axis=0), np.nan)
+
+
+def turn(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the cross product of plane vectors."""
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
 
 
 @pytest.mark.slow

@@ -96,6 +96,14 @@ def many_cuts() -> dict[str, Cut]:
     for front, kind, head, collar in product(tuple(Front)[1:], Neckline, SleeveHead, Collar):
         cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar, front=front)
         found[f"{kind} {head} {collar} front {front}"] = cut
+    for bodice, sleeve, (skirt, legs), waist, band in product(
+        tuple(Bodice)[1:], (Sleeve.NONE, Sleeve.LONG), lower, Waist, HemBand
+    ):
+        cut = Cut(bodice, Neckline.V, sleeve=sleeve, skirt=skirt, legs=legs, waist=waist, hem_band=band)
+        found[f"{bodice} {sleeve} {skirt} {legs} {waist} {band} wrap"] = replace(cut, front=Front.WRAP)
+    for behind, head, yoke, vent in product(Neckline, SleeveHead, tuple(Yoke)[:-1], Vent):
+        cut = Cut(Bodice.BOXY, Neckline.V, behind, sleeve=Sleeve.LONG, sleeve_head=head, yoke=yoke, vent=vent)
+        found[f"{behind} {head} {yoke} {vent} wrap"] = replace(cut, front=Front.WRAP)
     for front, band, cuff in product(tuple(Front)[1:], HemBand, Cuff):
         cut = Cut(Bodice.BOXY, sleeve=Sleeve.LONG, hem_band=band, cuff=cuff, front=front, collar=Collar.RIB)
         found[f"{band} {cuff} rib front {front}"] = cut

@@ -1,6 +1,6 @@
-"""Draft wrap fronts (W. Aldrich, Metric Pattern Cutting for Women's Wear; H. Joseph-Armstrong, Patternmaking for Fashion
-Design, surplice): each front reaches from its shoulder past the centre to the other side seam, the right one over the
-left one. Both front edges are straight from the side neck points; where they cross they make a V.
+"""Draft wrap fronts (H. Joseph-Armstrong, Patternmaking for Fashion Design, surplice): each front reaches from its
+shoulder past the centre to the other side seam, the right one over the left one. Both front edges are straight from the
+side neck points; where they cross they make a V.
 
 The outer front is sewn into the left side seam below its edge, or ends in the waist seam. The inner one ends in a tie
 that is sewn into the right side seam; there the outer one's seam is open for the tie to pass, as that of a wrap dress.
@@ -10,6 +10,7 @@ joins two layers only."""
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from ..outline import Outline, Stroke, cut_stroke, mirror
 from .cut import Collar, Cut, Front, Hood, Legs, Neckline, PartsConflict, Shaping, SleeveHead
@@ -63,7 +64,7 @@ def divide_side(side: list[Stroke], waist: float) -> list[Stroke]:
         found.append(stroke)
         start = stroke.end
     labelled = found[:1]
-    for i, (before, stroke) in enumerate(zip(found[:-1], found[1:], strict=True)):
+    for i, (before, stroke) in enumerate(pairwise(found)):
         middle = (before.end[1] + stroke.end[1]) / 2
         name = f"{TIE_SEAM}.left" if heights[0] < middle < heights[1] else f"side.{i}.left"
         labelled.append(replace(stroke, label=name))
@@ -78,7 +79,7 @@ def draw_wrap(side: list[Stroke], upper: list[Stroke], waist: tuple[Stroke, ...]
         upper: Armhole and shoulder seam, from the underarm point to the side neck point.
         waist: The left half of the front's waist seam from the middle to the side; none where the front has a hem.
     """
-    corner, neck = side[0].end, upper[-1].end
+    corner = side[0].end
     tie = next(i for i, stroke in enumerate(side) if stroke.label.startswith(TIE_SEAM))
     low = side[tie - 1].end
     right = mirror(Outline(corner, (*side[1:], *upper)))

@@ -17,8 +17,8 @@ from .piece import EdgeUse
 DEFAULT_ALLOWANCES = MappingProxyType({
     EdgeUse.SEAM: 0.010, EdgeUse.GATHERED: 0.010, EdgeUse.DART: 0.0, EdgeUse.NECK: 0.010, EdgeUse.ARMHOLE: 0.010,
     EdgeUse.CUFF: 0.025, EdgeUse.HEM: 0.025, EdgeUse.LEG: 0.040, EdgeUse.WAIST: 0.030, EdgeUse.FRONT: 0.010,
-    EdgeUse.ZIP: 0.015, EdgeUse.BUTTONS: 0.030, EdgeUse.VENT: 0.040, EdgeUse.PLACKET: 0.0, EdgeUse.OPEN: 0.010,
-    EdgeUse.FOLD: 0.0,
+    EdgeUse.ZIP: 0.015, EdgeUse.BUTTONS: 0.030, EdgeUse.VENT: 0.040, EdgeUse.PLACKET: 0.0, EdgeUse.WRAP: 0.010,
+    EdgeUse.OPEN: 0.010, EdgeUse.FOLD: 0.0,
 })  # fmt: skip
 """Usual industrial widths [m]: seams and faced or bound edges 1 cm, hems of sleeves and tops 2.5 cm, of trousers 4 cm,
 a waist with room for elastic 3 cm, an edge with a zip 1.5 cm. A buttoned edge has a button stand of 2 cm beyond the

@@ -28,6 +28,7 @@ from .sewing_order import order_seams
 CONTOURS = {
     "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
     "waist": EdgeUse.WAIST, "front": EdgeUse.FRONT, PLACKET_CONTOUR: EdgeUse.PLACKET,
+    "wrap": EdgeUse.WRAP,
 }  # fmt: skip
 """Use of an open edge by its contour; others are open."""
 

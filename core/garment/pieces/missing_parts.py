@@ -45,6 +45,8 @@ def list_missing(pieces: Collection[Piece], turned: bool = False) -> tuple[str, 
         lines.append("zip at the centre front, as long as the seam there")
     if EdgeUse.BUTTONS in uses:
         lines.append("buttons and buttonholes, facings and interfacing of the button stands")
+    if EdgeUse.WRAP in uses:
+        lines.append("hem of the inner front's lower edge, or its place in the waist seam; ties at both fronts' ends")
     if EdgeUse.VENT in uses:
         lines.append("stay at the upper end of each vent; lining or binding of its lap")
     if EdgeUse.PLACKET in uses:

@@ -27,6 +27,7 @@ class EdgeUse(StrEnum):
     BUTTONS = "buttons"
     VENT = "vent"
     PLACKET = "placket"
+    WRAP = "wrap"
     OPEN = "open"
     FOLD = "fold"
 

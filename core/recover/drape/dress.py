@@ -309,9 +309,10 @@ def relax_flat_panels(
 ) -> np.ndarray:
     """Relax the edges of flattened, welded panels in their planes and return the nodes [m], shape [node_count, 3].
 
-    Steps change x and y only: front nodes stay at +flatten, or at twice that where they lie over others, back nodes at
-    -flatten from the middle plane, seams between them in it, outside the body's outline (between the legs, under the arms). Panels of one half of the wearer stay on
-    it: the crotches of trousers, drafted past the middle but worn from front to back, would otherwise overlap.
+    Steps change x and y only: front nodes stay at +flatten, or at twice that where they lie over others, back nodes
+    at -flatten from the middle plane, seams between them in it, outside the body's outline (between the legs, under
+    the arms). Panels of one half of the wearer stay on it: the crotches of trousers, drafted past the middle but
+    worn from front to back, would otherwise overlap.
     """
     apart = 0.5 * settings.flatten
     centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())

@@ -19,7 +19,6 @@ from ...cloth.settings import STANDARD_GRAVITY, SolveSettings
 from ...cloth.statics import Drape, StopCallback, equilibrium
 from ...cloth.topology import Topology
 from ...garment.garment import Garment
-from ...garment.outline import PLACKET_CONTOUR
 from ...garment.pattern import Pattern
 from ...garment.resampling import resample
 from ...garment.sewing import mesh_pattern
@@ -27,7 +26,7 @@ from ...geometry.geometry import deformation_gradients, principal_stretches
 from ...run.best import choose_best
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours.contours import name_contours
-from ...scan.contours.loop import find_loops, smoothed_length
+from ...scan.contours.loop import smoothed_length
 from ...scan.contours.target import Target
 from .dress import DressSettings, dress, place_panels
 from .front_placement import FRONT_EDGES, pin_front, place_pinned
@@ -37,6 +36,7 @@ from .pose_path import pose_cloth
 from .waist import flat_lengths, waist_loop
 from .waist_placement import pin_waist, place_waist
 from .wearer import WearerGeometry
+from .worn_contours import count_borders, name_worn_contours
 
 MIDDLE_PLANE_DISTANCE = 0.1
 """Distance of placed panels from the middle plane while contours are named [m]: more than bones deviate from it."""
@@ -125,7 +125,7 @@ def drape_template(
     threads = build_distance_constraints(garment, settings.dress.follow.bending)
     hooks.progress("template", 0.1, "dressing the T-pose")
     hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
-    loops = _count_borders(garment)
+    loops = count_borders(garment)
     # Posing is expensive, so openings are counted before it.
     if settings.dress.outline and _count_openings(hung, garment, wearer.rest) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then surrounds nothing.
@@ -135,17 +135,6 @@ def drape_template(
     worn = _pose_garment(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
     return name_contours_as_placed(worn, wearer.rest) if lost else worn
-
-
-def _count_borders(garment: Garment) -> int:
-    """Count the borders that surround a part of a wearer's body: all but those of slits above buttoned cuffs."""
-    slit = [
-        garment.uv_node[line]
-        for ref, line in garment.edge_uv.items()
-        if garment.pattern.panel(ref.panel).edges[ref.edge].contour.startswith(PLACKET_CONTOUR)
-    ]
-    inside = np.unique(np.concatenate([np.zeros(0, np.int64), *slit]))
-    return sum(not np.isin(loop, inside).all() for loop in find_loops(garment.faces))
 
 
 def _count_openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
@@ -208,7 +197,7 @@ def _pose_garment(
         nodes = simulate_pbd(
             threads, start, wearer.grid, steps, settings=settings.follow, gravity=EASED_GRAVITY, pins=waist
         ).nodes
-    return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
+    return garment.at(nodes, name_worn_contours(garment, nodes, body))
 
 
 def has_hanging_sleeves(target: Target, body: Body) -> bool:
@@ -225,7 +214,7 @@ def name_contours_as_placed(worn: Garment, rest: Body) -> Garment:
     Trousers far too long for their wearer crumple about the feet, and the ends of their legs then surround nothing;
     flat, they hang over the feet. Lengths are those of the worn contours.
     """
-    contours, _ = name_contours(place_panels(worn, rest, flatten=MIDDLE_PLANE_DISTANCE), worn.faces, rest)
+    contours = name_worn_contours(worn, place_panels(worn, rest, flatten=MIDDLE_PLANE_DISTANCE), rest)
     if len(contours) <= len(worn.contours):
         return worn
     lengths = [smoothed_length(worn.nodes[contour.vertices]) for contour in contours]
@@ -282,8 +271,7 @@ def drape_graded(
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
     nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if keeps_apart else nodes
-    contours, _ = name_contours(nodes, garment.faces, wearer.body)
-    return garment.at(nodes, contours), drape
+    return garment.at(nodes, name_worn_contours(garment, nodes, wearer.body)), drape
 
 
 def measure_stretch(worn: Garment) -> float:

@@ -15,9 +15,9 @@ from ...garment.sewing import mesh_pattern
 from ...run.errors import Cancelled, GarmentqError
 from ...run.finding import Finding, FindingKind
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours.contours import name_contours
 from ..case import Case
 from ..drape.stage import DrapeSettings, drape_graded, has_hanging_sleeves
+from ..drape.worn_contours import name_worn_contours
 from ..grade.grading import move_pattern
 from ..grade.isometry import Isometry
 from ..grade.sliding import SlideSettings, solve_isometry
@@ -210,7 +210,7 @@ def _settings_of(case: Case) -> SlideSettings:
 
 def _fit(start: Garment, strain: np.ndarray, base: Pattern, state: RecoveryState, settings: SlideSettings) -> Garment:
     """Fit a pattern and its nodes on the target to each other, from a garment's nodes."""
-    named = start.at(start.nodes, name_contours(start.nodes, start.faces, state.body)[0])
+    named = start.at(start.nodes, name_worn_contours(start, start.nodes, state.body))
     problem = Isometry.of(named, state.target, state.body, base, strain, settings.isometry)
     return solve_isometry(problem, named, settings.settled, lambda step: None)
 

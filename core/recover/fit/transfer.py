@@ -9,7 +9,7 @@ from ...garment.garment import Garment
 from ...garment.pattern import Pattern
 from ...garment.resampling import resample
 from ...garment.sewing import mesh_pattern
-from ...scan.contours.contours import name_contours
+from ..drape.worn_contours import name_worn_contours
 
 
 def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
@@ -26,4 +26,4 @@ def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: n
     """
     mesh = mesh_pattern(pattern, count)
     placed = resample(garment, nodes, mesh)
-    return mesh.at(placed, name_contours(placed, mesh.faces, body)[0])
+    return mesh.at(placed, name_worn_contours(mesh, placed, body))

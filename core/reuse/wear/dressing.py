@@ -14,10 +14,10 @@ from ...garment.pieces.numbers import PieceNumbers, measure_pieces
 from ...geometry.intersections import self_intersections
 from ...recover.drape.stage import redrape
 from ...recover.drape.wearer import WearerGeometry
+from ...recover.drape.worn_contours import name_worn_contours
 from ...run.clock import Clock
 from ...run.hooks import Hooks
 from ...run.report import ResultReport
-from ...scan.contours.contours import name_contours
 from .ease import Ease, measure_ease
 from .layer_separation import separate_layers
 from .load import measure_pressure, measure_strain
@@ -123,7 +123,7 @@ def judge_dressed(
     """
     body = wearer.body
     with clock.stage("measure", "measuring how it fits"):
-        contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, body)
+        contours = name_worn_contours(draped.garment, draped.garment.nodes, body)
         garment = draped.garment.at(draped.garment.nodes, contours or draped.garment.contours)
         now = replace(draped, garment=garment)
         ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)

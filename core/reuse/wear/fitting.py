@@ -19,8 +19,8 @@ from ...garment.templates import DRAPED_VERTICES, draft_template, load_draped_te
 from ...recover.drape.shipped import TEMPLATE_FABRIC, TEMPLATE_WEARER
 from ...recover.drape.sizing import measure_wearer
 from ...recover.drape.wearer import WearerGeometry
+from ...recover.drape.worn_contours import name_worn_contours
 from ...run.hooks import SILENT_HOOKS, Hooks
-from ...scan.contours.contours import name_contours
 from .dressing import drape_worn, transfer_to_body
 from .kept_ease import EasePrediction, max_ease_change, preserve_ease
 from .widening import widening_rules
@@ -87,7 +87,7 @@ def fit_draft(template: str, body: Body, hooks: Hooks = SILENT_HOOKS) -> FittedD
             mesh, get_fabric(TEMPLATE_FABRIC), wearer, waist, None, template, pattern.category or template
         )
         draped, _ = drape_worn(transfer_to_body(worn, rest, None), geometry, hooks)
-        contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, rest)
+        contours = name_worn_contours(draped.garment, draped.garment.nodes, rest)
         draped_ease = EasePrediction.of(draped.garment.at(draped.garment.nodes, contours), rest, draped.waist, rest)
         draped_ease = replace(draped_ease, ease=target_ease)
         if max_ease_change(draped_ease, pattern) <= EASE_FIT_TOLERANCE:

@@ -155,13 +155,13 @@ def _name_front(parts: FrontBorder, loop: np.ndarray, vertices: np.ndarray, body
         crossings = find_crossings(points, body)
         if name_crossings(crossings, body) != name:
             return []
-        found.append(_Candidate(loop[part], _arc_length(points), crossings, name, is_closed=False))
+        found.append(_Candidate(loop[part], arc_length(points), crossings, name, is_closed=False))
     for name, part in (("front.left", parts.left), ("front.right", parts.right)):
-        found.append(_Candidate(loop[part], _arc_length(vertices[loop[part]]), (), name, is_closed=False))
+        found.append(_Candidate(loop[part], arc_length(vertices[loop[part]]), (), name, is_closed=False))
     return found
 
 
-def _arc_length(points: np.ndarray) -> float:
+def arc_length(points: np.ndarray) -> float:
     """Return the length of an open line [m], shape [n, 3], smoothed as a contour's."""
     return smoothed_length(points) - float(np.linalg.norm(points[-1] - points[0]))
 

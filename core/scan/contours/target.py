@@ -18,8 +18,8 @@ CONTOUR_NAMES = (
     "placket.left", "placket.right", "wrap",
 )  # fmt: skip
 """All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
-a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. Only a
-pattern names the slit of a sleeve above its buttoned cuff, and what a wrap's outer front covers of the inner one's
+a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. Only
+a pattern names the slit of a sleeve above its buttoned cuff, and what a wrap's outer front covers of the inner one's
 border."""
 
 OPEN_FRONT_CONTOURS = ("neck", "front.left", "hem", "front.right")
