@@ -12,10 +12,9 @@ from .pattern import Edge, EdgeRef, Panel, Pattern
 
 
 def divide_edges(pattern: Pattern, contours: Collection[str], parts: int) -> Pattern:
-    """Cut every edge on some open contours into equal parts, but not those of a vent, which are labelled; the outlines
-    stay the same curves. A control point at each
-    cut allows an arc of any depth: a straight skirt's hem is nearly a line, a full circle skirt's an arc of half a
-    turn, which one chord with fixed handles cannot draw.
+    """Cut every edge on some open contours into equal parts, but not those of a vent, which are labelled; the
+    outlines stay the same curves. A control point at each cut allows an arc of any depth: a straight skirt's hem is
+    nearly a line, a full circle skirt's an arc of half a turn, which one chord with fixed handles cannot draw.
 
     Args:
         pattern: The pattern; edges to be divided are in no seam.

@@ -26,7 +26,7 @@ from garmentq.core.garment.pieces.layout import lay_on_cloth
 from garmentq.core.garment.pieces.make import PieceSettings, Style, make_pieces
 from garmentq.core.garment.templates import list_templates, load_template
 from garmentq.core.run.errors import GarmentqError
-from garmentq_pieces import TEMPLATES, pieces_of
+from garmentq_pieces import SLIT_CUTS, TEMPLATES, pieces_of
 from pypdf import PdfReader
 from shapely import LineString, Point, Polygon
 
@@ -54,7 +54,9 @@ def outline_of(block, layer, dialect):
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.parametrize("name", ["tshirt", *(pytest.param(n, marks=pytest.mark.nightly) for n in NAMES[5:10])])
+@pytest.mark.parametrize(
+    "name", ["tshirt", SLIT_CUTS[0], *(pytest.param(n, marks=pytest.mark.nightly) for n in NAMES[5:10])]
+)
 def test_dxf_says_what_the_pieces_are(name, dialect):
     """Broken where a reader finds other outlines, notches beside vertices or outwards, or a record too much."""
     text, drawing = drawing_of(name, dialect)
@@ -130,7 +132,7 @@ def test_a_half_piece_has_its_mirror_line():
     assert fold.dxf.start.x == fold.dxf.end.x
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 @pytest.mark.parametrize("fold", [pytest.param(False, marks=pytest.mark.nightly), True])
 def test_every_template_is_written_in_every_format(name, fold):
     """Broken where a template has no PDF, SVG or DXF, or the same pieces give other bytes."""

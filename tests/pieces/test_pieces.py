@@ -10,7 +10,7 @@ from garmentq.core.garment.pieces.flatten import flatten_edge, flatten_outline
 from garmentq.core.garment.pieces.make import PieceSettings, make_pieces
 from garmentq.core.garment.pieces.piece import TURNED_UP_EDGE_USES, EdgeUse
 from garmentq.core.garment.templates import load_template
-from garmentq_pieces import TEMPLATES, pieces_of
+from garmentq_pieces import SLIT_CUTS, TEMPLATES, pieces_of
 from shapely import LineString, Point, Polygon
 
 
@@ -18,7 +18,7 @@ def settings(text="", fold=False):
     return PieceSettings(read_allowances(text), fold)
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 def test_unfolded_pieces_are_the_panels(name):
     """Broken where joining, pairing or folding moves an edge: each panel comes back out of the pieces to 1e-6 m."""
     pattern = load_template(name)
@@ -72,7 +72,7 @@ def test_half_sleeves_are_one_piece_cut_as_a_pair():
     assert "oversleeve" not in labels and labels.count("undersleeve") == 2
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 def test_both_sides_of_each_seam_are_equally_long(name):
     """Broken where a seam of the pieces walks off by more than 0.5 mm, is lost, or counts a folded half once."""
     pattern = load_template(name)

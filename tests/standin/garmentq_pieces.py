@@ -18,6 +18,13 @@ TEMPLATES = [
 ]
 """All of them, for a test's parameters; those that are not `DAILY` are left to the nightly run."""
 
+SLIT_CUTS = [
+    "long_sleeve_tshirt+sleeve_head=set-in,cuff=shirt,collar=shirt,front=buttons,vent=sides",
+    pytest.param("sleeved_dress+skirt=straight,waist=seam,shaping=gathers,vent=back", marks=pytest.mark.nightly),
+    "dress+front=wrap,neckline=v",
+]
+"""Cuts with vents, slits of sleeves, gathers and a wrap front."""
+
 
 @functools.cache
 def pieces_of(name: str, text: str = "", fold: bool = False) -> PieceSet:

@@ -232,7 +232,8 @@ class Cut:
         front: How the bodice's front is cut at its centre.
         hood: On a crew neck.
         hood_worn: Where the hood's pieces are placed before the first drape; it does not change the pieces.
-        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: the neckline's usual depth.
+        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: the neckline's usual depth. The front
+            edges of a wrap cross where they do.
     """
 
     bodice: Bodice = Bodice.NONE

@@ -66,7 +66,8 @@ def open_vents(cut: Cut, panels: list[Panel]) -> list[Panel]:
 
 
 def _open(panel: Panel, seam: str, length: float) -> Panel:
-    """Return a panel whose edges of a seam [beginning of its label] are open for a length [m] from the hem."""
+    """Return a panel whose edges of a seam, by the beginning of their labels, are open for a length [m] from the
+    hem."""
     points: list[np.ndarray] = []
     edges: list[Edge] = []
     notches: list[tuple[int, float]] = []

@@ -32,7 +32,8 @@ WAIST_END = 0.6
 """Share of the way from the pelvis to the neck joint below which a skirt's or trousers' waist is: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
 MAX_PLACKET_OFFSET = 0.03
-"""Largest distance of a placket's edges from the middle plane [m]: a placket is 3 cm wide, and hangs open."""
+"""Largest distance of the edges of a placket, or of a centre back vent, from the middle plane [m]: a placket is 3 cm
+wide, and hangs open."""
 MAX_SIDE_VENT_OFFSET = 0.08
 """Largest distance of a side vent's edges from the plane through the hips' joints and the spine [m]: side seams are up
 to 4 cm before or behind it, and the edges hang apart."""
