@@ -14,8 +14,9 @@ from ..scan.contours.target import Contour
 from .garment import Garment
 from .garmentcode import load_pattern
 from .measures import BodyMeasures
-from .parts.cut import Cut, differing_parts, parse_parts
+from .parts.cut import Cut
 from .parts.draft import draft_cut
+from .parts.part_words import differing_parts, parse_parts
 from .parts.shipped_cuts import CUTS
 from .pattern import Pattern
 from .sewing import mesh_pattern

@@ -145,7 +145,7 @@ class RecoverySettings:
         Raises:
             PartUnknown: where one is not `PART=CHOICE`.
         """
-        from ..garment.parts.cut import parse_parts
+        from ..garment.parts.part_words import parse_parts
 
         return parse_parts(self.parts or "")
 

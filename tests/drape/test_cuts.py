@@ -13,7 +13,8 @@ from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.body.girths import armpit_height
 from garmentq.core.body.projection import project_outside
 from garmentq.core.garment.curves import flat_contours
-from garmentq.core.garment.parts.cut import PARTS, PartsConflict, differing_parts
+from garmentq.core.garment.parts.cut import PARTS, PartsConflict
+from garmentq.core.garment.parts.part_words import differing_parts
 from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.sewing import mesh_pattern
 from garmentq.core.garment.templates import find_cut, load_template, name_cut

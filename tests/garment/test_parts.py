@@ -33,12 +33,12 @@ from garmentq.core.garment.parts.cut import (
     Waist,
     Waistband,
     Yoke,
-    parse_parts,
 )
 from garmentq.core.garment.parts.draft import draft_cut
 from garmentq.core.garment.parts.gathers import BLOUSON_OVERHANG, BODICE_GATHER_RATIO, LEG_GATHER_RATIO
 from garmentq.core.garment.parts.legs import LEGGINGS_GIRTH_RATIO
 from garmentq.core.garment.parts.necklines import NecklineCut, corner_turn, neckline_points
+from garmentq.core.garment.parts.part_words import parse_parts
 from garmentq.core.garment.parts.pleats import PLEAT_DEPTH, QUARTER_PLEAT_COUNT
 from garmentq.core.garment.parts.ribs import HEM_RIB_WIDTH, RIB_RATIO
 from garmentq.core.garment.parts.shipped_cuts import CUTS

@@ -49,7 +49,7 @@ def to_metres(points, dialect):
 
 
 def outline_of(block, layer, dialect):
-    (line,) = [e for e in block if e.dxftype() == "POLYLINE" and e.dxf.layer == str(layer)]
+    line, *_ = [e for e in block if e.dxftype() == "POLYLINE" and e.dxf.layer == str(layer)]  # before marked lines
     return to_metres([v.dxf.location for v in line.vertices], dialect), line.is_closed
 
 

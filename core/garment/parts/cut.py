@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -391,24 +391,3 @@ def _choice(part: str, word: str) -> StrEnum:
         return PARTS[part](word)
     except ValueError:
         raise PartUnknown(f"{part} '{word[:40]}' is not one of {', '.join(PARTS[part])}.") from None
-
-
-def parse_parts(text: str) -> dict[str, str]:
-    """Read choices of parts, `neckline=v,sleeve=long`, without checking that they exist.
-
-    Raises:
-        PartUnknown: where one has no `=`, or a part is named twice.
-    """
-    found: dict[str, str] = {}
-    for word in filter(None, (word.strip() for word in text.split(","))):
-        part, sign, choice = (piece.strip() for piece in word.partition("="))
-        if not sign or part in found:
-            raise PartUnknown(f"'{word[:60]}' is not PART=CHOICE, each part once, as in neckline=v.")
-        found[part] = choice
-    return found
-
-
-def differing_parts(cut: Cut, other: Cut) -> dict[str, str]:
-    """Return the choices that turn a cut into another one, except for measures."""
-    names = (field.name for field in fields(Cut) if field.name in PARTS)
-    return {name: str(getattr(other, name)) for name in names if getattr(other, name) != getattr(cut, name)}

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ...body.body import Body
-from ...garment.parts.cut import PARTS, Cut, differing_parts
+from ...garment.parts.cut import PARTS, Cut
+from ...garment.parts.part_words import differing_parts
 from ...garment.parts.shipped_cuts import CUTS
 from ...garment.pattern import Pattern
 from ...garment.templates import find_cut, name_cut

@@ -10,8 +10,9 @@ import numpy as np
 
 from ...body.body import Body
 from ...garment.measures import BodyMeasures
-from ...garment.parts.cut import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts
+from ...garment.parts.cut import PARTS, Bodice, Cut, Legs, Shaping, Skirt
 from ...garment.parts.draft import draft_cut
+from ...garment.parts.part_words import differing_parts
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
 from ...run.errors import BadInput
