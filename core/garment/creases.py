@@ -37,6 +37,12 @@ def find_turned_panels(pattern: Pattern) -> frozenset[str]:
     return frozenset(name for name, of in zip(names, part, strict=True) if of != int(areas.argmax()))
 
 
+def turned_area(pattern: Pattern) -> float:
+    """Return the area of the panels that are turned over [m2]."""
+    turned = find_turned_panels(pattern)
+    return sum(panel_area(panel) for panel in pattern.panels if panel.name in turned)
+
+
 def crease_edges(garment: Garment) -> np.ndarray:
     """Return the edges of a garment's mesh that lie on its creases, lower node first, shape [n, 2]."""
     lines = [garment.uv_node[line] for ref, line in garment.edge_uv.items() if is_crease(garment.pattern, ref)]

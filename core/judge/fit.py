@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from ..body.exposed import ExposedSurface
 from ..garment.garment import Garment
 from ..garment.meshes import Meshes
+from ..garment.shown_sides import find_shown_sides, select_shown_faces
 from ..geometry.geometry import corner_angles, deformation_gradients, principal_stretches
 from ..geometry.intersections import self_intersections
 from ..geometry.rim import Rim
@@ -170,7 +171,8 @@ def measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[
     stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
-    found["flipped_faces"] = float(count_flipped(nodes, faces, truth))
+    sides = find_shown_sides(garment.at(nodes), truth.surface, truth.surface.vertex_normals)
+    found["flipped_faces"] = float(count_flipped(nodes, select_shown_faces(faces, sides), truth))
     found |= count_crossings(nodes, faces, truth.skin)
     found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
     return found | measure_penetration(nodes, faces, truth.skin)

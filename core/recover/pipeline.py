@@ -31,6 +31,7 @@ def recover(request: Request, hooks: Hooks = SILENT_HOOKS) -> Recovery:
     clock = Clock(hooks)
     case = read_case(request, clock)
     state = choose_base(case)
+    case = replace(case, scan_target=state.target)  # the base pattern says whether its collar covers the scan's neck
     state = run_steps(METHODS[request.settings.method], case, state, clock)
     return deliver(case, state, clock)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ..body.body import Body
 from ..cloth.fabrics import get_fabric
+from ..garment.creases import turned_area
 from ..garment.parts.cut import PartsConflict
 from ..garment.templates import draft_template, find_cut, load_template, name_cut
 from ..run.clock import Clock
@@ -13,6 +14,7 @@ from ..scan.contours.body_mismatch import check_own_body
 from ..scan.contours.garment import segment_garment
 from ..scan.contours.rounded_rims import straighten_scan
 from ..scan.contours.target import CATEGORIES, Target
+from ..scan.contours.turned import free_covered_neck
 from .case import Case
 from .drape.sizing import oversize_measures
 from .drape.wearer import WearerGeometry
@@ -56,7 +58,8 @@ def choose_base(case: Case) -> RecoveryState:
     choice = find_template(case.request, case.scan_target, case.body)
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_locked_coordinates(base, base, settings.locks)
-    state = RecoveryState(choice.template, base, case.scan_target, case.wearer, get_fabric(settings.fabric))
+    target = free_covered_neck(case.scan_target, case.body, turned_area(base))
+    state = RecoveryState(choice.template, base, target, case.wearer, get_fabric(settings.fabric))
     return state.with_findings(*(one.describe() for one in choice.candidates)).with_notes(*choice.notes)
 
 

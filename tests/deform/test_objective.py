@@ -15,7 +15,7 @@ from garmentq.core.recover.deform.target_repair import prepare_target
 
 def build(scene, settings, nodes, scale=0.0, unsigned=False):
     garment, target, body = scene
-    goal = prepare_target(target, nodes, garment.faces, garment.contours, True)
+    goal = prepare_target(target, garment.at(nodes), True)
     goal = replace(goal, unsigned=unsigned)
     gradient, areas = gradient_operator(garment.rest, garment.faces, len(nodes))
     metric = RestMetric(garment.faces, garment.panel_of_face, areas, scale)

@@ -35,7 +35,7 @@ def test_spikes_are_flattened_and_sound_vertices_stay(scene):
 def test_vote_turns_reversed_normals_and_gives_up_on_random_signs(scene):
     """Breaks if an inside-out scan turns the garment over, or random signs are believed."""
     garment, target, _ = scene
-    arguments = (garment.nodes, garment.faces, garment.contours, True)
+    arguments = (garment, True)
     plain = prepare_target(target, *arguments)
     assert not plain.reversed and not plain.unsigned
     turned = prepare_target(replace(target, normals=-target.normals), *arguments)

@@ -52,6 +52,7 @@ def find_flipped_faces(nodes: np.ndarray, faces: np.ndarray, target: PreparedTar
     """Return which faces point against the target at the point closest to their centre, shape [face_count]."""
     found = target.surface.closest(nodes[faces].mean(axis=1))
     cosine = (face_normals(nodes, faces)[0] * found.interpolate(target.normals, target.surface.faces)).sum(1)
+    cosine *= target.sides
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 

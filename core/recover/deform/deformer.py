@@ -64,7 +64,7 @@ def deform(
     nodes = np.ascontiguousarray(garment.nodes, dtype=np.float64)
     faces = np.ascontiguousarray(garment.faces, dtype=np.int64)
     gradient, areas = gradient_operator(garment.rest, faces, len(nodes))
-    goal = prepare_target(target, nodes, faces, garment.contours, settings.repair)
+    goal = prepare_target(target, garment, settings.repair)
     metric = RestMetric(faces, garment.panel_of_face, areas, settings.metric_scale)
     inverse = shape_gradients(garment.rest)[:, 1:]
     objective = Objective(nodes, faces, inverse, areas, goal, body.whole, settings)

@@ -68,13 +68,14 @@ class Objective:
         self._settings = settings
         self._target = target
         self._body = body
-        self._surface = TriangleSurface(nodes, faces)
+        self._faces = faces
+        self._surface = TriangleSurface(nodes, target.shown_faces)
         self._inverse, self._areas = np.ascontiguousarray(inverse_rest), areas
         edges = HalfEdges.of(faces)
         first, second = edges.pairs.T
         hinges = (edges.tail[first], edges.head[first], edges.opposite[first], edges.opposite[second])
         self._hinges = np.stack(hinges, axis=1)
-        share = vertex_areas(nodes, faces)
+        share = vertex_areas(nodes, target.shown_faces)
         self._share = share / share.sum()
         picked, shares = np.arange(len(target.shares)), target.shares
         if settings.distance == "surface" and len(picked) > MAX_VERTICES_PER_NODE * len(nodes):
@@ -129,7 +130,7 @@ class Objective:
         Returns:
             The terms by name, and the gradient of their sum, shape [node_count, 3].
         """
-        settings, faces, gradient = self._settings, self._surface.faces, np.zeros_like(nodes)
+        settings, faces, gradient = self._settings, self._faces, np.zeros_like(nodes)
         terms = {
             "distance": squared_distances(nodes, matches.to_target, 1.0, gradient)
             + squared_distances(nodes, matches.to_source, 1.0, gradient),

@@ -67,12 +67,12 @@ def polish_nodes(
     """
     weighted = (gradient.T @ sp.diags(np.repeat(metric.areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
-    mass = vertex_areas(nodes, faces)
+    mass, shown = vertex_areas(nodes, faces), vertex_areas(nodes, target.shown_faces)
     solver = analyse_pattern(HalfEdges.of(faces, len(nodes)), rings=2)
     bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
-    goal_area = target.shares * mass.sum()
-    x, surface = nodes.copy(), TriangleSurface(nodes, faces)
+    goal_area = target.shares * shown.sum()
+    x, surface = nodes.copy(), TriangleSurface(nodes, target.shown_faces)
     planes: tuple[np.ndarray, ...] = ()
     steps = settings.polish_iterations
     for step in range(steps):
@@ -81,7 +81,7 @@ def polish_nodes(
         stiffness = SQUARED_CURVATURE_WEIGHTS[0] ** (1 - part) * SQUARED_CURVATURE_WEIGHTS[1] ** part
         surface = surface.moved(x)
         normals = surface.vertex_normals
-        matrix, right = _assemble_node_pulls(x, normals, mass, target)
+        matrix, right = _assemble_node_pulls(x, normals, shown, target)
         back_matrix, back_right = _assemble_target_pulls(surface, normals, goal_area, target)
         matrix, right = matrix + back_matrix, right + back_right
         rows = curves.rows(x)

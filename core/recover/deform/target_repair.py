@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...garment.garment import Garment
+from ...garment.shown_sides import find_shown_sides, select_shown_faces
 from ...geometry.connectivity import HalfEdges
 from ...geometry.geometry import unit, vertex_normals
 from ...geometry.rim import Rim
@@ -31,6 +33,8 @@ class PreparedTarget:
         spikes: Number of vertices moved.
         pairs: Matched contours, source first.
         rim: The border that is no matched contour.
+        sides: The side of each of the garment's faces that is compared with it (`find_shown_sides`).
+        shown_faces: The faces of which one is, that side outwards, shape [n, 3].
     """
 
     surface: TriangleSurface
@@ -41,22 +45,20 @@ class PreparedTarget:
     spikes: int
     pairs: tuple[tuple[Contour, Contour], ...]
     rim: Rim
+    sides: np.ndarray
+    shown_faces: np.ndarray
 
     def on_rim(self, points: ClosestPoints) -> np.ndarray:
         """Return which closest points are on a rim: there the source covers a hole or extends beyond a cut."""
         return self.rim.contains(points)
 
 
-def prepare_target(
-    target: Target, nodes: np.ndarray, faces: np.ndarray, contours: tuple[Contour, ...], repair: bool
-) -> PreparedTarget:
+def prepare_target(target: Target, garment: Garment, repair: bool) -> PreparedTarget:
     """Repair a target by comparison with the graded drape and match its contours by name.
 
     Args:
         target: The surface to be reached.
-        nodes: Graded drape [m], shape [node_count, 3].
-        faces: Its faces, shape [face_count, 3].
-        contours: Its named contours.
+        garment: Graded drape with its named contours.
         repair: Move spikes and vote on the orientation; contours are matched in any case.
     """
     vertices = np.array(target.vertices, dtype=np.float64)
@@ -73,9 +75,11 @@ def prepare_target(
     surface = TriangleSurface(vertices, target.faces)
     turned, unsigned = False, False
     if repair:
+        nodes, faces = np.asarray(garment.nodes, np.float64), np.asarray(garment.faces, np.int64)
         turned, unsigned = vote_orientation(surface, normals, nodes, faces)
         normals = -normals if turned else normals
-    pairs = match_contours(contours, target.contours)
+    sides = find_shown_sides(garment, surface, normals)
+    pairs = match_contours(garment.contours, target.contours)
     areas = surface.vertex_areas
     return PreparedTarget(
         surface=surface,
@@ -86,6 +90,8 @@ def prepare_target(
         spikes=int(spikes.sum()),
         pairs=pairs,
         rim=_find_rim(target, pairs),
+        sides=sides,
+        shown_faces=select_shown_faces(garment.faces, sides),
     )
 
 
