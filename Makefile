@@ -12,7 +12,7 @@ export NUMBA_NUM_THREADS ?= 1
 # Without bytecode every process of the suite would compile all sources and rewrite all tests anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test accept kernels nightly fuzz mutate plant unseen lock sbom lint types bench persons train clean
+.PHONY: demo test accept kernels nightly fuzz mutate plant unseen lock sbom lint types bench persons necks train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -104,6 +104,10 @@ persons: $(VENV)/.installed
 	$(BIN)/python -m garmentq.training.persons --out $(SET)/scans --count $(PERSONS)
 	$(BIN)/python -m garmentq.training.describe --persons $(SET)/scans --out $(SET)/samples
 	$(BIN)/python -m garmentq.training.describe --persons $(SET)/scans --out $(SET)/given --given
+
+# Drapes of necks, by which collars are told apart: half an hour on one core; what is made is kept.
+necks: $(VENV)/.installed
+	$(BIN)/python -m garmentq.training.necks --out $(SET)/necks --write core/recover/grade/neck_drapes.npz
 
 train: persons
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[training]'

@@ -105,8 +105,11 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     metrics |= measure_fairness(garment.pattern, state.base, proved) | measure_plausibility(garment.pattern)
     metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.scan_target, body)
     metrics |= measure_wear(state.target, body, meshes.detail, garment.faces, seed) | measure_upright(case.scan_target)
-    cuts = [one.value for one in state.findings if one.kind is FindingKind.CUT]
-    metrics |= dict(zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), cuts, strict=False))
+    cuts = [one for one in state.findings if one.kind is FindingKind.CUT]
+    names = ("cut.misfit", "cut.next_misfit", "cut.third_misfit")
+    metrics |= {name: one.value for name, one in zip(names, cuts, strict=False)}
+    if cuts:
+        metrics["cut.collar_probability"] = cuts[0].evidence.get("collar_probability")
     rotation = made(state.drape).rotation
     metrics["drape.spin_rad_s"] = 0.0 if rotation is None else rotation.rate
     metrics |= measure_sides(meshes.detail, garment.contours, body) if state.base.symmetric else {}

@@ -21,6 +21,7 @@ from .drape.wearer import WearerGeometry
 from .fit.locks import find_locked_coordinates
 from .grade.choice import Choice, choose_cut, describe_absent
 from .grade.hem_corners import share_by_hems
+from .grade.neck_finish import ShownSides
 from .inputs import read_files, read_template
 from .recovery import Request
 from .settings import SettingsBad
@@ -81,7 +82,8 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
             raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
         return Choice(request.template.stem, template)
     if settings.template is None:
-        choice = choose_cut(target, body, chosen_parts)
+        sides = ShownSides.OUTSIDE if of_person else ShownSides.BOTH
+        choice = choose_cut(target, body, chosen_parts, sides)
         if not of_person:
             find_cut(choice.template).check_places(chosen_parts)
     else:

@@ -35,6 +35,7 @@ GOOD = {
     "pattern.beyond_human": 0.8,
     "shape.neck_corner_deg": 12.0,
     "shape.collar_cm2": 40.0,
+    "cut.collar_probability": 0.97,
     "shape.edge_corner_deg": 8.0,
     "shape.neck_mm": 9.0,
     "shape.hem_mm": 11.0,
@@ -103,7 +104,13 @@ def test_each_gate_warns_then_fails(gate: str, metric: str, warns: float, fails:
 
 def test_every_gate_is_tried_at_its_limits() -> None:
     """Fails if a gate were added whose limits nothing tries; what is counted or is not there is tried below."""
-    assert {gate for gate, *_ in LIMITS} == {rule.name for rule in GATE_RULES} - {"at_rest", "redrape"}
+    assert {gate for gate, *_ in LIMITS} == {rule.name for rule in GATE_RULES} - {"at_rest", "redrape", "neck_finish"}
+
+
+def test_a_collar_that_is_not_likely_is_doubtful() -> None:
+    """Fails if the probability were read as that of another collar, or an unlikely one failed for that alone."""
+    for probability, verdict in ((0.86, "pass"), (0.84, "doubtful"), (0.0, "doubtful")):
+        assert verdicts(cut__collar_probability=probability)["neck_finish"] == verdict
 
 
 def test_a_result_without_its_redrape_is_doubtful() -> None:

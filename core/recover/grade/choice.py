@@ -23,7 +23,8 @@ from ...scan.contours.target import Target
 from ..drape.sizing import oversize_measures
 from .cut_search import GirthSettings, search_cuts
 from .hem_gores import HemGores, find_gores
-from .neck_finish import NeckFinish, NeckShape, rank_finishes
+from .neck_finish import NeckFinish, ShownSides, rank_finishes
+from .neck_shape import NeckShape
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
@@ -47,6 +48,7 @@ class Candidate:
         neckline: Distance between its necklines and the scan's; None where it has none to compare.
         collar: Misfit of its collar and front, a standard deviation counted as the girths' of the right cut; None where
             the scan does not show its neck.
+        collar_probability: That the scan's neck has that collar or hood, or none; None likewise.
     """
 
     template: str
@@ -54,10 +56,12 @@ class Candidate:
     girths: float | None = None
     neckline: float | None = None
     collar: float | None = None
+    collar_probability: float | None = None
 
     def describe(self) -> Finding:
         """Return the cut as a finding, with the parts of its misfit."""
         parts = {"misfit": self.misfit, "girths": self.girths, "neckline": self.neckline, "collar": self.collar}
+        parts["collar_probability"] = self.collar_probability
         known = {name: float(np.round(value, 4)) for name, value in parts.items() if value is not None}
         return Finding(FindingKind.CUT, value=self.misfit, evidence={"template": self.template} | known)
 
@@ -85,7 +89,9 @@ class TemplateMissing(BadInput):
     code = "template.none_fits"
 
 
-def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = None) -> Choice:
+def choose_cut(
+    target: Target, body: Body, parts: Mapping[str, str] | None = None, sides: ShownSides = ShownSides.BOTH
+) -> Choice:
     """Choose template and parts for a target by its contours.
 
     The template is that of `rank_templates`, with the collar and front (`rank_finishes`), the sleeves and the girths
@@ -99,6 +105,7 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         body: The wearer.
         parts: Choices of parts that the user fixed, by part. Parts that garments of the target's category do not have
             are noted and left out: each of a person's garments takes those that apply to it.
+        sides: The sides of the cloth that the scan shows.
 
     Raises:
         TemplateMissing: where there is no template for the category.
@@ -107,15 +114,16 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     choices, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     templates, found = rank_templates(target, list(CUTS)), dict[str, tuple[int, Candidate, Cut]]()
     shape = NeckShape.of(target, body)
-    finishes = () if shape is None else rank_finishes(shape, CUTS[templates[0][0]], choices)
+    finishes = () if shape is None else rank_finishes(shape, CUTS[templates[0][0]], choices, sides)
     ranked = _rank_cuts(target, body, choices, templates, gores, finishes[:1])
     pairs = [*product(ranked, finishes[:1] or (None,)), *product(ranked[:1], finishes[1:MAX_NAMED_CUT_COUNT])]
     for one, finish in pairs:
         for named, line in _with_necklines(_finish(one.cut, finish), fits, choices):
-            name, unlike = name_cut(one.template, named), None
+            name, unlike, likely = name_cut(one.template, named), None, None
             if finish is not None:
-                unlike = finish.misfit * GirthSettings.misfit_floor
-            candidate = Candidate(name, math.hypot(one.misfit, line or 0.0, unlike or 0.0), one.girths, line, unlike)
+                unlike, likely = finish.misfit * GirthSettings.misfit_floor, finish.probability
+            misfit = math.hypot(one.misfit, line or 0.0, unlike or 0.0)
+            candidate = Candidate(name, misfit, one.girths, line, unlike, likely)
             found.setdefault(name, (one.missing, candidate, named))
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))

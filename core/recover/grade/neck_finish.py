@@ -1,95 +1,38 @@
-"""Choose collar, hood and front of a garment by the cloth at its neck: upright, turned over, slit, or none."""
+"""Choose collar, hood and front of a garment by the cloth at its neck, compared with that of draped ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from ...body.body import JOINTS, Body
-from ...garment.creases import find_turned_panels
-from ...garment.curves import flat_contours, panel_area
-from ...garment.parts.collars import STRIP_COLLARS
 from ...garment.parts.cut import Collar, Cut, Front, Hood, HoodWorn, Neckline, PartsConflict
 from ...garment.parts.draft import draft_cut
-from ...garment.parts.hoods import HOOD_LABEL
-from ...garment.parts.turned_collars import BREAK_DEPTH, LAPELLED_COLLARS
-from ...geometry.geometry import face_areas, face_normals
-from ...geometry.surface import ClosestPoints, TriangleSurface
-from ...scan.contours.edge_turn import EdgeTurn
-from ...scan.contours.target import Contour, Target
-from ...scan.contours.turned import join_turned_faces
-
-TURNED_AREA_STD = (0.25, 0.002)
-"""Standard deviation of the area that is turned over: share of a collar's own area, since collars differ in width, and
-folds and noise of cloth that has none [1, m2]. Five collars had 0.93 to 1.05 of their drafts' area, round and V-necks
-0."""
-
-STANDING_AREA_STD = 0.004
-"""Standard deviation of the area of cloth over the skin of the neck [m2]: a centimetre around it. A round neck has 0,
-a stand 0.002, a turtleneck 0.017."""
-
-EDGE_SLOPE_WIDTH = 0.015
-"""Width of the strip along the edge whose slope is measured [m]: half a stand."""
-
-EDGE_SLOPES: Mapping[Collar, float] = {Collar.STAND: 0.37, Collar.TURTLENECK: 0.0}
-"""Mean cosine of the cloth's normals along the edge with the trunk's direction where a strip stands upright [1]."""
-
-FLAT_EDGE_SLOPE = 0.57
-"""The same without one [1]: of twelve tops without a collar 0.44 to 0.64, of two stands 0.33 and 0.41."""
-
-EDGE_SLOPE_STD = 0.06
-"""Standard deviation of that cosine [1]."""
-
-TURNED_DEPTH_STD = 0.04
-"""Standard deviation of the depth below the neck to which a part is turned over [m]: break points of lapels are a
-button's distance apart. Falls end 0.10 to 0.13 m below the neck joint, lapels 0.28."""
-
-BEHIND_SHARE_STD = 0.15
-"""Standard deviation of the share of what is turned over that is behind the neck joint [1]."""
-
-COLLAR_BEHIND_SHARE, HOOD_BEHIND_SHARE = 0.37, 0.85
-"""That share of collars, with lapels or without (0.32 to 0.43), and of a hood behind the neck (0.87) [1]."""
-
-FALL_DEPTH = 0.11
-"""Depth below the neck joint to which a fall reaches in front [m]: the points of a shirt's collar."""
-
-CREW_DEPTH = 0.03
-"""Width of a strip around a crew neck that is not above the skin of the chest and the shoulders [m]: necklines lie that
-far outside the line where neck and shoulders meet."""
-
-NECK_GIRTH = 0.36
-"""Girth of a neck [m]: that of women and men of mean size, 0.34 and 0.38."""
-
-HOOD_SHOWN_SHARES: Mapping[HoodWorn, tuple[float, float]] = {HoodWorn.UP: (0.0, 0.87), HoodWorn.DOWN: (0.27, 0.08)}
-"""Shares of a hood's area that are turned over, and that are over head and neck and are not [1]. Behind the neck it
-folds as it falls: of two hoods 0.54 and 0.01 were turned over, 0.03 and 0.14 over the neck."""
-
-HOOD_AREA_STD = 0.2
-"""Standard deviation of either share of a hood behind the neck [1]."""
-
-EDGE_LENGTH_STD = 0.2
-"""Standard deviation of the logarithm of an edge's length [1]: sizes differ by a tenth, and folds bridge another."""
-
-HOOD_DEPTH = 0.20
-"""Depth below the neck joint to which the inside of a hood shows behind the neck [m]."""
-
-MIN_CORNER_COUNT = 2
-"""Number of corners of the edge, one on each side, from which it is no shawl collar's [1]: a shirt's has its points, a
-jacket's those of collar and lapels."""
+from .neck_shape import NeckShape
 
 MIN_SLIT_LENGTH = 0.03
 """Length from which two edges beside each other are a placket [m]: its first button is 2 cm below the neck. The lowest
-point of a V is less than `MAX_SLIT_WIDTH` wide over 2.5 cm; the border of a closed shirt ends 2 cm below its fall."""
-
-MAX_SLIT_WIDTH = 0.02
-"""Distance of the edges of a closed placket [m]: its overlap."""
+point of a V is less than a placket's overlap wide over 2.5 cm; the border of a closed shirt ends 2 cm below its
+fall."""
 
 RARE_COST = 2.0
 """Misfit of a strip that stands upright, of a hood, and of a front that a collar is not usually cut with [standard
 deviations]: one garment in seven, exp(-2)."""
+
+POOLED_DRAPE_COUNT = 7.0
+"""Number of drapes of a style that the covariance of all styles counts as [1], and"""
+
+DIAGONAL_SHARE = 0.5
+"""share of the diagonal in the covariance of the measures [1]: a hundred drapes do not show how each style varies
+(regularised discriminant analysis, J. H. Friedman 1989). Both, and the exponent, are those at which leaving each drape
+out in turn its style is likeliest."""
+
+DENSITY_EXPONENT = 0.5
+"""Power of a density that counts [1]: other bodies, cloth and scanners differ more than drapes that are compared."""
 
 USUAL_FRONTS: Mapping[Collar, tuple[Front, ...]] = {
     Collar.NONE: (Front.NONE, Front.PLACKET, Front.OPEN),
@@ -104,106 +47,162 @@ USUAL_FRONTS: Mapping[Collar, tuple[Front, ...]] = {
 }
 """Fronts that a collar is usually cut with, the first where the scan shows a closed one."""
 
+DRAPES = Path(__file__).with_name("neck_drapes.npz")
+"""What is measured at the necks of draped tops, by `<kind>/<sides>`; written by `training/necks.py`."""
+
+
+class ShownSides(StrEnum):
+    """Describe what a scan shows of cloth: both sides, of a garment that was scanned by itself, or the outside, of one
+    that a scanned person wears."""
+
+    BOTH = "both"
+    OUTSIDE = "outside"
+
+
+class NeckStyle(StrEnum):
+    """Describe what is sewn to a neck by what a scan can show of it."""
+
+    PLAIN = "plain"
+    STAND = "stand"
+    TURTLENECK = "turtleneck"
+    FALL = "fall"
+    LAPELS = "lapels"
+    SHAWL = "shawl"
+    HOOD_UP = "hood-up"
+    HOOD_DOWN = "hood-down"
+
+
+STYLE_COLLARS: Mapping[NeckStyle, tuple[Collar, ...]] = {
+    NeckStyle.PLAIN: (Collar.NONE, Collar.RIB),
+    NeckStyle.STAND: (Collar.STAND,),
+    NeckStyle.TURTLENECK: (Collar.TURTLENECK,),
+    NeckStyle.FALL: (Collar.SHIRT, Collar.CONVERTIBLE, Collar.POLO),
+    NeckStyle.LAPELS: (Collar.NOTCHED,),
+    NeckStyle.SHAWL: (Collar.SHAWL,),
+    NeckStyle.HOOD_UP: (Collar.NONE,),
+    NeckStyle.HOOD_DOWN: (Collar.NONE,),
+}
+"""Collars of each style: those with a fall differ in what is hidden below it. A rib lies as the garment's own cloth."""
+
+RARE_STYLES = (NeckStyle.STAND, NeckStyle.TURTLENECK, NeckStyle.HOOD_UP, NeckStyle.HOOD_DOWN)
+"""Strips that stand upright, and hoods."""
+
+STYLE_HOODS: Mapping[NeckStyle, HoodWorn] = {NeckStyle.HOOD_UP: HoodWorn.UP, NeckStyle.HOOD_DOWN: HoodWorn.DOWN}
+"""How a hood is worn."""
+
 
 @dataclass(frozen=True)
-class NeckShape:
-    """Describe the cloth at a garment's neck.
+class NeckKind:
+    """Describe what a scan can show at a neck.
 
     Attributes:
-        turned: Area that is turned over [m2].
-        depth: Depth of its lowest place below the neck joint [m]; 0 where nothing is turned over.
-        behind: Share of the area turned over that is behind the neck joint [1]; 0 where nothing is turned over.
-        standing: Area over the skin of the neck that is not turned over [m2].
-        slope: Mean cosine of the normals along the edge with the trunk's direction [1].
-        slit: Length of a slit in front [m], below a collar also of one that falls open; 0 where there is none.
-        is_open: Whether the front is open down to the hem.
-        corners: Number of corners of the edge.
-        length: Of the edge [m].
+        style: What is sewn to it.
+        neckline: Of a plain neck; else a crew neck.
+        is_open: Whether the front is open.
     """
 
-    turned: float
-    depth: float
-    behind: float
-    standing: float
-    slope: float
-    slit: float
-    is_open: bool
-    corners: int
-    length: float
+    style: NeckStyle = NeckStyle.PLAIN
+    neckline: Neckline = Neckline.CREW
+    is_open: bool = False
 
-    @classmethod
-    def of(cls, target: Target, body: Body) -> NeckShape | None:
-        """Measure a target; None without a neck that the scan shows."""
-        neck = target.contour("neck")
-        if neck is None or not neck.trusted or not len(target.faces):
-            return None
-        vertices, faces = target.vertices, target.faces
-        centres, areas = vertices[faces].mean(axis=1), face_areas(vertices, faces)
-        skin = TriangleSurface(body.vertices, body.faces)
-        found = skin.closest(centres)
-        turned = join_turned_faces(vertices, faces, neck, skin, found)
-        depth = float(body.joint("neck")[1] - centres[turned, 1].min()) if turned.any() else 0.0
-        lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
-        is_behind = (centres - body.joint("neck")) @ np.cross(lateral, (0.0, 1.0, 0.0)) < 0.0
-        behind = float(areas[turned & is_behind].sum() / max(areas[turned].sum(), 1e-12))
-        standing = float(areas[_is_over_neck(found, body) & ~turned].sum())
-        corners = len(EdgeTurn.of_target(neck, target).corners())
-        is_open = target.contour("front.left") is not None
-        loop = vertices[neck.vertices]
-        slit = 0.0 if is_open else measure_slit(loop)
-        if areas[turned].sum() > TURNED_AREA_STD[1] and not is_open:
-            slit = max(slit, float(body.joint("neck")[1] - loop[:, 1].min()) - depth)
-        slope = _measure_slope(target, neck, body)
-        return cls(float(areas[turned].sum()), depth, behind, standing, slope, slit, is_open, corners, neck.length)
+    @property
+    def name(self) -> str:
+        """Return its name, as in the file of drapes."""
+        return f"{self.style}-{self.neckline}-{'open' if self.is_open else 'closed'}"
 
 
-def _is_over_neck(found: ClosestPoints, body: Body) -> np.ndarray:
-    """Return which of the closest points of a body are on the skin of neck or head, shape [n]."""
-    columns = [JOINTS.index(name) for name in ("neck", "head")]
-    return np.asarray(body.weights[body.faces[found.face]].mean(axis=1)[:, columns].sum(axis=1) > 0.5)
+NECK_KINDS: tuple[NeckKind, ...] = (
+    *(NeckKind(neckline=neckline) for neckline in Neckline),
+    *(NeckKind(neckline=neckline, is_open=True) for neckline in (Neckline.CREW, Neckline.V)),
+    *(
+        NeckKind(style, is_open=is_open)
+        for style in NeckStyle
+        if style is not NeckStyle.PLAIN
+        for is_open in ((False,) if style is NeckStyle.TURTLENECK else (False, True))
+    ),
+)
+"""Kinds that are told apart."""
 
 
-def _measure_slope(target: Target, neck: Contour, body: Body) -> float:
-    """Return the mean cosine of the normals within `EDGE_SLOPE_WIDTH` of the neck's edge with the trunk's direction."""
-    normals, areas = face_normals(target.vertices, target.faces)
-    centres = target.vertices[target.faces].mean(axis=1)
-    near = cKDTree(target.vertices[neck.vertices]).query(centres, distance_upper_bound=EDGE_SLOPE_WIDTH)[0]
-    beside = np.isfinite(near) | np.isin(target.faces, neck.vertices).any(axis=1)
-    up = body.joint("neck") - body.joint("spine2")
-    return float(np.average(normals[beside] @ (up / np.linalg.norm(up)), weights=areas[beside]))
+@dataclass(frozen=True)
+class KindDensity:
+    """Describe the normal density of a neck's measures of one kind, seen on one or both sides.
+
+    Attributes:
+        kind: The kind.
+        sides: The sides of the cloth that are seen.
+        mean: Shape [k].
+        precision: Inverse covariance, shape [k, k].
+        log_scale: Logarithm of the density at the mean, up to a term of all kinds.
+    """
+
+    kind: NeckKind
+    sides: ShownSides
+    mean: np.ndarray
+    precision: np.ndarray
+    log_scale: float
+
+    def log_density(self, vector: np.ndarray) -> float:
+        """Return the logarithm of the density, up to a term of all kinds, of a neck's measures, shape [k]."""
+        gap = vector - self.mean
+        return float(self.log_scale - 0.5 * gap @ self.precision @ gap)
 
 
-def measure_slit(loop: np.ndarray) -> float:
-    """Measure the longest slit of an edge [m]: a stretch that runs within `MAX_SLIT_WIDTH` beside another, from its
-    lowest point upwards.
+def fit_densities(samples: Mapping[str, np.ndarray]) -> tuple[KindDensity, ...]:
+    """Fit the density of each kind on each side: one covariance C for a style, for the mean of n drapes C (1 + 1 / n).
 
     Args:
-        loop: Points along the closed edge [m], shape [n, 3].
+        samples: Measures of drapes, shape [n, k], by `<kind>/<sides>`.
     """
-    low, count = int(loop[:, 1].argmin()), len(loop)
-    length, first, second = 0.0, low, low
-    for _ in range(count // 2):
-        before, after = (first - 1) % count, (second + 1) % count
-        # the side whose next point is lower climbs first, so that both stay at one height
-        if loop[before, 1] < loop[after, 1]:
-            first = before
-        else:
-            second = after
-        if float(np.linalg.norm(loop[first] - loop[second])) > MAX_SLIT_WIDTH:
-            break
-        length = float(min(loop[first, 1], loop[second, 1]) - loop[low, 1])
-    return length
+    kinds, found = {kind.name: kind for kind in NECK_KINDS}, []
+    for sides in ShownSides:
+        seen = {kinds[name.split("/")[0]]: rows for name, rows in samples.items() if name.endswith(sides)}
+        covariances = _fit_covariances(seen)
+        for kind, rows in seen.items():
+            covariance = (1.0 + 1.0 / len(rows)) * covariances[kind.style]
+            scale = -0.5 * float(np.linalg.slogdet(covariance)[1])
+            found.append(KindDensity(kind, sides, rows.mean(axis=0), np.linalg.inv(covariance), scale))
+    return tuple(found)
+
+
+def _fit_covariances(seen: Mapping[NeckKind, np.ndarray]) -> dict[NeckStyle, np.ndarray]:
+    """Return the covariance of each style, shape [k, k] each, about the means of its kinds."""
+    off: dict[NeckStyle, list[np.ndarray]] = {}
+    for kind, rows in seen.items():
+        off.setdefault(kind.style, []).append(rows - rows.mean(axis=0))
+    scatters = {style: sum(rows.T @ rows for rows in every) for style, every in off.items()}
+    counts = {style: sum(len(rows) - 1 for rows in every) for style, every in off.items()}
+    pooled = np.sum(list(scatters.values()), axis=0) / sum(counts.values())
+    found = {}
+    for style, scatter in scatters.items():
+        covariance = (scatter + POOLED_DRAPE_COUNT * pooled) / (counts[style] + POOLED_DRAPE_COUNT)
+        found[style] = (1.0 - DIAGONAL_SHARE) * covariance + DIAGONAL_SHARE * np.diag(np.diag(covariance))
+    return found
+
+
+@cache
+def load_densities() -> tuple[KindDensity, ...]:
+    """Return the densities of the drapes that ship."""
+    with np.load(DRAPES) as stored:
+        return fit_densities({name: stored[name].astype(np.float64) for name in stored.files})
 
 
 @dataclass(frozen=True)
 class NeckFinish:
-    """Describe a collar, or a hood and how it is worn, and a front, with their misfit [standard deviations]."""
+    """Describe a collar, or a hood and how it is worn, and a front.
+
+    Attributes:
+        collar, front, hood, hood_worn: The parts.
+        misfit: By which it is less likely than the likeliest [standard deviations].
+        probability: Of what a scan can show of it, its style, among those that the user left.
+    """
 
     collar: Collar
     front: Front
     hood: Hood = Hood.NONE
     hood_worn: HoodWorn = HoodWorn.DOWN
     misfit: float = 0.0
+    probability: float = 1.0
 
     def apply(self, cut: Cut) -> Cut:
         """Return a cut with them; collars and hoods are sewn to a crew neck."""
@@ -212,53 +211,81 @@ class NeckFinish:
             return cut
         return replace(cut, neckline=Neckline.CREW, back_neckline=Neckline.CREW)
 
+    def drafts_on(self, cut: Cut) -> bool:
+        """Check whether it is drafted on a cut."""
+        try:
+            draft_cut(self.apply(cut))
+        except PartsConflict:
+            return False
+        return True
 
-def rank_finishes(shape: NeckShape, cut: Cut, fixed: Mapping[str, str]) -> tuple[NeckFinish, ...]:
+
+def rank_finishes(
+    shape: NeckShape, cut: Cut, fixed: Mapping[str, str], sides: ShownSides = ShownSides.BOTH
+) -> tuple[NeckFinish, ...]:
     """Rank collars, hoods and fronts by the likelihood of a scan's neck, best first.
 
-    The misfit is the root of the sum of squares of the deviations from what a draft has there, in standard deviations:
-    of the area turned over, its depth and its share behind, the cloth over the neck, the slope of an edge that is not
-    turned, and whether the edge has corners. An open front and a slit are seen; which of the closed fronts it is, is
-    not, and the usual one for the collar is taken. A rib lies as the garment's own cloth would, and a strip between the
-    sides of a hood as these: both are only the user's choice. Those that are less likely than the first by more than
-    `RARE_COST` are left out.
+    The density of a style at the scan's measures is that of the drapes of its kind in which it is largest; a garment
+    that was scanned by itself rarely shows its outside alone. An open front and a slit are seen; which of the closed
+    fronts it is, is not, and the usual one for the collar is taken. A rib, and a strip between the sides of a hood, are
+    only the user's choice. Those that are less likely than the first by more than `RARE_COST` are left out.
 
     Args:
         shape: Of the scan's neck.
         cut: That they are drafted on.
         fixed: Choices of the user, by part.
+        sides: The sides that the scan shows.
     """
-    found = []
-    for finish in _list_finishes(shape, fixed):
-        expected = _expect(cut, finish)
-        if expected is not None:
-            is_shown = finish.front is not Front.PLACKET or shape.slit > MIN_SLIT_LENGTH
-            is_upright = finish.collar in EDGE_SLOPES or finish.hood is not Hood.NONE
-            is_rare = is_upright, finish.front not in USUAL_FRONTS[finish.collar] or not is_shown
-            deviations = [*expected.deviate(shape), *(RARE_COST * rare for rare in is_rare)]
-            found.append(replace(finish, misfit=float(np.linalg.norm(deviations))))
-    least = min((one.misfit for one in found), default=0.0)
-    likely = [one for one in found if one.misfit <= least + RARE_COST]
-    return tuple(sorted(likely, key=lambda one: one.misfit))
+    squares, styles = _measure_styles(shape, sides), dict[NeckStyle, float]()
+    weighed = []
+    for style, finish in _list_finishes(shape, fixed):
+        is_shown = finish.front is not Front.PLACKET or shape.slit > MIN_SLIT_LENGTH
+        is_rare = style in RARE_STYLES, finish.front not in USUAL_FRONTS[finish.collar] or not is_shown
+        square = squares.get(style, max(squares.values())) + RARE_COST**2 * sum(is_rare)
+        styles[style] = min(square, styles.get(style, np.inf))
+        weighed.append((square, style, finish))
+    weighed.sort(key=lambda one: one[0])
+    found: list[NeckFinish] = []
+    least = np.inf
+    for square, style, finish in weighed:
+        if square <= least + RARE_COST**2 and finish.drafts_on(cut):
+            least = min(least, square)
+            share = sum(np.exp(0.5 * (styles[style] - other)) for other in styles.values())
+            found.append(replace(finish, misfit=float(np.sqrt(square - least)), probability=float(1.0 / share)))
+    return tuple(found)
 
 
-def _list_finishes(shape: NeckShape, fixed: Mapping[str, str]) -> list[NeckFinish]:
+def _measure_styles(shape: NeckShape, sides: ShownSides) -> dict[NeckStyle, float]:
+    """Return the squared misfit of each style, -2 times the logarithm of its density, up to a term of all styles."""
+    vector = shape.to_vector()
+    found: dict[NeckStyle, float] = {}
+    for density in load_densities():
+        if density.kind.is_open == shape.is_open and (sides is ShownSides.BOTH or density.sides is sides):
+            square = -2.0 * DENSITY_EXPONENT * density.log_density(vector)
+            square += RARE_COST**2 * (density.sides is not sides)
+            found[density.kind.style] = min(square, found.get(density.kind.style, np.inf))
+    return found
+
+
+def _list_finishes(shape: NeckShape, fixed: Mapping[str, str]) -> list[tuple[NeckStyle, NeckFinish]]:
     """Return the finishes that the user's choices leave, each with the front that the scan shows or is usual."""
-    collars, hoods = list(Collar), [Hood.TWO]
-    collars.remove(Collar.RIB)
+
+    def front(collar: Collar) -> Front:
+        return Front(fixed["front"]) if "front" in fixed else _choose_front(shape, collar)
+
     is_round = {fixed.get(part, "crew") for part in ("neckline", "back_neckline")} == {"crew"}
-    if "collar" in fixed or not is_round:
-        collars = [Collar(fixed.get("collar", "none"))]
-        hoods = []
-    if "hood" in fixed:
-        hoods = [hood for hood in (Hood(fixed["hood"]),) if hood is not Hood.NONE]
-        collars = [] if hoods else collars
-    worn = [HoodWorn(fixed["hood_worn"])] if "hood_worn" in fixed else list(HoodWorn)
+    chosen = fixed.get("collar", None if is_round else "none")
     found = []
-    for collar in collars:
-        found.append(NeckFinish(collar, Front(fixed["front"]) if "front" in fixed else _choose_front(shape, collar)))
-    front = Front(fixed["front"]) if "front" in fixed else _choose_front(shape, Collar.NONE)
-    return found + [NeckFinish(Collar.NONE, front, hood, how) for hood in hoods for how in worn]
+    for style, collars in STYLE_COLLARS.items():
+        worn = STYLE_HOODS.get(style)
+        if worn is None and fixed.get("hood", "none") == "none":
+            named = [one for one in collars if (one is not Collar.RIB if chosen is None else one == chosen)]
+            found += [(style, NeckFinish(collar, front(collar))) for collar in named]
+        elif worn is not None and chosen is None and fixed.get("hood_worn", worn) == worn:
+            hood = Hood(fixed.get("hood", Hood.TWO))
+            if hood is not Hood.NONE:
+                found.append((style, NeckFinish(Collar.NONE, front(Collar.NONE), hood, worn)))
+    return found
 
 
 def _choose_front(shape: NeckShape, collar: Collar) -> Front:
@@ -268,65 +295,3 @@ def _choose_front(shape: NeckShape, collar: Collar) -> Front:
     if shape.slit > MIN_SLIT_LENGTH:
         return Front.PLACKET
     return next(front for front in USUAL_FRONTS[collar] if front is not Front.OPEN)
-
-
-@dataclass(frozen=True)
-class _Expected:
-    """Describe what a scan shows of a finish as it is drafted.
-
-    Attributes:
-        turned, depth, behind, standing, slope: As in `NeckShape`; None where the slope is not that of a plain edge.
-        has_corners: Whether the edge has corners; None where they are not known.
-        length: Of the edge [m]; None where it says nothing, as that of a plain neckline does.
-        folds: Standard deviation of both areas where they follow from folds [m2]; 0 where they do not.
-    """
-
-    turned: float
-    depth: float
-    behind: float
-    standing: float
-    slope: float | None
-    has_corners: bool | None
-    length: float | None
-    folds: float = 0.0
-
-    def deviate(self, shape: NeckShape) -> list[float]:
-        """Return the deviations of a scan [standard deviations]."""
-        share, least = TURNED_AREA_STD
-        turned_std = self.folds or float(np.hypot(share * self.turned, least))
-        standing_std = self.folds or float(np.hypot(share * self.standing, STANDING_AREA_STD))
-        found = [(shape.turned - self.turned) / turned_std, (shape.standing - self.standing) / standing_std]
-        if self.length is not None and not shape.is_open:
-            found.append(float(np.log(shape.length / self.length)) / EDGE_LENGTH_STD)
-        if self.slope is not None:
-            found.append((shape.slope - self.slope) / EDGE_SLOPE_STD)
-        if self.turned and shape.turned > least:
-            found.append((shape.depth - self.depth) / TURNED_DEPTH_STD)
-            found.append((shape.behind - self.behind) / BEHIND_SHARE_STD)
-            found.append(
-                float(self.has_corners is not None and self.has_corners != (shape.corners >= MIN_CORNER_COUNT))
-            )
-        return found
-
-
-def _expect(cut: Cut, finish: NeckFinish) -> _Expected | None:
-    """Return what a scan shows of a finish that is drafted on a cut; None where it is not drafted on it."""
-    try:
-        pattern = draft_cut(finish.apply(cut))
-    except PartsConflict:
-        return None
-    areas, length = {panel.name: panel_area(panel) for panel in pattern.panels}, flat_contours(pattern)["neck"]
-    if finish.hood is not Hood.NONE:
-        hood = sum(areas[panel.name] for panel in pattern.panels if panel.label == HOOD_LABEL)
-        turned, standing = (share * hood for share in HOOD_SHOWN_SHARES[finish.hood_worn])
-        folds = HOOD_AREA_STD * hood if finish.hood_worn is HoodWorn.DOWN else 0.0
-        return _Expected(turned, HOOD_DEPTH, HOOD_BEHIND_SHARE, standing, None, None, length, folds)
-    turned = sum(areas[name] for name in find_turned_panels(pattern))
-    if turned:
-        depth = BREAK_DEPTH if finish.collar in LAPELLED_COLLARS else FALL_DEPTH
-        return _Expected(turned, depth, COLLAR_BEHIND_SHARE, 0.0, None, finish.collar is not Collar.SHAWL, length)
-    slope = EDGE_SLOPES.get(finish.collar, FLAT_EDGE_SLOPE)
-    if finish.collar not in STRIP_COLLARS:
-        return _Expected(0.0, 0.0, 0.0, 0.0, slope, None, None)
-    standing = max(0.0, STRIP_COLLARS[finish.collar].width - CREW_DEPTH) * NECK_GIRTH
-    return _Expected(0.0, 0.0, 0.0, standing, slope, None, length)
